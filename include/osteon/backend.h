@@ -10,7 +10,7 @@
  *   cl:platform=Portable,device=0    an OpenCL device
  *   plugin:FILE.so                   an implementation in a shared library (plugin.h)
  *
- * All backends give bit-identical grids.
+ * All backends produce bit-identical grids.
  *
  *   samples --ct_to_rect--> grid --rect_to_cubic--> grid --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool                      event --remove--> bone, report
@@ -18,14 +18,13 @@
  * Lifetimes: grids, bones and tools are owned by the caller and must be freed
  * before their backend is closed.  All objects of a call must belong to one
  * backend; otherwise the call returns OST_ERR_USAGE.
- * Threads: a backend and its objects may be used by one thread at a time;
- * different backends are independent.  After fork(), the child must not call
- * osteon before exec, because the child lacks the threads of the OpenMP runtime.
- * Errors: these functions check their arguments.  A failed call leaves its
- * in-out objects unchanged unless its comment says otherwise.  The exception is
- * a device that fails while it changes a grid or a bone: the state of that
- * object is then unknown, and every later call with the object, except the one
- * that frees it, returns OST_ERR_UNAVAILABLE.  The caller can create the object
+ * Threads: a backend and its objects may be used by one thread at a time; different backends may be used
+ * by different threads at the same time.  After fork(), the child must not call osteon before exec,
+ * because the OpenMP runtime's threads do not exist in the child.
+ * Errors: these functions check their arguments.  A failed call leaves the objects that it would have
+ * changed as they were, unless its comment says otherwise.  The exception is a device that fails while it
+ * changes a grid or a bone: the state of that object is then unknown, and every later call with the
+ * object, except the one that frees it, returns OST_ERR_UNAVAILABLE.  The caller can create the object
  * again; ost_world_failover (sim.h) does this for a world, on another backend.
  */
 #ifndef OSTEON_BACKEND_H
@@ -38,9 +37,9 @@ extern "C" {
 #endif
 
 typedef struct ost_backend ost_backend;
-typedef struct ost_grid ost_grid; /* a dense int16 grid in the memory of a backend */
-typedef struct ost_bone ost_bone; /* a chunk grid in the memory of a backend */
-typedef struct ost_tool ost_tool; /* a tool grid in the memory of a backend */
+typedef struct ost_grid ost_grid; /* a dense int16 grid in the backend's memory */
+typedef struct ost_bone ost_bone; /* a chunk grid in the backend's memory */
+typedef struct ost_tool ost_tool; /* a tool grid in the backend's memory */
 
 /* ---------------------------------------------------------------- choice */
 
@@ -48,14 +47,14 @@ typedef struct ost_backend_info {
     const char *name;        /* "ref" */
     const char *description; /* one sentence */
     bool available;
-    char reason[256]; /* if the backend is not available: the reason and what to install */
+    char reason[256]; /* if the backend is not available: the reason, and the package to install */
 } ost_backend_info;
 
 /* Returns the number of backends. The backends are numbered from 0 in a fixed order. */
 OST_API int ost_backend_count(void);
 /*
- * Describes the backend with number `index`. Tests whether the backend can be opened on this machine, without opening
- * it. Returns OST_ERR_USAGE if index is out of range. The texts are static.
+ * Describes backend number `index`, and tests whether the backend could be opened on this machine. The backend is not
+ * opened. Returns OST_ERR_USAGE if index is out of range. The texts are static.
  */
 OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_error *err);
 
@@ -74,8 +73,8 @@ typedef struct ost_device_info {
 typedef void ost_device_visit(const ost_device_info *device, void *user);
 
 /*
- * Tests every device of the backend with number `index`, in a fixed order, and calls visit for each device.  A backend
- * may have no devices.
+ * Tests every device of backend number `index`, in a fixed order, and calls visit for each device.  A backend may have
+ * no devices.
  */
 OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void *user, ost_error *err);
 
@@ -86,13 +85,13 @@ OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void 
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
 /* Closes a backend. All its grids, bones and tools must have been freed. NULL is allowed. */
 OST_API void ost_backend_close(ost_backend *backend);
-/* Returns the name of a backend without options, for example "cpu"; static. */
+/* Returns the name of a backend without options, for example "cpu". The text is static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
-/* Settings of an open backend, which follow from its options, the environment and the machine. */
+/* Settings of an open backend, as determined by its options, the environment and the machine. */
 typedef struct ost_backend_settings {
     const char *isa; /* instruction set in use, for instance "avx2"; "" if the backend has no choice */
-    int threads;     /* greatest number of threads, >= 1 */
+    int threads;     /* maximum number of threads, >= 1 */
     /* indices of the platform and the device, as in "cl:platform=0,device=1"; -1 if the backend has no devices */
     int platform, device;
 } ost_backend_settings;
@@ -106,7 +105,7 @@ OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend
 OST_API ost_status ost_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 /* Frees a grid. NULL is allowed. */
 OST_API void ost_grid_free(ost_grid *grid);
-/* Returns the geometry of a grid; valid until the grid is freed. */
+/* Returns the geometry of a grid. The pointer is valid until the grid is freed. */
 OST_API const ost_geometry *ost_grid_geometry(const ost_grid *grid);
 /* Copies dims.x * dims.y * count elements, x fastest, from host memory to slices z0 <= k < z0 + count of a grid. */
 OST_API ost_status ost_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
@@ -116,51 +115,54 @@ OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t c
 /* ---------------------------------------------------------------- import */
 
 /*
- * One line of a CT in text form (thesis, Alg. 2.2).  The member line is relative to the first line
- * of the batch, so that 32 bits suffice for a file of any length.
+ * One line of a CT in text form (thesis, Alg. 2.2).  The `line` member counts from the first line of the batch, so that
+ * 32 bits suffice for a file of any length.
  */
 typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
-    int32_t density; /* must fit int16; otherwise the call returns OST_ERR_RANGE and scatters no sample */
-    uint32_t line;   /* number of the line minus the number of the batch's first line */
+    /* density, which must fit int16; otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample */
+    int32_t density;
+    uint32_t line;   /* line number minus the number of the batch's first line */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */
 typedef enum ost_duplicates {
     OST_DUPLICATES_ERROR, /* samples of different densities are an error */
-    OST_DUPLICATES_FIRST, /* the first density in the order of the file is used */
+    OST_DUPLICATES_FIRST, /* the first density in file order is used */
     OST_DUPLICATES_LAST,
     OST_DUPLICATES_MAX
 } ost_duplicates;
 
 /*
- * The results of scattering samples into a grid, summed over all batches.  Line numbers are absolute.  Each line number
- * is that of the lowest line for which the condition holds, or 0 if there is no such line.
+ * The results of scattering samples into a grid, summed over all batches.  Line numbers count from the start of the
+ * file; 0 means that there is no such line.
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
     uint64_t duplicates;         /* number of samples whose voxel already had a density, equal or not */
     uint64_t off_lattice;        /* number of samples more than 1/8 of a voxel off the lattice */
-    uint64_t worst_offset_ppm;   /* greatest offset from the lattice in millionths of a voxel, rounded down */
-    int64_t worst_line;          /* line of the first sample with the greatest offset */
+    /* greatest distance of a sample from the lattice, in millionths of a voxel, rounded down */
+    uint64_t worst_offset_ppm;
+    int64_t worst_line;          /* line of the first sample with this greatest distance */
     /* line of the first sample more than 3/8 of a voxel off the lattice, or outside the grid */
     int64_t rejected_line;
-    /* line of the first sample whose voxel already has another density (OST_DUPLICATES_ERROR) */
+    /* line of the first sample whose voxel already has a different density (only with OST_DUPLICATES_ERROR) */
     int64_t conflict_line;
-    int16_t conflict_had, conflict_has; /* at conflict_line: density of the voxel, and density of the sample */
+    /* for the sample on conflict_line: the voxel's density, and the sample's density */
+    int16_t conflict_had, conflict_has;
 } ost_scatter_report;
 
 /*
  * Scatters a batch of samples into a rect grid (AR-CT-4: index = RHE((p - origin) / spacing)).  Batches must be passed
- * in the order of the file.  The counts of each batch are added to *report.  The grid records which voxels have a
- * density.  If a sample is rejected or in conflict, the report contains its line, and the content of the grid is
+ * in file order.  The counts of each batch are added to *report.  The grid records which voxels have a density.  If a
+ * sample is rejected or contradicts an earlier sample, the report contains its line, and the content of the grid is
  * undefined.
  */
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
 
 /*
- * Rule of resampling (AR-CUB).  On each axis, let s be the spacing of the rect grid and c the edge length of a cubic
+ * The resampling rule (AR-CUB).  On each axis, let s be the spacing of the rect grid and c the edge length of a cubic
  * voxel.  t = ((2i + 1) c - s) / (2s) is the centre of cubic voxel i, in units of rect voxels.  LINEAR interpolates
  * between the eight voxels around t, NEAREST uses the voxel that contains t, and THESIS uses the voxel floor(i c / s)
  * (Alg. 2.5).
@@ -194,10 +196,12 @@ typedef struct ost_bone_info {
     int32_t threshold;
     ost_dims chunk_dims;
     int64_t chunks;
-    int64_t active_chunks; /* chunks with memory, that is, with at least one active voxel */
+    /* number of chunks for which memory is allocated, that is, chunks with at least one active voxel */
+    int64_t active_chunks;
     int64_t active_voxels;
-    int64_t chunk_bytes; /* densities and occupancy of active chunks */
-    int64_t resident_bytes; /* all memory of the bone, including tables and unused capacity; depends on the backend */
+    int64_t chunk_bytes; /* size in bytes of the densities and the occupancy of all active chunks */
+    /* the bone's total memory use in bytes, including tables and unused capacity; depends on the backend */
+    int64_t resident_bytes;
 } ost_bone_info;
 
 /* Creates a bone without active voxels. */
@@ -219,16 +223,17 @@ OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, co
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
  * Reads the densities of `count` single voxels.  Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y and
- * z.  The density of a voxel that is not active or is outside the grid is 0.  May be called in a tick, because the
- * function allocates no memory.  Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
+ * z.  The density of a voxel that is not active or is outside the grid is 0.  The function allocates no memory, so it
+ * may be called in a tick.  Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
 /*
  * Reads the occupancy of `count` chunks.  chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
  * cz).  words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
- * and is bit v % 32 of word v / 32.  May be called in a tick, because the function allocates no memory; on a device, it
- * blocks until the data has arrived.  Returns OST_ERR_UNAVAILABLE on a backend that delivers only slices (plugin).
+ * and is bit v % 32 of word v / 32.  The function allocates no memory, so it may be called in a tick.  If the bone is
+ * on a device, the function blocks until the data has arrived.  Returns OST_ERR_UNAVAILABLE if the backend can read
+ * only slices, as is the case for `plugin`.
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
@@ -247,9 +252,9 @@ OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost
 typedef enum ost_fill_rule { OST_FILL_WINDING, OST_FILL_PARITY } ost_fill_rule;
 
 typedef struct ost_voxelize_report {
-    uint64_t solid_voxels; /* cutting and non-cutting voxels */
+    uint64_t solid_voxels; /* number of cutting and non-cutting voxels */
     uint64_t cutting_voxels;
-    uint64_t leaking_rows; /* number of rows whose crossings do not cancel (AR-VOX-6); these rows are void */
+    uint64_t leaking_rows; /* number of rows in which the mesh is not closed (AR-VOX-6); these rows remain empty */
 } ost_voxelize_report;
 
 /*
@@ -264,13 +269,12 @@ OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cu
  */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /*
- * Copies a tool to host memory. *out need not be initialised. The meta of *out is empty afterwards. The caller frees
- * *out.
+ * Copies a tool to host memory. *out need not be initialised. out->meta is empty afterwards. The caller frees *out.
  */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
 /* Frees a tool. NULL is allowed. */
 OST_API void ost_tool_free(ost_tool *tool);
-/* Returns the geometry of a tool's grid; valid until the tool is freed. */
+/* Returns the geometry of a tool's grid. The pointer is valid until the tool is freed. */
 OST_API const ost_tool_geometry *ost_tool_geometry_get(const ost_tool *tool);
 /* Computes the digest of a tool (AR-DIG). */
 OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_error *err);
@@ -285,13 +289,13 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
-/* Reports the hits and touched voxels of an event as ost_bone_remove does, without changing the bone. */
+/* Writes the same report as ost_bone_remove, without changing the bone. */
 OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                     ost_removal_report *report, ost_error *err);
 
 /*
- * Blocks until all previous calls are complete. Returns the status of a call whose work failed after the call had
- * returned.
+ * Blocks until all previous calls are complete. If the work of a previous call failed after that call had returned,
+ * returns the error.
  */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 

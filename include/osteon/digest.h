@@ -2,18 +2,16 @@
 /*
  * Digests of grids (docs/spec/arithmetic.md, AR-DIG).
  *
- * Tests for equality compare the voxels by memcmp; digests are for records.  The
- * digest of a grid is the SHA-256 of a canonical form that does not depend on the
- * chunk size or the backend:
+ * Tests for equality compare the voxels by memcmp; digests are stored in records.  The digest of a grid is
+ * the SHA-256 of a canonical form that does not depend on the chunk size or the backend:
  *
  *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero outside the grid)
  *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
  *                                               order, split as in RFC 6962 section 2.1
  *   digest  SHA-256(0x02 || header of 128 bytes || tree)
  *
- * The order of the leaves in the tree represents their positions.  The header contains
- * kind, dims, spacing, origin and threshold, so grids of different geometry have
- * different digests.
+ * The order of the leaves in the tree represents their positions.  The header contains the kind, dims,
+ * spacing, origin and threshold, so grids with different geometries have different digests.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -76,7 +74,8 @@ OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX])
 /* Returns true if two digests have the same bytes. */
 OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
 
-/* An incremental SHA-256 for streams, such as the samples of a text or a file. Opaque; it has one owner. */
+/* An incremental SHA-256 for streams, such as the samples of a text file. The type is opaque. A hasher has one
+   owner. */
 typedef struct ost_hasher ost_hasher;
 /* Creates a hasher. The caller frees it by ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);

@@ -36,9 +36,9 @@ enum { OST_SWEEP_MAX = 4096 };
 
 /*
  * Computes the number of poses n of AR-SWEEP-2: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, where d is the
- * displacement of a corner of the tool's box (each rounded RHE to picometres) from pose a to pose b, and s is the
- * edge length of a bone voxel.  Returns OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90
- * degrees, or if a pose is invalid.
+ * displacement of a corner of the tool's box from pose a to pose b, and s is the edge length of a bone voxel.
+ * Both positions of a corner are rounded RHE to picometres, and the maximum is over all corners.  Returns
+ * OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
                                    ost_pm bone_voxel, int *count, ost_error *err);
@@ -63,10 +63,10 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
  *   exactly  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
  *
- * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16,
- * step = RHE(column / divisor).  The used coordinate differs from the exact one
- * by at most 23 / 2^20 of a tool voxel.  Ranges: |origin| < 2^126, divisor < 2^98,
- * |step| <= 2^24 (a bone voxel has at most the size of OST_MAP_RATIO_MAX tool voxels).
+ * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16, step = RHE(column /
+ * divisor).  The coordinate that is used differs from the exact coordinate by at most 23 / 2^20 of
+ * a tool voxel.  Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24.  The edge of a bone
+ * voxel is at most OST_MAP_RATIO_MAX tool voxels long.
  */
 typedef struct ost_map {
     ost_int128 origin[3];
@@ -91,7 +91,8 @@ OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base
 
 /* ------------------------------------------------------------------ event */
 
-/* The bone voxels (i, j, k) with lo <= (i, j, k) < hi on each axis. The box is empty if lo >= hi on any axis. */
+/* A box of voxels: the voxels (i, j, k) with lo <= (i, j, k) < hi on each axis. The box is empty if lo >= hi on any
+   axis. */
 typedef struct ost_voxel_box {
     int32_t lo[3], hi[3];
 } ost_voxel_box;
@@ -115,12 +116,12 @@ OST_API ost_density_classes ost_density_classes_default(void);
  * (AR-CLS-1).
  */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
-/* Parses "name:border,name:border,...", the form used on the command line. */
+/* Parses density classes of the form "name:border,name:border,...", which is used on the command line. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 
 /*
  * An event.  All pointers are borrowed until the call returns.  boxes[k] must contain every voxel that pose k maps into
- * the tool's grid; the box of the complete bone is always valid.
+ * the tool's grid.  A box that contains the complete bone is always valid.
  */
 typedef struct ost_removal_event {
     int pose_count; /* 1..OST_SWEEP_MAX */
@@ -132,7 +133,7 @@ typedef struct ost_removal_event {
 typedef struct ost_chunk_report {
     int32_t chunk; /* number of the chunk: cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
     uint32_t voxels[OST_CLASS_MAX];
-    int64_t density[OST_CLASS_MAX]; /* sum of the densities of the removed voxels of each class, before removal */
+    int64_t density[OST_CLASS_MAX]; /* for each class, the sum of the densities that the removed voxels had */
 } ost_chunk_report;
 
 /*
@@ -145,7 +146,7 @@ typedef struct ost_removal_report {
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
-    uint64_t touched_voxels; /* active voxels covered only by non-cutting voxels; they are not removed */
+    uint64_t touched_voxels; /* number of active voxels covered only by non-cutting voxels; they are not removed */
 } ost_removal_report;
 
 /* Clears the content of a report and keeps its memory for reuse. */

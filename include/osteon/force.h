@@ -11,11 +11,11 @@
  * bone if the voxel one voxel outward of it is active.  There are two force laws:
  *
  *   energy    A spring and a damper couple the tool to the device.  A cutting point
- *             that touches bone advances as fast as the cutting power of the
- *             pressure allows, so dense bone takes longer.  A point that does not
- *             cut stops the tool.
+ *             that touches bone advances at the speed at which the cutting power that
+ *             results from its pressure removes the bone, so dense bone takes longer.
+ *             A non-cutting point that touches bone stops the tool.
  *   instant   The tool is at the device's pose, as in the thesis.  The force is
- *             that of a compressed layer of bone around the tool.
+ *             that of an elastic layer of bone, compressed around the tool.
  *
  * The force is computed in floating point.  The removal of bone uses integers only:
  * the tool's pose is quantised before ost_world_step uses it, and a session records
@@ -43,7 +43,7 @@ typedef struct ost_force_params {
     double scale;
     double stiffness;          /* stiffness of the coupling for the hand force, N/m */
     double damping;            /* damping of the coupling for the hand force, N s/m */
-    double speed;              /* angular speed of the tool about its z axis, rad/s; 0: the tool does not cut */
+    double speed;              /* angular speed of the tool about its z axis, rad/s; with 0, the tool does not cut */
     double cutting_ratio;      /* ratio of tangential to normal force at a cutting point */
     double energy;             /* energy to cut bone of the reference density, J/m^3 */
     double reference_density;  /* g/cm^3 */
@@ -52,13 +52,15 @@ typedef struct ost_force_params {
     double layer;              /* thickness of the compressed layer, m; only for OST_FORCE_INSTANT */
     /* force per area and per depth of the layer at the reference density, N/m^3; only for OST_FORCE_INSTANT */
     double layer_stiffness;
-    /* angular stiffness of the coupling for the hand torque, N m/rad; 0: the tool has the device's orientation */
+    /* angular stiffness of the coupling for the hand torque, N m/rad; with 0, the tool always has the device's
+       orientation */
     double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    double vibration;          /* ratio of the amplitude at the tooth-passing frequency to shaking_n; 0: no vibration */
-    /* ratio of the amplitude across the axis, at the frequency of rotation, to shaking_n; 0: no runout */
+    /* ratio of the force amplitude at the tooth-passing frequency to shaking_n; 0: no vibration */
+    double vibration;
+    /* ratio of the force amplitude across the axis, at the frequency of rotation, to shaking_n; 0: no runout */
     double runout;
-    double teeth;              /* number of teeth that pass in one turn */
+    double teeth;              /* number of teeth that pass a point in one revolution */
 } ost_force_params;
 
 /* Returns the default parameters listed in docs/reference/force.md. */
@@ -97,8 +99,8 @@ typedef struct ost_force ost_force;
 
 /*
  * Creates a force for a bone.  The bone must outlive the force.  params is copied; NULL selects the defaults.  Returns
- * OST_ERR_UNAVAILABLE if the bone's backend cannot sample single voxels within a tick; these are the backends cl and
- * plugin.
+ * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels within a tick, as is the case for `cl` and
+ * `plugin`.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
@@ -113,7 +115,7 @@ OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell,
 typedef struct ost_force_result {
     ost_pose tool;        /* pose of the tool after the step */
     double force_n[3], torque_nm[3];           /* hand force and hand torque before the safety layer */
-    double axial_n;       /* contact force along the tool's axis, positive against the tool's advance */
+    double axial_n;       /* contact force along the tool's axis, positive if it opposes the tool's advance */
     double off_axis_n;    /* contact force perpendicular to the tool's axis */
     double cutting_nm;    /* contact torque about the tool's axis */
     double power_w;       /* power used to cut bone */
@@ -124,8 +126,8 @@ typedef struct ost_force_result {
 
 /*
  * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose.  Does not remove bone;
- * to remove bone, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  The first
- * step of a tool starts at the device's pose, unless ost_force_set_pose has set a pose.
+ * to remove bone, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  In its first
+ * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
@@ -148,10 +150,10 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
 
 /* Limits applied to the computed force before it is sent to the device. docs/reference/force.md lists the sources. */
 typedef struct ost_safety_params {
-    double max_force_n, max_torque_nm;       /* greatest force and torque; saturation is smooth */
+    double max_force_n, max_torque_nm;       /* greatest force, N, and torque, N m; the limiting is smooth */
     double slew_n;              /* greatest change of the force in one tick, N */
     double ramp_s;              /* time in which the force rises from 0 after a start or a fault, s */
-    int max_ticks_without_sample; /* number of ticks without a new pose after which the force is 0 */
+    int max_ticks_without_sample; /* number of consecutive ticks without a new pose after which the force is 0 */
     /* bit mask of dead-man buttons, at least one of which must be held; 0: no button is required */
     uint32_t dead_man;
     /* greatest energy that the coupling can store, J; the passivity observer limits the stored energy to this value */
@@ -195,14 +197,14 @@ OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]);
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety,
                                          ost_error *err);
 
-/* The state of the safety layer. Members other than params and damped_ticks are private. */
+/* The state of the safety layer. Members other than `params` and `damped_ticks` are private. */
 typedef struct ost_safety {
     ost_safety_params params;
     double ramp, last[3], last_torque[3], energy_j, applied[3];
     double at[3];
     bool has_at;
     int ticks_without_sample;
-    uint64_t damped_ticks; /* ticks in which the passivity controller reduced the force */
+    uint64_t damped_ticks; /* number of ticks in which the passivity controller reduced the force */
 } ost_safety;
 
 /*
@@ -220,8 +222,8 @@ OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *param
 /* Sets the force to 0 after a fault. In the following steps, the force rises gradually from 0. */
 OST_API void ost_safety_stop(ost_safety *safety);
 /*
- * Applies the limits to force_n and torque_nm in place.  device is the newest pose of the device; fresh is true if this
- * pose is new in this tick.  Allocates no memory and does not block.
+ * Applies the limits to force_n and torque_nm in place.  device is the newest pose of the device; The parameter fresh
+ * is true if this pose is new in this tick.  Allocates no memory and does not block.
  */
 OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,
                                           double period_s, double force_n[3], double torque_nm[3]);

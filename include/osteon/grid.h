@@ -38,18 +38,18 @@ enum { OST_DIM_MAX = 16384 };
 
 /* Returns the number of voxels, x * y * z. The product does not overflow for dims within AR-GRID. */
 OST_API int64_t ost_dims_count(ost_dims dims);
-/* Returns OST_ERR_RANGE if a value is outside the ranges of AR-GRID. In the message, the grid is called `what`. */
+/* Returns OST_ERR_RANGE if a value is outside the ranges of AR-GRID. The error message refers to the grid by the
+   text in `what`. */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
 /* Returns true if dims, spacing and origin are equal. */
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
- * Facts about a grid, such as the position of the glenoid, the threshold of the
- * bone and the version of the arithmetic.  Facts are copied with the grid from file
- * to file and have no effect on its voxels.  A key is [a-z0-9_]{1,40}; a value is one
- * printable line of up to 200 bytes without surrounding blanks.  There are at most
- * OST_META_MAX entries.  Setting an existing key replaces its value; the entry keeps
- * its position (AR-FILE-8).
+ * Facts about a grid, such as the position of the glenoid, the threshold of the bone and the
+ * arithmetic version.  When a grid is copied from file to file, its facts are copied too.  They
+ * have no effect on the voxels.  A key is [a-z0-9_]{1,40}; a value is one printable line of up to
+ * 200 bytes without surrounding blanks.  There are at most OST_META_MAX entries.  Setting an
+ * existing key replaces its value; the entry keeps its position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
 /* Facts in the order in which they were set. Zero-initialise the struct before use. */
@@ -63,7 +63,8 @@ typedef struct ost_meta {
 
 /* Returns the value of key, or NULL if key is not set. The pointer is valid until meta is changed. */
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
-/* Returns true for dims, spacing_mm and origin_mm, which describe a grid's geometry and are never written as facts. */
+/* Returns true if key is "dims", "spacing_mm" or "origin_mm". These keys describe a grid's geometry and are never
+   written as facts. */
 OST_API bool ost_meta_key_is_geometry(const char *key);
 /* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
@@ -72,15 +73,16 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_KIND "kind"                   /* "ct", "bone" or "tool" */
 #define OST_META_ARITHMETIC "arithmetic"       /* version of docs/spec/arithmetic.md */
 #define OST_META_THRESHOLD "threshold"         /* threshold of a bone */
-#define OST_META_RESAMPLE "resample"           /* rule of resampling from the CT: "linear", "nearest" or "thesis" */
+#define OST_META_RESAMPLE "resample"           /* rule by which the CT was resampled: "linear", "nearest" or "thesis" */
 #define OST_META_GLENOID_AT "glenoid_at_mm"    /* centre of the glenoid's face */
-#define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward direction, not necessarily of unit length */
+#define OST_META_GLENOID_AXIS "glenoid_axis"   /* inward axis of the glenoid, not necessarily of unit length */
 #define OST_META_SIDE "side"                   /* "left" or "right" */
 #define OST_META_TRIGONUM "trigonum_mm"       /* point at which the scapular spine meets the medial border */
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* lowest point of the scapula */
 #define OST_META_ORIENTATION                                                                                           \
-    "orientation" /* "stated XYZ" or "assumed LPS"; set if the file of the CT has no orientation (AR-FILE-6) */
-#define OST_META_TOOL_CORNER "tool_corner_mm"  /* corner of a tool's grid: MinVoxelCoords of Alg. 2.1, exact */
+    /* orientation, "stated XYZ" or "assumed LPS"; set only if the CT's file contains no orientation (AR-FILE-6) */
+    "orientation"
+#define OST_META_TOOL_CORNER "tool_corner_mm"  /* exact corner of a tool's grid, which is MinVoxelCoords in Alg. 2.1 */
 
 /* A dense grid of densities in host memory. */
 typedef struct ost_volume {

@@ -7,9 +7,9 @@
  *      ^                                        |
  *      '---------------- wrench ----------------'
  *
- * A device returns a pose in the bone's frame, quantised once (pose.h), and
- * accepts a wrench.  The servo loop polls most devices; a device with a clock of
- * its own calls the tick on its own thread.  `osteon devices` lists all devices.
+ * A device returns a pose in the bone's frame, which is quantised once (pose.h), and accepts a
+ * wrench.  The servo loop polls most devices; a device with a clock of its own calls the tick on
+ * its own thread.  `osteon devices` lists all devices.
  *
  * Threads: a device may be used by one thread at a time.  While ost_servo_run is
  * running, only the servo thread may use the device.
@@ -31,7 +31,7 @@ enum {
     OST_HAPTIC_ORIENTATION = 4, /* the device measures orientation in addition to position */
     OST_HAPTIC_TOOL = 8,        /* the device reports which tool is in use */
     OST_HAPTIC_OWN_CLOCK = 16,  /* the device calls the tick function on its own thread */
-    OST_HAPTIC_LOGICAL = 32,    /* the device's poses depend only on the number of the tick, not on time */
+    OST_HAPTIC_LOGICAL = 32,    /* the device's poses depend only on the tick number, not on time */
     OST_HAPTIC_SHOWN = 64       /* the device accepts and displays forces, but does not render them */
 };
 
@@ -65,14 +65,15 @@ typedef struct ost_haptic_info {
     char reason[256];        /* if the device is not available: the reason and a remedy */
     double max_force_n;      /* greatest force, N; 0 if the device renders no force */
     double max_stiffness_n_m;
-    int button_count;        /* button i is bit i of ost_haptic_state.buttons */
+    int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
     ost_button buttons[OST_BUTTONS_MAX];
 } ost_haptic_info;
 
 /*
  * Writes the actions of a device's buttons to out.  These are the default actions with the changes that text specifies,
- * for instance "stylus1=next-tool,2=none".  In text, a button is identified by its name or by its number, starting at
- * 1.  text may be NULL.  Returns OST_ERR_USAGE, with the name in err, for an unknown button or action.
+ * for instance "stylus1=next-tool,2=none".  In the text, a button is identified by its name or by its number, counted
+ * from 1.  The parameter text may be NULL.  Returns OST_ERR_USAGE, with the name in err, for an unknown button or
+ * action.
  */
 OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
                                      ost_error *err);
@@ -85,17 +86,17 @@ OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_erro
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
 
-/* The data that a device needs to open. The pointers are borrowed until ost_haptic_open returns. */
+/* The data that is needed to open a device. The pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
-    const ost_path *path; /* path of the tool (device script), or of the simulated hand (device sim) */
-    const char *session;  /* file name of the session that the device replay repeats */
-    ost_mouse_input *mouse; /* state that a window sets for the device mouse; borrowed until ost_haptic_close */
+    const ost_path *path; /* path of the tool for the `script` device, or of the simulated hand for the `sim` device */
+    const char *session;  /* file name of the session that the `replay` device repeats */
+    ost_mouse_input *mouse; /* input of the `mouse` device, which a window sets; borrowed until ost_haptic_close */
     /*
-     * Pose of the tool for the device null, and first pose of the device motion.  For a real device: the pose when the
-     * handle is at its centre.
+     * For the `null` device: the pose of the tool.  For the `motion` device: its first pose.  For a real device: the
+     * pose of the tool when the handle is at its centre.
      */
     ost_pose start;
-    ost_path_options gaps; /* rules for gaps in the file of the device motion */
+    ost_path_options gaps; /* rules by which the `motion` device finds gaps in its file */
 } ost_haptic_setup;
 
 /*
@@ -113,14 +114,14 @@ typedef struct ost_haptic_setup {
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), hold=0|1 (0)
  *   inverse3          Haply's Inverse3 and VerseGrip: id=TEXT (the first), port=N (10001), scale=PERCENT (100)
- *   udp               a device on another machine that runs osteon bridge: key=FILE, port=N (4707),
+ *   udp               a device on another machine, where osteon bridge runs: key=FILE, port=N (4707),
  *                     bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
  * Returns OST_ERR_USAGE for an unknown name, key or value, or if the setup lacks an input that the device needs.
  * The caller owns *out and closes it by ost_haptic_close.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
-/* Sets the device's force to 0 and closes the device. NULL is allowed. */
+/* Sets the device's force to 0, and closes and frees the device. NULL is allowed. */
 OST_API void ost_haptic_close(ost_haptic *device);
 /* Returns the name of an open device without options; valid until the device is closed. */
 OST_API const char *ost_haptic_name(const ost_haptic *device);
@@ -138,7 +139,8 @@ OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAP
 #define OST_HAPTIC_LIMIT_SHARE 0.9
 typedef struct ost_haptic_limits {
     double force_n;                 /* peak force that the device reports, N; may be NAN */
-    double continuous_n, torque_nm; /* continuous force and torque; 0 if the device does not report them */
+    /* continuous force, N, and torque, N m; 0 if the device does not report the value */
+    double continuous_n, torque_nm;
     char from[48];
 } ost_haptic_limits;
 /* Writes the force limits of a device to *out. Returns false if the device reports no limits. */
@@ -171,10 +173,10 @@ typedef struct ost_haptic_state {
     ost_pose pose;
     int32_t tool; /* index of the tool; -1 if the device does not report the tool */
     uint32_t buttons; /* bit i is set while button i is held */
-    bool lifted;  /* the tool was lifted before this pose (path.h) */
-    /* set by the device replay: the pose already includes the motor's rotation at the speed rpm (motor.h) */
+    bool lifted;  /* true if the tool was lifted before this pose (path.h) */
+    /* set by the `replay` device: the pose already includes the rotation of the motor at `rpm` (motor.h) */
     bool turned;
-    int32_t rpm;  /* motor speed in turns per minute; valid if turned */
+    int32_t rpm;  /* motor speed in revolutions per minute; valid if `turned` is true */
 } ost_haptic_state;
 
 /* Force and torque on the hand, in the bone's frame; the torque is about the tool's origin. */
@@ -183,28 +185,30 @@ typedef struct ost_wrench {
 } ost_wrench;
 
 /*
- * Reads a device.  Called once per tick.  Does not block.  A device with a clock of its own may be read only on the
- * device's thread within a tick, as ost_servo_run does.
+ * Reads a device.  Called once per tick.  Does not block.  For a device with a clock of its own, may be called only on
+ * the device's thread within a tick, as ost_servo_run does.
  */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
 /*
- * Writes a wrench to a device.  Called once per tick.  Does not block.  A device with a clock of its own may be written
- * only on the device's thread within a tick, or when no ticks run.  Has no effect on a device that renders no force.
+ * Writes a wrench to a device.  Called once per tick.  Does not block.  For a device with a clock of its own, may be
+ * called only on the device's thread within a tick, or while no ticks run.  Has no effect if the device renders no
+ * force.
  */
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
- * The input of the device `mouse`.  The thread of a window sets a pose.  The device follows this pose smoothly, and no
- * faster than an operation accepts.  Both sides are wait-free.  Only one thread may call ost_mouse_input_put.
+ * The input of the `mouse` device.  A window's thread sets a pose.  The device follows this pose smoothly, and no
+ * faster than an operation accepts.  Setting and reading the pose are wait-free.  Only one thread may call
+ * ost_mouse_input_put.
  */
-enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the device `mouse` */
-/* Creates the input of the device `mouse` with its first state. The caller frees the input after closing the device. */
+enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the `mouse` device */
+/* Creates the input of the `mouse` device with its first state. The caller frees the input after closing the device. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
-/* Frees the input of the device `mouse`. NULL is allowed. */
+/* Frees the input of the `mouse` device. NULL is allowed. */
 OST_API void ost_mouse_input_free(ost_mouse_input *mouse);
 /*
- * Sets the pose of the mouse. If state->lifted is true, the device moves to this pose in one tick and reports that the
- * tool was lifted.
+ * Sets the pose that the `mouse` device follows. If state->lifted is true, the device moves to this pose in one tick
+ * and reports that the tool was lifted.
  */
 OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state *state);
 
@@ -224,29 +228,29 @@ typedef struct ost_times {
 /* Adds a time in nanoseconds to a histogram. Allocates no memory. */
 OST_API void ost_times_add(ost_times *times, uint64_t ns);
 /*
- * Returns the quantile `share` (0 to 1) in us.  The result is the upper end of the bin that contains the quantile, but
- * at most the greatest time that was added.  Returns 0 for an empty histogram.
+ * Returns the quantile `share` (0 to 1) in us.  The result is the upper end of the bin that contains the quantile,
+ * limited to the greatest time that was added.  Returns 0 for an empty histogram.
  */
 OST_API double ost_times_share_us(const ost_times *times, double share);
 
 /* ------------------------------------------------------------------ servo */
 
 /*
- * Returns the core to reserve for the servo loop: the last core in the affinity of the calling thread, or -1 if there
- * is only one core or the affinity is unknown.  Must be called before ost_servo_core_leave.  If the loop has a core of
- * its own, a renderer that uses all other cores does not make the loop miss deadlines.
+ * Returns the core to reserve for the servo loop: the last core in the calling thread's affinity mask, or -1 if the
+ * mask has only one core or is unknown.  Must be called before ost_servo_core_leave.  If the loop has a core of its
+ * own, a renderer that uses all other cores does not make the loop miss deadlines.
  */
 OST_API int ost_servo_core(void);
 /*
- * Removes a core from the affinity of the calling thread and of the threads that it creates later. Returns false on
- * failure.
+ * Removes a core from the affinity mask of the calling thread and thus of the threads that it creates later. Returns
+ * false on failure.
  */
 OST_API bool ost_servo_core_leave(int core);
 
 /* The real-time properties that the system granted, as text for reports. */
 typedef struct ost_realtime {
     char scheduling[120]; /* "SCHED_FIFO 80", or the scheduling in use and the reason for it */
-    char memory[120];     /* "locked", or the reason why the memory is not locked */
+    char memory[120];     /* "locked", or the reason why memory is not locked */
     char core[120];       /* "core 1 alone", or the reason why no core is reserved */
 } ost_realtime;
 
@@ -254,8 +258,10 @@ typedef struct ost_servo_sample {
     uint64_t number;      /* number of the tick, from 0 */
     int64_t t_ns;         /* time of the world: number * period */
     ost_haptic_state state;
-    bool declared;        /* there is no new pose; state is the last state */
-    bool tracking_lost;   /* state is the last state; its quaternion is zero if tracking was lost from the start */
+    bool declared;        /* true if there is no new pose; `state` is then the last state */
+    /* true if tracking is lost; `state` is then the last state, whose quaternion is zero if tracking was lost from
+       the start */
+    bool tracking_lost;
     uint32_t wake_ns;     /* delay between the due time and the start of the tick */
     uint32_t missed;      /* number of ticks skipped before this tick */
 } ost_servo_sample;
@@ -269,7 +275,7 @@ typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wren
 typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 
 /*
- * Called on the servo thread before a tick is due, when the pose of the tick is not known yet. Must not block; see
+ * Called on the servo thread before a tick is due, when the tick's pose is not yet available. Must not block; see
  * lead_ns.
  */
 typedef void ost_servo_rehearse(void *user);
@@ -278,14 +284,15 @@ typedef void ost_servo_rehearse(void *user);
 typedef struct ost_servo_options {
     int64_t period_ns;    /* 0 selects 1,000,000 */
     uint64_t ticks;       /* number of ticks; with 0, the loop runs until the device ends or tick returns false */
-    bool no_clock;        /* ticks run without waiting; for devices whose poses do not depend on time */
-    bool no_realtime;     /* neither real-time priority nor locked memory is requested */
-    bool pinned;          /* the loop runs only on `core`; the affinity is restored afterwards */
+    bool no_clock;        /* if true, ticks run without waiting; for devices whose poses do not depend on time */
+    bool no_realtime;     /* if true, neither real-time priority nor locked memory is requested */
+    bool pinned;          /* if true, the loop runs only on `core`; the affinity mask is restored afterwards */
     int core;
     /*
-     * The loop wakes lead_ns before a tick is due, calls rehearse, and then spins until the tick is due.  When the tick
-     * starts, the core is therefore awake, and the data is in its caches.  The range of lead_ns is 0 to half a period.
-     * There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has a clock of its own.
+     * The loop wakes lead_ns before a tick is due, calls rehearse, and then spins until the tick is due.  The core is
+     * therefore awake when the tick starts, and its caches contain the tick's data.  The range of lead_ns is 0 to half
+     * a period.  There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has a clock of
+     * its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -301,8 +308,8 @@ typedef enum ost_servo_end {
 } ost_servo_end;
 
 /*
- * The results of the servo loop. The struct contains histograms and has about 260 kB, so it should not be placed on the
- * stack.
+ * The results of the servo loop. The struct contains histograms and has a size of about 260 kB, so it should not be
+ * placed on the stack.
  */
 typedef struct ost_servo_report {
     ost_servo_end end;
@@ -313,18 +320,19 @@ typedef struct ost_servo_report {
      */
     uint64_t missed;
     /*
-     * The missed deadlines by cause; the sum of the three numbers is `missed`.  missed_by_work: the tick used more than
-     * half a period of thread CPU time.  missed_woken_late: not missed_by_work, and the loop woke at least one period
-     * late.  missed_preempted: all other missed deadlines, where the thread was preempted.
+     * The missed deadlines by cause; the sum of the three numbers is `missed`. missed_by_work: the tick used more than
+     * half a period of thread CPU time. missed_woken_late: the tick used less, but the loop woke at least one period
+     * late. missed_preempted: all other missed deadlines; the thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
     int64_t lead_ns;           /* time by which a rehearsal precedes its tick; 0 if there were no rehearsals */
     uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
-    uint64_t without_sample;   /* ticks without a new pose */
+    uint64_t without_sample;   /* number of ticks without a new pose */
     uint64_t tracking_lost;    /* ticks without tracking */
-    int64_t stolen_ms;         /* time stolen by the hypervisor during the run, summed over all cores; -1 if unknown */
+    /* time in ms that the hypervisor stole during the run, summed over all cores; -1 if unknown */
+    int64_t stolen_ms;
     ost_times wake, exec, completion;
-    /* thread CPU time of the ticks, that is, their durations without the time of preemption */
+    /* thread CPU time of the ticks, that is, their durations excluding preemption */
     ost_times own;
     ost_realtime realtime;
 } ost_servo_report;
@@ -338,13 +346,13 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
 /*
  * Runs the servo loop on the calling thread until one of the events listed in ost_servo_end occurs.  Ticks are due at
  * absolute times.  A late tick runs at once; ticks whose time has passed are skipped and counted.  No tick runs before
- * the device's first pose, unless the device reports that tracking is lost.  At the end of the loop, a wrench of 0 is
+ * the device's first pose, unless the device reports that tracking is lost.  When the loop ends, a zero wrench is
  * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
- * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; it has about 260 kB
- * and should not be placed on the stack.  Returns OST_ERR_USAGE, with a report of zeros and without running a tick, if
- * the period is not within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is set for a
- * device without OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
+ * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; its size is about
+ * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE, with a report of zeros and without running
+ * a tick, if the period is not within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is
+ * set for a device without OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

@@ -5,8 +5,8 @@
  * Input is treated as hostile: every reader reports an error in one line that contains
  * the file, the line or offset, the value, and the expected value. Memory is bounded
  * by the size of the resulting grid, not by the size of the file.
- * An output file appears under its name only when it is complete: it is written in
- * the same folder without a name or under another name, synced, and then renamed.
+ * An output file appears under its name only when it is complete: it is written to the same folder
+ * as an unnamed or temporary file, synced, and then given its name.
  *
  * The kind of a file is determined by its content if it has a signature, and otherwise
  * by its name.  Text is read in the C locale, regardless of the program's locale.
@@ -50,14 +50,14 @@ typedef struct ost_dicom_report {
     int64_t images;         /* number of slices that were read; 0 if the volume is not DICOM */
     int64_t other_files;    /* number of files without a DICOM image, which were ignored */
     int64_t localizers;     /* number of localizer images of the series, which were ignored */
-    int64_t doubled;        /* number of images with the position and the pixels of another one */
-    int64_t interpolated;   /* number of slices that were interpolated because the options allow this */
-    ost_pm largest_gap;     /* greatest distance of neighbouring slices */
+    int64_t doubled;        /* number of images with the same position and pixels as another image */
+    int64_t interpolated;   /* number of slices that were interpolated, which the options must allow */
+    ost_pm largest_gap;     /* greatest distance between neighbouring slices */
     ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
-    ost_pm sheared;         /* distance by which slices were shifted back because the options allow this */
-    uint64_t padded;        /* number of pixels with a padding value, which became air */
-    bool lossy;             /* the pixels were compressed with loss */
-    bool no_rescale;        /* the files state no rescale slope and intercept */
+    ost_pm sheared;         /* distance by which slices were shifted to undo a tilt, which the options must allow */
+    uint64_t padded;        /* number of pixels that had the padding value and were set to air */
+    bool lossy;             /* true if the pixels were compressed with loss */
+    bool no_rescale;        /* true if the files contain no rescale slope and intercept */
     char modality[17];      /* "CT" */
 } ost_dicom_report;
 
@@ -65,28 +65,30 @@ typedef struct ost_dicom_report {
 typedef struct ost_volume_report {
     char type[24];             /* type of the file's elements: "int16", "float32", ... */
     char encoding[24];         /* "raw", "gzip", "zlib" or "text" */
-    char orientation[16];      /* orientation stated in the file, e.g. "LPS" or "RAS"; "" if there is none */
-    bool reoriented;           /* axes were flipped or permuted to LPS+ */
-    bool assumed;              /* the file states no orientation; LPS was assumed */
-    bool resampled;            /* the grid was oblique and was resampled because the options allow this */
-    bool labels;               /* a label map: NIfTI intent 1002, or an NRRD with keys Segment0_... (3D Slicer) */
+    char orientation[16];      /* orientation stored in the file, e.g. "LPS" or "RAS"; "" if there is none */
+    bool reoriented;           /* true if axes were flipped or permuted to LPS+ */
+    bool assumed;              /* true if the file contains no orientation, so that LPS was assumed */
+    bool resampled;            /* true if the grid was oblique and was resampled, which the options must allow */
+    /* true for a label map: a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D Slicer) */
+    bool labels;
     uint64_t rounded_values;   /* number of non-integer densities, which were rounded RHE */
-    uint64_t clamped_values;   /* number of densities beyond int16, which were saturated if the options allow this */
+    uint64_t clamped_values;   /* number of densities outside the range of int16, which were saturated */
     ost_dicom_report dicom;
     uint64_t nan_values;       /* number of NaN, which became -1024 if the options allow this */
     double pixel_mm[2];        /* size of a pixel that a stack's first slice states, which is not used; 0: none */
 } ost_volume_report;
 
 /*
- * Selects which of the two transforms of a NIfTI file determines the position of the grid. AUTO selects the transform
- * by the codes of the two transforms. With AUTO, transforms that differ by more than a voxel are an error.
+ * Selects the transform of a NIfTI file (sform or qform) that determines the grid's position. AUTO selects the
+ * transform according to the codes in the file; it is then an error if the two transforms differ by more than a voxel.
  */
 typedef enum ost_nifti_form { OST_FORM_AUTO, OST_FORM_QFORM, OST_FORM_SFORM } ost_nifti_form;
 
 typedef struct ost_volume_options {
-    bool clamp;             /* saturate densities beyond int16 instead of failing */
-    bool resample_oblique;  /* resample an oblique grid (nearest) instead of failing */
-    char orientation[4];    /* orientation to assume for a file that states none, e.g. "RAS"; "" if not specified */
+    /* if true, densities outside the range of int16 are saturated; otherwise they are an error */
+    bool clamp;
+    bool resample_oblique;  /* if true, an oblique grid is resampled (nearest); otherwise it is an error */
+    char orientation[4];    /* orientation to assume if a file contains none, e.g. "RAS"; "" if not specified */
     ost_nifti_form form;
     const char *series;     /* of DICOM: number, description or UID; NULL: the only series that is a volume */
     bool even_slices;       /* resample unevenly spaced slices of DICOM (linear) instead of failing */
@@ -108,28 +110,31 @@ OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *o
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
                                           ost_volume_report *report, ost_error *err);
 
-/* A series in a folder of DICOM files. Texts are printable; "" if the files do not state them. */
+/* A series in a folder of DICOM files. All texts are printable; a text is "" if the files do not contain it. */
 typedef struct ost_dicom_series {
     bool numbered;            /* number is set */
     int32_t number;           /* SeriesNumber */
     char description[65];     /* SeriesDescription, which may contain names */
     char uid[65];             /* SeriesInstanceUID */
     char modality[17], kernel[65];
-    int64_t images;           /* number of images that can be slices: neither localizers nor colour images */
+    int64_t images;           /* number of images that can be slices, that is, neither localizers nor colour images */
     int64_t localizers;       /* number of localizer images */
-    bool is_volume;           /* ost_volume_read can read it with the options of the list */
+    /* true if ost_volume_read can read the series with the options that were given for the list */
+    bool is_volume;
     ost_geometry geometry;    /* valid if is_volume */
-    char orientation[4];      /* directions of its axes, e.g. "LPS"; valid if is_volume */
+    char orientation[4];      /* directions of the axes, e.g. "LPS"; valid if `is_volume` is true */
     ost_pm thickness;         /* SliceThickness; 0 if it is not stated or differs between the images */
-    char fault[OST_ERROR_TEXT]; /* the error of reading it, if it has at least two images; otherwise "" */
+    /* the error that prevents reading the series, if it has at least two images; otherwise "" */
+    char fault[OST_ERROR_TEXT];
 } ost_dicom_series;
 
 /* The series of a folder, in the order of their first files. */
 typedef struct ost_dicom_list {
     size_t count;
     ost_dicom_series *items; /* owned */
-    int64_t selected;           /* index of the series that ost_volume_read reads with these options; -1: none */
-    int64_t files, other_files; /* number of all files, and of those without a DICOM image */
+    /* index of the series that ost_volume_read reads with these options; -1 if there is none */
+    int64_t selected;
+    int64_t files, other_files; /* number of all files; number of files without a DICOM image */
 } ost_dicom_list;
 
 /*
@@ -164,12 +169,13 @@ OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume
 
 /* ---------------------------------------------------------------- meshes */
 
-/* The unit of a mesh file's coordinates; AUTO selects millimetres if the resulting size is plausible. */
+/* The unit of a mesh file's coordinates; AUTO means millimetres, with a check that the size is plausible. */
 typedef enum ost_unit { OST_UNIT_AUTO, OST_UNIT_MM, OST_UNIT_CM, OST_UNIT_M, OST_UNIT_INCH, OST_UNIT_UM } ost_unit;
 
 typedef struct ost_mesh_report {
     char format[24];           /* "STL (binary)", "OBJ", ... */
-    /* number of faces in the file, before polygons were divided and lines and points were omitted */
+    /* number of faces in the file, before polygons are divided into triangles and before lines and points are
+       omitted */
     size_t file_triangles;
     size_t bodies;             /* number of parts in the file, which are joined into one mesh */
     double bounds_mm[6];       /* bounds: min x y z, max x y z */
@@ -183,10 +189,10 @@ typedef struct ost_mesh_report {
 enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
 
 /*
- * Reads a mesh with assimp.  AUTO interprets the numbers in the file as millimetres; an
- * implausible size (greatest extent less than 1 mm or more than 1 m) is then an error,
- * whose message lists the plausible units.  Any other unit is used without this check.
- * NaN, infinity, a mesh without triangles and indices out of range are errors.
+ * Reads a mesh with assimp.  AUTO interprets the numbers in the file as millimetres; an implausible
+ * size (greatest extent less than 1 mm or more than 1 m) is then an error, whose message lists the
+ * plausible units.  With any other unit, the size is not checked.  NaN, infinity, a mesh without
+ * triangles and indices out of range are errors.
  */
 OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report,
                                  ost_error *err);
@@ -202,7 +208,7 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
  * tick; the tick after such a row begins lifted.
  */
 typedef struct ost_path_report {
-    size_t rows, lost_rows;   /* number of all rows; number of rows without a pose */
+    size_t rows, lost_rows;   /* number of all rows, and number of rows without a pose */
     size_t gaps;              /* number of ticks that begin with the tool lifted */
     int64_t begin_ns, end_ns; /* times of the first and the last row, with or without a pose */
 } ost_path_report;
@@ -212,13 +218,13 @@ OST_API ost_status ost_path_read(const char *path, const ost_path_options *optio
                                  ost_path_report *report, ost_error *err);
 /* Calls ost_path_read with NULL for options and report. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
-/* Writes a path with the columns lifted and rpm. The column tool is written if any tool index is not 0. */
+/* Writes a path with the `lifted` and `rpm` columns. The `tool` column is written if any tool index is not 0. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
 
 /* ------------------------------------------------------------- landmarks */
 
 typedef enum ost_landmark_role {
-    OST_LANDMARK_OTHER,          /* any label that has no role */
+    OST_LANDMARK_OTHER,          /* a landmark whose label has no role */
     OST_LANDMARK_GLENOID,        /* centre of the face; labels: glenoid, glenoid centre (center), GC */
     OST_LANDMARK_AXIS_POINT,     /* point on the axis, in the bone; labels: axis, axis point, glenoid axis */
     OST_LANDMARK_TRIGONUM,       /* labels: trigonum, trigonum spinae (scapulae), root of spine, spine root, TS */
@@ -242,9 +248,9 @@ typedef struct ost_landmarks {
 } ost_landmarks;
 
 /*
- * Reads landmarks from .mrk.json and .fcsv files of 3D Slicer, in the coordinate system
- * stated in the file, or from a CSV file label,x,y,z (LPS, mm).  It is an error if the
- * file has no landmarks, or two positions for one role. *out is empty on failure.
+ * Reads landmarks from .mrk.json and .fcsv files of 3D Slicer, in the coordinate system stated in
+ * the file, or from a CSV file with lines label,x,y,z (LPS, mm).  It is an error if the file has no
+ * landmarks, or two positions for one role.  *out is empty on failure.
  */
 OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
 /* Writes landmarks as a .mrk.json of 3D Slicer, in LPS. ost_landmarks_read reads the same positions from it. */
@@ -275,16 +281,19 @@ typedef struct ost_import_options {
        has volume.stack_spacing instead */
     ost_pm3 spacing;
     ost_pm cubic;             /* spacing of the cubic grid; 0 selects the x spacing of the rect grid */
-    int32_t threshold;        /* 0 selects the threshold in the file if the file is a bone, and otherwise 120 */
+    /* threshold; 0 selects the threshold stored in the file if the file is a bone, and otherwise 120 */
+    int32_t threshold;
     int chunk_size;           /* 0: 32 */
-    bool has_resample;        /* false: the rule is linear, or nearest for a label map */
+    /* true if `resample` selects the rule; otherwise the rule is linear, or nearest for a label map */
+    bool has_resample;
     ost_resample resample;    /* used if has_resample */
     ost_duplicates duplicates;
     ost_volume_options volume;
-    bool crop;                /* only the voxels of the rect grid within crop_box are imported */
+    bool crop;                /* if true, only the voxels of the rect grid within crop_box are imported */
     ost_voxel_box crop_box;
     int threads;              /* number of threads that read text; 0 selects one for each processor */
-    bool digests;             /* the SHA-256 of every stage is computed, which costs one pass over each grid */
+    /* if true, the SHA-256 of every stage's grid is computed, which takes one pass over each grid */
+    bool digests;
     ost_progress *progress;   /* may be NULL */
     void *progress_user;
     /* file name of a label map on the CT's grid; NULL: the complete CT is imported (AR-SEG-6) */
@@ -328,7 +337,8 @@ typedef struct ost_import_result {
     ost_file_kind kind;
     ost_geometry rect;
     ost_geometry cubic;
-    ost_meta meta;                 /* facts copied from the file; the import sets kind, threshold and resample */
+    /* facts copied from the file; the import sets the facts `kind`, `threshold` and `resample` */
+    ost_meta meta;
     ost_resample resample;         /* the resampling rule that was used */
     ost_volume_report volume;      /* set for NRRD, NIfTI, MetaImage, DICOM and stacks */
     ost_scatter_report scatter;    /* for text */

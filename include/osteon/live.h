@@ -8,13 +8,11 @@
  *   viewer        <--ost_live_state_get-- the newest state
  *                 <--ost_live_take-- every chunk that changed since the last take
  *
- * Both sides are wait-free: they take no lock, allocate no memory, make no
- * system call, and no loop depends on the other thread.  A slow or absent viewer
- * adds no work to a tick: if a chunk changes twice before the viewer takes it, the
- * viewer takes it only once.  No change is lost: after the last tick and ost_live_flush, the
- * chunks taken are bit-identical to the bone.  Before that, a chunk may be
- * partly updated when it is taken.  Because bone is only removed, such a chunk
- * may contain voxels that have just been removed; the next take corrects the chunk.
+ * Both sides are wait-free: they take no lock, allocate no memory, make no system call, and no loop depends on the
+ * other thread.  A slow or absent viewer adds no work to a tick: if a chunk changes twice before the viewer takes it,
+ * the viewer takes the chunk only once.  No change is lost: after the last tick and ost_live_flush, the chunks taken
+ * are bit-identical to the bone.  Before that, a chunk may be partly updated when it is taken.  Because bone is only
+ * removed, such a chunk may contain voxels that have just been removed; the next take corrects the chunk.
  *
  * ost_bone_occupancy copies the words from the backend.  `cpu` and `ref` copy
  * them fast enough for a tick.  `cl` reads them from the device and blocks until
@@ -39,7 +37,7 @@ typedef struct ost_live_channel ost_live_channel;
 enum { OST_LIVE_TOOLS = 16 };
 
 typedef struct ost_live_state {
-    uint64_t ticks;         /* number of ticks so far */
+    uint64_t ticks;         /* number of ticks since the start */
     int64_t t_ns;           /* time of the last tick */
     int32_t tool;           /* index of the current tool */
     int32_t rpm;            /* speed of the current tool's motor (path.h) */
@@ -51,8 +49,8 @@ typedef struct ost_live_state {
     uint64_t missed;        /* skipped ticks */
     uint32_t wake_ns, exec_ns; /* delay of the start of the last tick; duration of the last tick */
     uint32_t touching;      /* number of bone voxels that the tool touched or removed in the last tick */
-    int32_t fault;          /* the current ost_fault (operation.h); 0: no fault */
-    bool declared;          /* the device returned no new pose in the last tick */
+    int32_t fault;          /* the current fault, an ost_fault (operation.h); 0: no fault */
+    bool declared;          /* true if the device returned no new pose in the last tick */
 } ost_live_state;
 
 /*
@@ -72,7 +70,7 @@ OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *
  * error, the chunks remain queued.
  */
 OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
-/* Publishes all queued chunks. Called at the end of an operation or in a pause. */
+/* Publishes all queued chunks. Called at the end of an operation or during a pause. */
 OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 
 /* ---------------------------------------------------------- viewer thread */

@@ -4,8 +4,8 @@
  *
  *   file -> ost_mesh (picometres) -> ost_snapped_mesh (lattice) -> backend
  *
- * The snapped mesh is computed once, on the host, and its digest is recorded.  All backends start
- * from this mesh and must give equal results (docs/spec/arithmetic.md, AR-MESH).
+ * The snapped mesh is computed once, on the host, and its digest is recorded.  All backends start from this
+ * mesh and must produce equal results (docs/spec/arithmetic.md, AR-MESH).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -24,7 +24,7 @@ typedef struct ost_mesh {
     size_t vertex_count;
     ost_pm3 *vertices; /* owned */
     size_t triangle_count;
-    uint32_t (*triangles)[3]; /* owned; indices < vertex_count */
+    uint32_t (*triangles)[3]; /* vertex indices of each triangle, < vertex_count; owned */
 } ost_mesh;
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
@@ -95,7 +95,7 @@ OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *
                                  ost_error *err);
 /* Frees the arrays of a snapped mesh, which is then empty. */
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
-/* Computes the digest of a snapped mesh, which is the data that every backend receives (AR-DIG-7). */
+/* Computes the digest of a snapped mesh (AR-DIG-7). */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus

@@ -11,7 +11,7 @@
  *          w v       | |     <- peg hole: where a drill removed bone
  *                    '-'
  *
- * docs/reference/metrics.md documents how each value is computed and how accurate it is.
+ * docs/reference/metrics.md documents the definition and the accuracy of each value.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -39,7 +39,7 @@ typedef struct ost_metrics_plan {
 } ost_metrics_plan;
 
 /*
- * Size of the maps of surfaces. A map has OST_METRICS_MAP^2 cells, is centred on the plan's axis, and its cells are
+ * Size of the surface maps. A map is centred on the plan's axis and has OST_METRICS_MAP^2 cells, which are
  * OST_METRICS_PITCH_MM apart.
  */
 enum { OST_METRICS_MAP = 81 };
@@ -50,7 +50,7 @@ typedef enum ost_metrics_tool_kind { OST_METRICS_REAMER, OST_METRICS_DRILL, OST_
 /* The properties of a tool that the metrics use. */
 typedef struct ost_metrics_tool {
     ost_metrics_tool_kind kind;
-    double radius_mm, length_mm; /* size of the cutting part */
+    double radius_mm, length_mm; /* radius and length of the cutting part */
 } ost_metrics_tool;
 
 /* A tick: the position of the tool, the force, and the numbers of voxels removed and touched. */
@@ -78,7 +78,8 @@ typedef struct ost_metrics {
     double floor_mm2;
     /* depths of the floor below the native face, along the plan's axis */
     double depth_mean_mm, depth_p95_mm, depth_max_mm;
-    bool reamed;            /* a reamer removed bone; the following values of the reamer are computed from its poses */
+    /* true if a reamer removed bone; the following values are then computed from the reamer's poses */
+    bool reamed;
     /* depth of reaming: the deepest position of the reamer's tip below the plan's centre, along the plan's axis */
     double reach_mm;
     double tilt_deg;        /* angle between the axes of the reamer and the plan */
@@ -91,14 +92,14 @@ typedef struct ost_metrics {
     double version_planned_deg, inclination_planned_deg; /* angles of the plan's axis */
     double version_deg, inclination_deg;                 /* angles of the reamer's axis */
     double version_error_deg, inclination_error_deg;     /* reamed minus planned */
-    bool sphere;                                      /* the floor is large enough to fit a sphere */
+    bool sphere;                                      /* true if the floor is large enough to fit a sphere */
     /* radius of the fitted sphere; RMS deviation of the floor from the sphere */
     double sphere_mm, fit_rms_mm;
     /* depth of the fitted sphere below the plan's centre, along the plan's axis */
     double centre_depth_mm;
     /*
-     * Fit of an implant whose back is the fitted sphere: backing contact as a share of the floor, and the largest gap
-     * if the worst 1 % of the floor is left out.
+     * Fit of an implant whose back is the fitted sphere: backing contact as a percentage of the floor, and the largest
+     * gap, excluding the worst 1 % of the floor.
      */
     double contact_percent, gap_max_mm;
     /*
@@ -107,35 +108,37 @@ typedef struct ost_metrics {
      */
     double plate_mm3, plate_kept_percent;
     double over_mm3; /* over-reaming: volume removed more than 1 mm below the plan's depth, except by drills */
-    /* share of the floor more than 1 mm below the plan's depth; greatest depth of the floor below the plan's depth */
+    /* percentage of the floor that is more than 1 mm below the plan's depth; greatest depth of the floor below the
+       plan's depth */
     double over_percent, over_max_mm;
     /*
-     * The rim of the face: share of the rim that is on the map; share of this part that was lowered by more than 1 mm;
-     * greatest lowering.
+     * The rim of the face: percentage of the rim that lies on the map; percentage of this part that was lowered by more
+     * than 1 mm; greatest lowering.
      */
     double rim_seen_percent, rim_lowered_percent, rim_lowered_mm;
     /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
     double width_before_mm, width_after_mm, height_before_mm, height_after_mm;
-    bool hole;                          /* a drill removed bone below the plan's centre */
-    double hole_depth_mm;               /* deepest position of the drill's tip, measured in the same way as reach_mm */
-    /* angle and entry of the drill, measured in the same way as tilt_deg and entry_mm */
+    bool hole;                          /* true if a drill removed bone below the plan's centre */
+    double hole_depth_mm;               /* deepest position of the drill's tip, measured like reach_mm */
+    /* angle and entry point of the drill, measured like tilt_deg and entry_mm */
     double hole_angle_deg, hole_entry_mm;
-    /* diameter computed from the mean area of the hole's slices; NAN without a complete slice */
+    /* diameter computed from the mean area of the hole's slices; NAN if no slice is complete */
     double hole_diameter_mm;
     /*
      * distance from the hole to the nearest voxel outside the bone, at most 6 mm; only the part of the hole that is at
      * least 6 mm below the face is measured
      */
     double hole_wall_mm;
-    bool hole_breach;    /* the hole is open to the outside, at least 6 mm below the face */
+    bool hole_breach;    /* true if the hole breaks through to the outside at a depth of at least 6 mm below the face */
     /* maps of the surfaces' positions along w; NAN where there is no bone */
     float before_mm[OST_METRICS_MAP * OST_METRICS_MAP], after_mm[OST_METRICS_MAP * OST_METRICS_MAP];
     float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* depth below the native face; NAN where no bone was exposed */
-    /* a drill removed bone in this cell; the cell is not part of the floor */
+    /* for each cell, true if a drill removed bone there; such a cell is not part of the floor */
     bool drilled[OST_METRICS_MAP * OST_METRICS_MAP];
 } ost_metrics;
 
-enum { OST_METRICS_CONTACT_UM = 500 }; /* a gap counts as contact up to this value or up to 0.6 bone voxels */
+/* greatest gap in um that counts as contact; gaps of up to 0.6 bone voxels also count */
+enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*
  * Computes the metrics. The two volumes must have the same geometry, with equal spacing on all axes. motion may
@@ -160,9 +163,9 @@ OST_API bool ost_metrics_angles(const ost_metrics_plan *plan, double *retroversi
 
 typedef struct ost_technique {
     double seconds, path_mm;     /* duration and path length from the first tick to the last */
-    int contacts, passes;        /* numbers of intervals in contact and of intervals in which bone was removed */
+    int contacts, passes;        /* number of intervals in contact; number of intervals in which bone was removed */
     double contact_s, cutting_s, contact_path_mm;
-    bool felt;                   /* the force was not 0 in at least one tick */
+    bool felt;                   /* true if the force was not 0 in at least one tick */
     /* hand force: mean and 95th percentile while in contact, and maximum */
     double force_mean_n, force_p95_n, force_max_n;
     /* angle between the tool's working direction and the plan's axis while in contact */
@@ -172,7 +175,7 @@ typedef struct ost_technique {
     double plunge_mm;            /* depth of the deepest plunge */
 } ost_technique;
 
-/* Computes the technique from the ticks, which must be in ascending order of time. */
+/* Computes the values of an ost_technique from the ticks, which must be in ascending order of time. */
 OST_API ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan,
                                       ost_technique *out, ost_error *err);
 

@@ -4,8 +4,8 @@
  *
  *   pose of the hand, speed, time --ost_motor_turn--> pose of the tool
  *
- * An angle is an integer in units of 1 rpm * 1 ns, so that no rounding errors
- * accumulate over time; one turn is OST_MOTOR_TURN units.
+ * An angle is an integer in units of 1 rpm * 1 ns, so that no rounding errors accumulate over time; one
+ * revolution is OST_MOTOR_TURN units.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/* The default speed of a reamer, in turns per minute. */
+/* The default speed of a reamer, in revolutions per minute. */
 enum { OST_RPM_REAMER = 200 };
 
 /* The state of a motor. Must be zero-initialised before the first tick. */
@@ -33,7 +33,7 @@ typedef struct ost_motor {
  * not change the phase.
  */
 OST_API void ost_motor_advance(ost_motor *motor, const ost_tick *tick);
-/* Returns the pose of the tool, which is the pose of the hand rotated by the phase of the motor. */
+/* Returns the pose of the tool, which is the hand's pose rotated by the motor's phase. */
 OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
 /*
  * Computes the pose of the hand from the pose of the tool. This is the inverse of ost_motor_pose, up to one unit of

@@ -6,9 +6,8 @@
  *         ^                       |                                |                                        |
  *         '-------- wrench ---- safety <---------------------------'   faults --------------------> record, put
  *
- * ost_servo_run calls ost_operation_tick and ost_operation_done; its argument
- * user is the operation.  Live, scripted and simulated operations all use these
- * functions.
+ * ost_servo_run calls ost_operation_tick and ost_operation_done; its `user` argument is the operation.  Live,
+ * scripted and simulated operations all use these functions.
  */
 #ifndef OSTEON_OPERATION_H
 #define OSTEON_OPERATION_H
@@ -24,7 +23,7 @@
 extern "C" {
 #endif
 
-/* A fault: a sample of the device, or a force, that is not physically possible. */
+/* A fault: a physically impossible device sample, or a force that is not finite. */
 typedef enum ost_fault {
     OST_FAULT_NONE,
     OST_FAULT_JUMP, /* the position changed by more than 5 mm in a tick */
@@ -37,28 +36,28 @@ typedef struct ost_operation ost_operation;
 
 /* Options of an operation. A zero-initialised struct selects the defaults. */
 typedef struct ost_operation_options {
-    int32_t tool;            /* index of the tool if the device does not report it */
+    int32_t tool;            /* index of the tool in use, if the device does not report it */
     /*
-     * Speed of the motor while the motor is on, in turns per minute, 0 to OST_RPM_MAX.  With a speed of 0, the tool
-     * removes no bone.  OST_RPM_ON means that the poses of the device already include the rotation of the tool, and
-     * that the motor is on.
+     * Speed of the motor while the motor is on, in revolutions per minute, 0 to OST_RPM_MAX.  With a speed of 0,
+     * the tool removes no bone.  OST_RPM_ON means that the poses of the device already include the rotation of the
+     * tool, and that the motor is on.
      */
     int32_t rpm;
     /* true: the motor is off until it is switched on; false: the motor is on from the first tick */
     bool motor_waits;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
-    /* OST_ACTION_TOOL cycles through the tools 0 to tools - 1; with 0, the action has no effect */
+    /* number of tools through which OST_ACTION_TOOL cycles; with 0, the action has no effect */
     int32_t tools;
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
     ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
-    /* borrowed; has the world's tools; NULL: there is no force, and the tool has the device's pose */
+    /* borrowed; contains the world's tools; with NULL, there is no force, and the tool has the device's pose */
     ost_force *force;
     ost_live_channel *live;          /* borrowed; created for the world's bone; NULL: no live state */
     const ost_safety_params *safety; /* read by ost_operation_create; NULL selects the defaults */
     /*
-     * These members are for an operation that continues an earlier one: the number of ticks of the earlier operation,
-     * its last tick, and the state of the motor after that tick.  For any other operation, the members are zero and
-     * NULL.
+     * The following members are for an operation that continues an earlier one: the number of ticks of the earlier
+     * operation, its last tick, and the state of the motor after that tick.  For any other operation, they are zero
+     * and NULL.
      */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
@@ -80,10 +79,9 @@ OST_API void ost_operation_free(ost_operation *operation);
 
 /*
  * Runs one tick.  This function is an ost_servo_tick.  A pose that a hand cannot have reached is a fault: the tool does
- * not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.  A
- * drop-out is an interval in which the device reports lost tracking.  During a drop-out the tool does not move either,
- * but a drop-out is not a fault; it is recorded and counted.  Returns false, which stops the loop, if the backend
- * fails.
+ * not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.  While the
+ * device reports that tracking is lost (a drop-out), the tool does not move either.  A drop-out is not a fault; it is
+ * recorded and counted.  If the backend fails, returns false, which stops the loop.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /*
@@ -100,18 +98,21 @@ OST_API void ost_operation_rehearse(void *operation);
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
 
 typedef struct ost_operation_report {
-    uint64_t steps;        /* ticks of the world */
+    uint64_t steps;        /* number of ticks of the world */
     uint64_t faults;       /* number of faults */
     uint64_t fault_ticks;  /* ticks during faults */
     ost_fault last_fault;  /* the most recent fault */
     /* number of drop-outs; number of ticks in all drop-outs; number of ticks in the longest drop-out */
     uint64_t dropouts, dropout_ticks, longest_dropout;
     double peak_n;         /* greatest hand force */
-    double peak_axial_n, energy_j; /* greatest contact force along the tool's axis; work of cutting */
-    uint64_t touching_ticks, damped_ticks; /* ticks in contact; ticks in which the passivity controller added damping */
-    /* not OST_OK if the backend failed to deliver the live state, which is then no longer updated */
+    double peak_axial_n, energy_j; /* greatest contact force along the tool's axis, N; energy used for cutting, J */
+    /* number of ticks in contact; number of ticks in which the passivity controller added damping */
+    uint64_t touching_ticks, damped_ticks;
+    /* status of the live state; not OST_OK if the backend failed to deliver it, in which case it is no longer
+       updated */
     ost_status shown;
-    ost_status status;     /* not OST_OK if the world failed; error then contains the message */
+    /* status of the world; not OST_OK if the world failed, in which case `error` contains the message */
+    ost_status status;
     ost_error error;
 } ost_operation_report;
 /* Copies the report. May be called only after the loop has ended. */

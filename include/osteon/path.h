@@ -24,7 +24,7 @@ extern "C" {
  */
 enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 
-/* One revolution of the motor in the unit of the motor's angles, which is 1 rpm * 1 ns. */
+/* One revolution of the motor, in the unit of motor angles, which is 1 rpm * 1 ns. */
 #define OST_MOTOR_TURN INT64_C(60000000000)
 
 /* A row of a path: the pose of a tool at a point in time. */
@@ -37,7 +37,8 @@ typedef struct ost_tick {
      */
     int32_t rpm;
     ost_pose pose;
-    bool lifted;  /* the tool was lifted before this tick: there is no sweep from the previous tick (AR-SWEEP-5) */
+    /* true if the tool was lifted before this tick, so that there is no sweep from the previous tick (AR-SWEEP-5) */
+    bool lifted;
 } ost_tick;
 
 /* Ticks in ascending order of time. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generated bones and parametric tools, so that all programs run without data.
+ * Generated bones and parametric tools, so that all programs can be run without patient data.
  *
- * A phantom is a CT: densities in HU on a rect grid with the sizes and spacings of
- * Table 3.1 of the thesis, with partial volume and with noise generated from a seed.
+ * A phantom is a CT: densities in HU on a rect grid with the sizes and spacings of Table 3.1 of the thesis,
+ * with the partial volume effect and with noise generated from a seed.
  * The same seed gives the same grid on every machine, because the noise is computed
  * with integers and no libm function except sqrt is used.  meta contains the position
  * and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS,
@@ -23,7 +23,7 @@ extern "C" {
 
 typedef enum ost_phantom_kind {
     OST_PHANTOM_SCAPULA,     /* 256 x 234 x 201 voxels of 0.47 x 0.47 x 1 mm */
-    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 voxels of 0.47 x 0.47 x 1 mm: the glenoid of the scapula */
+    OST_PHANTOM_GLENOID,     /* 49 x 81 x 41 voxels of 0.47 x 0.47 x 1 mm: the glenoid of the scapula phantom */
     OST_PHANTOM_TRABECULAR,  /* core 1: 156 x 156 x 313 voxels of 32 um */
     OST_PHANTOM_TRABECULAR2, /* core 2: 314 x 316 x 360 voxels of 32 um */
     OST_PHANTOM_FOAM,        /* 314 x 320 x 604 voxels of 32 um */
@@ -33,7 +33,8 @@ typedef enum ost_phantom_kind {
 
 typedef struct ost_phantom_options {
     uint64_t seed;     /* 0: 1 */
-    /* 0 selects the spacing of the thesis; the physical size remains the same, so dims = ceil(size / spacing) */
+    /* spacing; 0 selects the spacing of the thesis; the physical size does not change, so dims = ceil(size /
+       spacing) */
     ost_pm3 spacing;
     double scale;      /* scale of the anatomy and its box; 0 selects 1 */
     bool left;         /* default: right */
@@ -48,9 +49,9 @@ OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_opt
                                     ost_error *err);
 
 /*
- * Parametric tools as closed triangle meshes.  In the frame of the tool, the working
- * face points to -z, the cutting direction, and the shaft to +z.  Lengths are in
- * picometres; 0 selects the default.
+ * Parametric tools as closed triangle meshes.  In the tool's frame, the working face points in the
+ * cutting direction, -z, and the shaft points to +z.  Lengths are in picometres; 0 selects the
+ * default.
  *   reamer  domed head with teeth, and a non-cutting hub; the default bounds
  *           are (-18, -18, 0)..(17.4, 18, 20.3) mm
  *   peg     cylinder
@@ -66,8 +67,9 @@ typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_T
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 
 typedef struct ost_tool_options {
-    ost_pm diameter; /* the defaults are 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
-    ost_pm length;   /* the defaults are 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft */
+    ost_pm diameter; /* diameter; the default is 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
+    /* length; the default is 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft */
+    ost_pm length;
     int segments;    /* number of segments around the axis; 0 selects 96 */
     ost_tool_part part;
 } ost_tool_options;

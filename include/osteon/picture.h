@@ -32,42 +32,44 @@ OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **
  * coronal, sagittal; radiological convention, isotropic pixels).
  */
 typedef struct ost_slices_options {
-    /* indices of the voxel; -1 selects the middle of the grid or, if before is not NULL, of the removed voxels */
+    /* indices of the voxel through which the slices pass; -1 selects the middle of the grid or, if `before` is not
+       NULL, of the removed voxels */
     int32_t at[3];
     int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
-    int level, width;     /* level and width of the grey-scale window in HU; 0, 0 selects 400, 1800 */
-    int pixels;           /* number of pixels of the longest side of a slice; 0 selects 480 */
+    /* level and width of the grey-scale window in HU; if both are 0, they are set to 400 and 1800 */
+    int level, width;
+    int pixels;           /* length of the longest side of a slice in pixels; 0 selects 480 */
     bool unoriented;      /* the patient's directions are unknown and are not drawn */
 } ost_slices_options;
 /*
- * Draws the slices.  before may be NULL; voxels that are active in before but not in volume are coloured.  The caller
- * owns *out.
+ * Draws the slices.  `before` may be NULL; otherwise, voxels that are active in `before` but not in `volume` are
+ * coloured.  The caller owns *out.
  */
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
                                       const ost_slices_options *options, ost_picture *out, ost_error *err);
 
 /*
- * Options of ost_picture_view.  The angle of view is 45 degrees; lengths are to scale in the plane
- * through the centre of the view.
+ * Options of ost_picture_view.  The angle of view is 45 degrees.  The scale bar applies to the plane through the centre
+ * of the view.
  */
 typedef struct ost_view_options {
     /* direction of view, from the eye into the scene, in the bone's frame; 0 0 0 selects posterior (0 1 0) in LPS */
     double direction[3];
     double up[3];         /* upward direction in the bone's frame; 0 0 0 selects superior (0 0 1) */
     int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
-    int width, height;    /* size of the picture in pixels; 0, 0 selects 800, 800 */
+    int width, height;    /* size of the picture in pixels; if both are 0, they are set to 800 */
     double centre_mm[3];  /* centre of the view, used if extent_mm > 0 */
     /* height of the view in the plane through the centre; with 0, the view shows the complete bone */
     double extent_mm;
-    bool tool;            /* the volume is a tool and is drawn as steel */
+    bool tool;            /* true if the volume is a tool, which is drawn as steel */
     bool unoriented;      /* the patient's directions are unknown and are not drawn */
-    bool no_legend;       /* legend, scale and directions are not drawn */
+    bool no_legend;       /* if true, the legend, the scale bar and the patient's directions are not drawn */
     int threads;          /* number of threads; 0 selects one for each processor */
 } ost_view_options;
 /*
  * Draws a view of the active voxels, as osteon render does (render.h), with a scale bar and the patient's directions.
- * The voxels must be cubes.  If before is not NULL, the newly exposed surface is coloured by its depth below the
- * surface of before, and a legend is drawn.  The caller owns *out.
+ * The voxels must be cubes.  If `before` is not NULL, the newly exposed surface is coloured by its depth below the
+ * surface of the `before` volume, and a legend is drawn.  The caller owns *out.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

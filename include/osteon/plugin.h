@@ -15,12 +15,12 @@
  * defines the results of the stages; the names of its rules begin with AR-.
  * examples/plugin contains a complete plugin, in C and in OpenCL.
  *
- * Binary interface.  OST_PLUGIN_ABI is the number of the interface; the host
- * rejects a table with another number.  Every struct begins with its size in
- * bytes, as defined by the version of the program that writes the struct.  Later
- * versions only add members at the end, so a reader accesses a member only if
- * size includes the member.  All integers are little-endian and naturally aligned
- * (LP64).  Structs in arrays are `stride` bytes apart.
+ * Binary interface.  OST_PLUGIN_ABI is the version number of the interface; the host rejects a
+ * table with a different number.  Every struct begins with its size in bytes, as defined by the
+ * version of the program that writes the struct.  Later versions only add members at the end.  Code
+ * that reads a struct accesses a member only if the struct's `size` includes the member.  All
+ * integers are little-endian and naturally aligned (LP64).  Consecutive structs in an array are
+ * `stride` bytes apart.
  *
  * Threads.  The host makes one call at a time to an instance and its objects, but
  * not always on the same thread.  A plugin may create threads; they must not call
@@ -64,7 +64,7 @@ typedef enum ost_plugin_status {
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
     OST_PLUGIN_RANGE = 2,       /* a value is beyond the limits of this plugin */
     OST_PLUGIN_MEMORY = 3,
-    /* the device does not exist or was not built in; the error text states what to install */
+    /* the device does not exist, or support for it was not built in; the error text states what to install */
     OST_PLUGIN_UNAVAILABLE = 4,
     OST_PLUGIN_FAILED = 5,      /* any other failure; no object has changed */
     OST_PLUGIN_LOST = 6         /* the content of the object is unknown from now on */
@@ -105,7 +105,7 @@ typedef struct ost_plugin_sample { /* the layout of this struct and its size of 
 /* A batch of samples. */
 typedef struct ost_plugin_samples {
     uint32_t size;
-    int32_t duplicates; /* rule for several samples of a voxel: 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
+    int32_t duplicates; /* rule if a voxel has several samples: 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
     uint64_t count;
     int64_t first_line;
     const ost_plugin_sample *sample;
@@ -181,9 +181,9 @@ typedef struct ost_plugin_event {
 } ost_plugin_event;
 
 /*
- * A mesh as read from a file, which is the input of the slot snap.  This struct and the three
- * structs below are inputs and results of the steps that precede the work on voxels.  They are for
- * plugins that execute these steps themselves (slots snap and steps).
+ * A mesh as read from a file, which is the input of the `snap` slot.  This struct and the three
+ * structs below are inputs and results of the steps that precede the work on voxels.  They are used
+ * by plugins that execute these steps themselves, in the `snap` and `steps` slots.
  */
 typedef struct ost_plugin_raw_mesh {
     uint32_t size;
@@ -197,9 +197,9 @@ typedef struct ost_plugin_raw_mesh {
 typedef struct ost_plugin_snapped {
     uint32_t size;
     int32_t fraction_bits;
-    uint64_t triangle_count; /* number of triangles that are not dropped */
-    int32_t *vertices;       /* space for all vertices, zero-filled */
-    uint32_t *triangles;     /* space for all triangles */
+    uint64_t triangle_count; /* number of triangles that were not dropped */
+    int32_t *vertices;       /* zero-filled memory for all vertices */
+    uint32_t *triangles;     /* memory for all triangles */
 } ost_plugin_snapped;
 
 /* A pose: quaternion and translation (AR-POSE). */
@@ -210,9 +210,9 @@ typedef struct ost_plugin_pose {
 } ost_plugin_pose;
 
 /*
- * The input of the slot steps.  The host reads the members divisor, origin, column and step of each
- * map that is passed to add.  From these members, the host's function block_base computes the base
- * of a block.
+ * The input of the `steps` slot.  Of each map that is passed to `add`, the host reads the members
+ * `divisor`, `origin`, `column` and `step`.  From these members, the host's function block_base
+ * computes the base of a block.
  */
 typedef struct ost_plugin_steps {
     uint32_t size;
@@ -223,15 +223,15 @@ typedef struct ost_plugin_steps {
     const ost_plugin_pose *to;
     void *sink;
     /*
-     * Receives a pose and its map. If add does not return OST_PLUGIN_OK, the slot stops and returns the value that add
-     * returned.
+     * Receives a pose and its map. If `add` does not return OST_PLUGIN_OK, the slot stops and returns the value that
+     * `add` returned.
      */
     int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map);
 } ost_plugin_steps;
 
 /*
- * The report of an event.  The slot calls add once for each chunk with a removed voxel, in ascending
- * order of the chunk numbers, and then sets touched_voxels.
+ * The report of an event.  The slot calls `add` once for each chunk with a removed voxel, in ascending order of chunk
+ * numbers, and then sets `touched_voxels`.
  */
 typedef struct ost_plugin_report {
     uint32_t size;
@@ -239,8 +239,8 @@ typedef struct ost_plugin_report {
     void *sink;
     /*
      * Receives the counts of one chunk. voxels contains class_count counts, and density contains
-     * class_count sums. If add does not return OST_PLUGIN_OK, the slot stops and returns the value
-     * that add returned.
+     * class_count sums. If `add` does not return OST_PLUGIN_OK, the slot stops and returns the
+     * value that `add` returned.
      */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
     uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
@@ -254,8 +254,8 @@ typedef struct ost_plugin_bone_stats {
 } ost_plugin_bone_stats;
 
 /*
- * The rule of resampling from the rect grid to the cubic grid (AR-CUB-2 to 4). The enumeration exists since version 2
- * of the interface.
+ * The rule by which the rect grid is resampled to the cubic grid (AR-CUB-2 to 4). The enumeration was added in version
+ * 2 of the interface.
  */
 typedef enum ost_plugin_resample {
     OST_PLUGIN_LINEAR = 0,
@@ -285,7 +285,7 @@ typedef struct ost_plugin_host {
 typedef struct ost_plugin_instance ost_plugin_instance;
 typedef struct ost_plugin_grid ost_plugin_grid; /* a dense int16 grid */
 typedef struct ost_plugin_bone ost_plugin_bone; /* a chunk grid */
-typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 void, 1 cutting, 2 not cutting */
+typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 empty, 1 cutting, 2 not cutting */
 
 /*
  * The table of a plugin. Only the last two slots may be NULL. Before a call, the host checks that
@@ -304,8 +304,7 @@ typedef struct ost_plugin {
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
     /*
-     * Waits until all work is complete. Returns the status of any work that failed after the slot that started it had
-     * returned.
+     * Waits until all work is complete. If work failed after the slot that started it had returned, returns the error.
      */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
@@ -329,7 +328,8 @@ typedef struct ost_plugin {
                                ost_plugin_bone **out, ost_plugin_error *error);
 
     /*
-     * A new bone has no active voxels. An upload sets densities below the threshold to 0. The slices have no padding.
+     * A new bone has no active voxels. An upload to a bone sets densities below the threshold to 0. The slices have no
+     * padding.
      */
     int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
                            int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
@@ -353,8 +353,8 @@ typedef struct ost_plugin {
     void (*tool_free)(ost_plugin_tool *tool);
 
     /*
-     * Executes an event (AR-REM; Algs. 2.8 to 2.10). collide makes the same report as remove, but does not change the
-     * bone.
+     * Executes an event (AR-REM; Algs. 2.8 to 2.10). `collide` makes the same report as `remove`, but does not change
+     * the bone.
      */
     int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
                       ost_plugin_report *report, ost_plugin_error *error);
@@ -366,8 +366,8 @@ typedef struct ost_plugin {
      * these steps itself sets the slots. If a slot is NULL or beyond the size of the table, the
      * host executes the step and passes the results to the plugin. `osteon validate` calls these
      * slots in every case and compares their results bit by bit with the results of the host
-     * (stages snap and steps). The verdict of `osteon validate` states which of the two steps the
-     * plugin executed itself.
+     * (stages `snap` and `steps`). The verdict of `osteon validate` states which of these two steps
+     * the plugin executed itself.
      */
     /*
      * Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes the result to *made. The triangles that are not dropped remain in
@@ -383,8 +383,8 @@ typedef struct ost_plugin {
 } ost_plugin;
 
 /*
- * The type of the symbol that the host loads. host_abi is the OST_PLUGIN_ABI of the host. Returns the
- * table, or NULL if the plugin does not support this interface.
+ * The type of the symbol that the host loads. The parameter host_abi is the host's OST_PLUGIN_ABI. Returns the table,
+ * or NULL if the plugin does not support this interface.
  */
 typedef const ost_plugin *ost_plugin_entry_function(uint32_t host_abi);
 #define OST_PLUGIN_ENTRY "ost_plugin_entry"

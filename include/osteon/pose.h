@@ -38,9 +38,9 @@ typedef struct ost_pose {
 OST_API ost_pose ost_pose_identity(void);
 
 /*
- * Converts t_mm = x, y, z in millimetres and q = w, x, y, z to a pose. For each double, the shortest decimal
- * that reads back as this double is quantised. Returns OST_ERR_RANGE if a number is NaN or out of range, or if
- * the length of q is not near 1.
+ * Converts t_mm = x, y, z in millimetres and q = w, x, y, z to a pose. Each double is replaced by the shortest
+ * decimal that reads back as this double, and then quantised. Returns OST_ERR_RANGE if a number is NaN or out
+ * of range, or if the length of q is not near 1.
  */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
@@ -55,9 +55,9 @@ OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);
 OST_API void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4]);
 
 /*
- * Computes the quaternion w, x, y, z of the rotation matrix with these columns.  Used
- * for devices and cameras that provide matrices.  The columns must be orthonormal;
- * otherwise the length of the quaternion is not 1.
+ * Computes the quaternion w, x, y, z of the rotation matrix with these columns.  Used for devices
+ * and cameras that provide matrices.  The columns must be orthonormal; otherwise the quaternion
+ * does not have length 1.
  */
 OST_API void ost_quaternion_of_columns(const double columns[3][3], double q[4]);
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Voxels drawn as ray-box points (Majercik et al. 2018; thesis 2.6) on the CPU,
- * without a display or a graphics driver.  The picture is bit-identical for every
- * instruction set and number of threads.
+ * Draws voxels as ray-box points (Majercik et al. 2018; thesis 2.6) on the CPU, without a display
+ * or a graphics driver.  The picture is bit-identical for every instruction set and number of
+ * threads.
  *
- * Every surface voxel is a point that covers a small rectangle of pixels.  A
- * voxel is a candidate for a pixel of its rectangle if the ray of the pixel meets
- * the box of the voxel; the pixel shows the nearest candidate.  Nothing here
- * affects the removal of voxels.
+ * Every surface voxel is a point that covers a small rectangle of pixels.  A voxel is a candidate
+ * for a pixel of its rectangle if the pixel's ray intersects the voxel's box; the pixel shows the
+ * nearest candidate.  Nothing here affects the removal of voxels.
  */
 #ifndef OSTEON_RENDER_H
 #define OSTEON_RENDER_H
@@ -37,8 +36,8 @@ typedef struct ost_camera {
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
 /*
- * Sets camera->pose to a camera at position from_mm that looks at at_mm.  up need
- * not be a unit vector or perpendicular to the view direction.
+ * Sets camera->pose so that the camera is at from_mm and looks at at_mm. up need not be a unit vector or perpendicular
+ * to the view direction.
  */
 OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3],
                                       ost_camera *camera, ost_error *err);
@@ -52,7 +51,8 @@ typedef enum ost_style {
 typedef struct ost_points_options {
     int32_t threshold; /* 0: 120 */
     ost_style style;
-    /* name of a level, as in the environment variable OSTEON_ISA; NULL selects the best level of this machine */
+    /* name of an instruction set level, as in the environment variable OSTEON_ISA; NULL selects the best level of
+       this machine */
     const char *isa;
     int threads;       /* number of threads; 0 selects one for each processor */
 } ost_points_options;

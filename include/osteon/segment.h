@@ -8,8 +8,8 @@
  * is the same on every machine.  ost_import accepts such a label map, or any other label map
  * on the grid of the CT, as a mask (io.h).
  *
- * Threads: the functions have no state and may run on any thread; a volume that is passed
- * as const may be shared.
+ * Threads: the functions have no state and may run on any thread; several threads may read the same
+ * volume.
  */
 #ifndef OSTEON_SEGMENT_H
 #define OSTEON_SEGMENT_H
@@ -37,12 +37,12 @@ enum { OST_SEGMENT_LABELS_MAX = 32767 };
 /* Options of a segmentation. A zero-initialised struct selects the defaults. */
 typedef struct ost_segment_options {
     int32_t threshold;     /* every component contains a voxel of at least this density, 1 to 32767; 0 selects 120 */
-    /* lowest density of the voxels of a component, at most the threshold; 0 selects the threshold */
+    /* lowest density of a component's voxels, at most the threshold; 0 selects the threshold */
     int32_t growth;
     const ost_segment_cut *cuts;
     size_t cut_count;
-    uint64_t min_voxels;   /* components with fewer voxels have no label */
-    bool fill;             /* holes that contain no air are given the label of the surrounding bone */
+    uint64_t min_voxels;   /* components with fewer voxels are not labelled */
+    bool fill;             /* if true, holes that contain no air are given the label of the surrounding bone */
     int32_t air;           /* a hole that contains a voxel below this density is not filled */
     /*
      * 0, or the depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX: a component is divided at a neck whose radius is
@@ -53,8 +53,8 @@ typedef struct ost_segment_options {
 
 /* A component; its label is its index + 1. */
 typedef struct ost_segment {
-    uint64_t voxels;       /* number of voxels, without the filled holes */
-    uint64_t filled;       /* number of voxels of the filled holes */
+    uint64_t voxels;       /* number of voxels, excluding filled holes */
+    uint64_t filled;       /* number of voxels in filled holes */
     ost_voxel_box box;     /* bounds of the component */
     int32_t first[3];      /* first voxel of the component in the order of the grid, x fastest */
 } ost_segment;

@@ -7,10 +7,9 @@
  *                                                                    |
  *   the same ticks, on any backend  <------- ost_session_next <------'
  *
- * A session contains inputs, not voxels: bone and tools are identified by their
- * digests, and executing the same ticks by ost_world_step gives the same grids.  Each
- * tick contains a digest of the results of its step, so that a replay can find the
- * first tick that differs.
+ * A session contains inputs, not voxels: bone and tools are identified by their digests, and
+ * executing the same ticks by ost_world_step produces the same grids.  Each tick contains a digest
+ * of the results of its step, so that a replay can find the first tick that differs.
  *
  * Data is only appended to the file.  If the process is killed or the power fails, at
  * most the last 100 ms are lost.  If the file is damaged, only the affected blocks are
@@ -57,25 +56,25 @@ OST_API void ost_session_header_entry(const ost_session_header *header, int inde
 /* --------------------------------------------------------------- records */
 
 enum {
-    OST_TICK_REMOVAL = 1,   /* the tick executed a removal event */
-    OST_TICK_MET = 2,       /* the boxes of bone and tool intersected */
-    OST_TICK_FORCE = 4,     /* the force was written to the device */
-    OST_TICK_DECLARED = 8,  /* the device had no new pose; the last pose was used */
-    /* the tool was lifted before this tick (path.h); only files use this flag, to store tick.lifted */
+    OST_TICK_REMOVAL = 1,   /* set if the tick executed a removal event */
+    OST_TICK_MET = 2,       /* set if the boxes of bone and tool intersected */
+    OST_TICK_FORCE = 4,     /* set if the force was written to the device */
+    OST_TICK_DECLARED = 8,  /* set if the device had no new pose, so that the last pose was used */
+    /* set if the tool was lifted before this tick (path.h); used only in files, where it stores tick.lifted */
     OST_TICK_LIFTED = 16
 };
 
 typedef struct ost_session_tick {
-    uint64_t number; /* number of the tick, from 0; if a number is missing, the tick was lost */
+    uint64_t number; /* number of the tick, counted from 0; if a number is missing, the record of the tick was lost */
     ost_tick tick;   /* the input of the world */
     uint32_t flags, buttons;
     /* The results of the step. */
     uint64_t digest;         /* ost_step_digest (sim.h) */
-    uint32_t removed, touched; /* numbers of voxels, at most 2^32 - 1 each */
+    uint32_t removed, touched; /* numbers of removed and touched voxels, at most 2^32 - 1 each */
     uint16_t poses;          /* number of poses of the sweep */
-    /* the ost_fault (operation.h) because of which the device receives no force; 0 without a fault */
+    /* the fault, an ost_fault (operation.h), because of which the device receives no force; 0 without a fault */
     uint16_t fault;
-    /* The members below are set only in live operation; otherwise they are zero. */
+    /* The following members are set only in live operation; otherwise they are zero. */
     int32_t force_un[3];     /* force in micronewtons, in the bone's frame */
     int32_t torque_unm[3];   /* torque in micronewton metres about the tool's origin */
     uint32_t wake_ns, exec_ns; /* delay between the due time and the start of the tick; duration of the tick */
@@ -83,7 +82,7 @@ typedef struct ost_session_tick {
 } ost_session_tick;
 
 enum { OST_SESSION_TEXT = 104 };
-/* A line of text with a time, for instance a fault. */
+/* A line of text with a time, for instance the description of a fault. */
 typedef struct ost_session_note {
     int64_t t_ns;
     char text[OST_SESSION_TEXT]; /* one line; truncated if longer */
@@ -99,7 +98,7 @@ typedef struct ost_session_end {
 /* The kind of a record. */
 typedef enum ost_record_kind { OST_RECORD_TICK = 1, OST_RECORD_NOTE = 2, OST_RECORD_END = 3 } ost_record_kind;
 
-/* A record of a session; kind selects the member of as. */
+/* A record of a session; `kind` selects the member of `as`. */
 typedef struct ost_record {
     ost_record_kind kind;
     union {
@@ -116,7 +115,7 @@ typedef struct ost_session_summary {
     uint64_t file_bytes, blocks, records, ticks;
     uint64_t first_tick, last_tick; /* numbers of the first and last tick; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
-    bool ended;                    /* the end record is present */
+    bool ended;                    /* true if the end record is present */
     uint64_t complete_ticks;       /* number of ticks before the first missing tick; these can be replayed */
     /*
      * number of records that were lost because the ring of the recorder had no free slot; the recorder writes this
@@ -126,7 +125,7 @@ typedef struct ost_session_summary {
     uint64_t damaged_bytes;        /* number of damaged bytes before the last valid block */
     uint64_t missing_records;      /* number of records lost because of the damaged bytes */
     uint64_t cut_bytes;            /* number of bytes after the last valid block */
-    bool header_damaged;           /* one of the two copies of the header is damaged */
+    bool header_damaged;           /* true if one of the two copies of the header is damaged */
 } ost_session_summary;
 
 typedef struct ost_session ost_session;
@@ -148,7 +147,7 @@ OST_API const ost_session_summary *ost_session_summary_of(const ost_session *ses
  * record.
  */
 OST_API ost_status ost_session_next(ost_session *session, ost_record *out, bool *more, ost_error *err);
-/* Makes ost_session_next return the first tick again. */
+/* Makes the next call of ost_session_next return the first record again. */
 OST_API void ost_session_rewind(ost_session *session);
 enum { OST_SESSION_MISSING = 512 };
 /* Writes one sentence for each kind of missing data to text, or "" if nothing is missing. Returns text. */
@@ -181,17 +180,16 @@ typedef struct ost_recorder ost_recorder;
 typedef struct ost_recorder_options {
     uint32_t capacity; /* capacity of the ring in records, a power of two; 0: 65536 (65 s at 1 kHz; 8 MB) */
     /*
-     * The file is not synced. If the power fails, more data may be lost. If the process is killed, no more data is
-     * lost.
+     * If true, the file is not synced: more data may be lost if the power fails, but not if the process is killed.
      */
     bool no_sync;
 } ost_recorder_options;
 
 typedef struct ost_recorder_state {
-    uint64_t put, written, lost; /* numbers of records; put does not include lost records */
+    uint64_t put, written, lost; /* numbers of records; `put` does not include lost records */
     uint64_t written_bytes;
-    bool failing;                /* the last attempt to write failed and will be repeated */
-    char reason[160];            /* the reason, if failing */
+    bool failing;                /* true if the last attempt to write failed; the write will be repeated */
+    char reason[160];            /* the reason, if `failing` is true */
 } ost_recorder_state;
 
 /* Creates or replaces the file `path`, writes the header and starts the writer thread. options may be NULL. */

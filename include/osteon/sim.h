@@ -23,11 +23,12 @@ extern "C" {
 typedef struct ost_world ost_world;
 
 typedef struct ost_world_options {
-    bool sweep_off;                /* an event has only one pose, as in the thesis (AR-SWEEP-6) */
-    bool broad_phase_off;          /* every voxel of the bone is tested, as in the definition of removal; for tests */
-    /* 0: every tick is an event; otherwise the first tick of every period is an event (AR-REM-7) */
+    bool sweep_off;                /* if true, an event has only one pose, as in the thesis (AR-SWEEP-6) */
+    /* if true, every voxel of the bone is tested, as in the definition of removal; for tests */
+    bool broad_phase_off;
+    /* with 0, every tick is an event; otherwise, the first tick of every period is an event (AR-REM-7) */
     int64_t removal_period_ns;
-    ost_density_classes classes;   /* a count of 0 selects the default classes */
+    ost_density_classes classes;   /* density classes; a count of 0 selects the default classes */
     /*
      * number of ticks stored for ost_world_failover, up to OST_WORLD_SAVED_TICKS_MAX; with 0, failover is not available
      */
@@ -53,18 +54,20 @@ OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const 
                                       ost_error *err);
 
 /*
- * Allocates the memory for the longest sweep and the largest report of a tick, 1 MB and 104 bytes per chunk, so that
- * later ticks do not allocate.  Should be called before a real-time loop.  A backend reserves its own memory when it is
+ * Allocates the memory for a tick's longest sweep and largest report (1 MB plus 104 bytes per chunk), so that later
+ * ticks do not allocate.  Should be called before a real-time loop.  A backend reserves its own memory when it is
  * opened.
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
-/* The result of a tick: whether it was an event, and what the event can have changed. */
+/* The result of a tick. */
 typedef struct ost_step_result {
-    bool removal;               /* the tick was an event */
-    bool boxes_meet;            /* the oriented boxes of bone and tool intersect in at least one pose of the sweep */
+    bool removal;               /* true if the tick was an event */
+    /* true if the oriented boxes of bone and tool intersect in at least one pose of the sweep */
+    bool boxes_meet;
     int pose_count;             /* number of poses of the sweep; 0 without an event */
-    /* half-open range of chunks that the event can change; empty if the boxes do not intersect */
+    /* first chunk of the half-open range of chunks that the event can change; the range is empty if the boxes do not
+       intersect */
     int32_t chunk_lo[3];
     int32_t chunk_hi[3];
     const ost_removal_report *report;   /* report of the event, valid until the next step; NULL without an event */
@@ -96,10 +99,10 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  *
  *   stored copy --upload--> bone --repeat the later ticks--> state after the last complete tick
  *
- * Requires saved_ticks > 0. Such a world stores in host memory the complete grid of the bone (2 bytes per voxel), the
- * grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes. The bone is copied when the world is
- * created, and before a tick if saved_ticks ticks are stored; the previous copy is freed only after the new copy is
- * complete. Must not be called if the bone was changed other than by ticks of the world.
+ * Requires saved_ticks > 0.  Such a world stores in host memory the complete grid of the bone (2 bytes per voxel), the
+ * grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world is
+ * created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the new
+ * copy is complete.  Must not be called if the bone was changed other than by ticks of the world.
  *
  * The caller owns *bone and the tools, which must outlive the world.  tools is an array of OST_WORLD_TOOLS_MAX
  * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
@@ -160,8 +163,8 @@ typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_si
  */
 OST_API ost_side ost_side_of_axis(const double axis[3]);
 /*
- * Determines the side of a glenoid.  This is the side `stated` or, if stated is OST_SIDE_UNKNOWN, the side that the
- * axis implies.  Returns OST_ERR_INPUT if stated contradicts the axis, and OST_ERR_USAGE if neither stated nor the axis
+ * Determines the side of a glenoid.  The result is `stated` or, if stated is OST_SIDE_UNKNOWN, the side that the axis
+ * implies.  Returns OST_ERR_INPUT if stated contradicts the axis, and OST_ERR_USAGE if neither stated nor the axis
  * determines the side.
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
@@ -201,9 +204,9 @@ OST_API const char *ost_builtin_name(
 
 /*
  * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis, dwell,
- * retreat.  glenoid-press is ost_builtin_press for one minute.  ost_motor_path converts such a path to the ticks of a
- * rotating tool.  tool is the index stored in the ticks; geometry is the grid of the tool, whose working face points to
- * -z.  The caller frees *out.
+ * retreat.  For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.  ost_motor_path
+ * converts such a path to the ticks of a rotating tool.  The parameter tool is the index stored in the ticks; geometry
+ * is the grid of the tool, whose working face points to -z.  The caller frees *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
                                     int32_t tool, ost_path *out, ost_error *err);

@@ -2,10 +2,9 @@
 /*
  * Statuses and error messages.
  *
- * Every function that can fail returns an ost_status and takes an ost_error*
- * as its last argument.  The error contains one line of text for the user: the
- * file, the line or offset, the wrong value, and the expected value.  The
- * ost_error pointer may always be NULL; the text is then lost.
+ * Every function that can fail returns an ost_status and takes an ost_error* as its last argument.
+ * The error contains one line of text for the user: the file, the line or offset, the wrong value,
+ * and the expected value.  The ost_error pointer may always be NULL; the text is then discarded.
  *
  * Threads: an ost_error belongs to its caller; the functions here share no state.
  */
@@ -79,14 +78,14 @@ typedef struct ost_error {
 OST_API const char *ost_status_name(ost_status status);
 /* Returns the general text of the status, for example "bad input"; never NULL. */
 OST_API const char *ost_status_text(ost_status status);
-/* Returns the exit status of the command for this status: 0, 1, 2 or 3. */
+/* Returns the exit status of the `osteon` command for this status: 0, 1, 2 or 3. */
 OST_API int ost_status_exit(ost_status status);
 
 /*
- * Writes the status and the text to err, unless err is NULL, and returns status, so that
- * a failing function ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`.
- * Characters that would break the line or control a terminal (control and direction
- * characters, bytes that are not UTF-8) are replaced by '?'.
+ * Writes the status and the text to err, unless err is NULL, and returns status, so that a failing
+ * function ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`. Characters
+ * that would break the line or control a terminal (control and direction characters, bytes that are
+ * not valid UTF-8) are replaced by '?'.
  */
 OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...) OST_PRINTF(3, 4);
 

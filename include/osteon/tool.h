@@ -2,7 +2,7 @@
 /*
  * A tool grid on the host: one uint8 per voxel, x fastest.
  *
- *   0 void   1 cutting   2 not cutting (touches, but removes nothing)
+ *   0 empty  1 cutting   2 not cutting (touches, but removes nothing)
  *
  * Voxel (i, j, k) has its centre at corner + (i + 1/2, j + 1/2, k + 1/2) * voxel
  * in the tool's frame, which is the frame of the mesh file.
@@ -27,7 +27,7 @@ typedef struct ost_tool_volume {
     uint8_t *voxels; /* owned; ost_dims_count(geometry.dims) elements */
 } ost_tool_volume;
 
-/* Allocates a tool grid filled with zeros (void). */
+/* Allocates a tool grid filled with zeros, so that all voxels are empty. */
 OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
 /* Frees the voxels of a tool volume, which is then empty. */
 OST_API void ost_tool_volume_free(ost_tool_volume *tool);
