@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The interface to the backends: their list, the selection of a backend by a string,
- * and the check of all arguments before a call through the function table.
+ * Implements the interface to the backends: lists the backends, selects a backend by a string, and checks all arguments
+ * before it calls a slot of the function table.
  */
 #include "core/backend.h"
 

@@ -6,16 +6,16 @@
  * arguments and then call through this table.
  *
  * Rules for implementers
- *   - Only the last two slots may be NULL; a slot of an unsupported operation returns
- *     OST_ERR_UNAVAILABLE.  (A backend that can never be opened in this build sets only
- *     the slots up to open.)
+ *   - Only the last two slots may be NULL; the slot of an unsupported operation returns
+ *     OST_ERR_UNAVAILABLE. (A backend that can never be opened in this build sets only the slots up
+ *     to open.)
  *   - Objects embed the structs below as their first member; the backend fills them,
  *     except ost_backend.ops, which ost_backend_open sets.
  *   - Arguments have been checked; a slot may assert, but does not check again.
  *   - Only one thread at a time calls the slots of a backend.
- *   - A slot that fails leaves the object unchanged, or the object is lost: all calls
- *     with a lost object, except free and geometry, return OST_ERR_UNAVAILABLE.
- *   - If the comment of a slot says "bit-exact", its results are exactly those that
+ *   - If a slot fails, the object is either unchanged or lost.  All calls with a lost object,
+ *     except `free` and `geometry`, return OST_ERR_UNAVAILABLE.
+ *   - If a slot's comment says "bit-exact", the slot's results are exactly those that
  *     docs/spec/arithmetic.md defines.
  */
 #ifndef OST_CORE_BACKEND_H
@@ -53,16 +53,17 @@ struct ost_backend_ops {
     const char *description;
 
     /*
-     * Returns true if open can succeed on this machine, according to a cheap check. Otherwise writes the reason, at
-     * most size bytes, to reason, which is never NULL.
+     * Returns true if, according to a cheap check, `open` can succeed on this machine. Otherwise writes at most `size`
+     * bytes of text to `reason`, which is never NULL.
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Visits every device, with the reason if the device cannot be used. Visits no device if the
-     * backend has no choice of devices. This slot is slow, because it tests the devices.
+     * Visits every device. If a device cannot be used, the reason is passed too. Visits no device if the backend has no
+     * choice of devices. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
-    /* Opens a backend. options is the text after "name:", or "". Sets *out; (*out)->ops need not be set. */
+    /* Opens a backend. options is the text after "name:", or "". Sets *out, except (*out)->ops, which the caller
+       sets. */
     ost_status (*open)(const char *options, ost_backend **out, ost_error *err);
     void (*close)(ost_backend *backend);
     ost_backend_settings (*settings)(const ost_backend *backend);
@@ -102,7 +103,7 @@ struct ost_backend_ops {
     /*
      * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. Used in ticks, so
      * this slot allocates no memory and waits for no other thread; if the voxels are on a device, the slot waits for
-     * the device. Returns OST_ERR_UNAVAILABLE if the backend can read voxels only by slices.
+     * the device. Returns OST_ERR_UNAVAILABLE if the backend can read only slices.
      */
     ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                  ost_error *err);
@@ -157,12 +158,12 @@ extern const ost_backend_ops ost_backend_cpu;
 extern const ost_backend_ops ost_backend_cl;
 extern const ost_backend_ops ost_backend_plugin;
 
-/* Implements the slot `devices` for a backend that has no choice of devices. */
+/* Implements the `devices` slot for a backend that has no choice of devices. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
-/* Implements the slot `bone_sample` for a backend whose voxels are not in host memory. */
+/* Implements the `bone_sample` slot for a backend whose voxels are not in host memory. */
 ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                          ost_error *err);
-/* Implements the slot `bone_occupancy` for a backend that can read voxels only by slices. */
+/* Implements the `bone_occupancy` slot for a backend that can read only slices. */
 ost_status ost_no_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words, ost_error *err);
 
 #endif

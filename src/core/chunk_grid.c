@@ -107,7 +107,7 @@ static ost_chunk *chunk_at(const ost_chunk_grid *grid, int32_t cx, int32_t cy, i
     return &grid->chunks[cx + (int64_t)grid->chunk_dims.x * (cy + (int64_t)grid->chunk_dims.y * cz)];
 }
 
-/* Returns the offset of row (y, z) of the grid in a slab that begins at slice z0. */
+/* Returns the offset of the grid's row (y, z) in a slab that begins at slice z0. */
 static size_t slab_row(const ost_chunk_grid *grid, int32_t y, int32_t z, int32_t z0)
 {
     return ((size_t)(z - z0) * (size_t)grid->dims.y + (size_t)y) * (size_t)grid->dims.x;
@@ -213,8 +213,8 @@ bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxe
     int32_t n = grid->size;
     int32_t first[3] = {leaf.x * OST_LEAF, leaf.y * OST_LEAF, leaf.z * OST_LEAF};
     /*
-     * A leaf consists of (32/n)^3 complete chunks or, if n is 64, of an eighth of a chunk.  part is the edge length of
-     * the intersection of leaf and chunk.
+     * A leaf consists of (32/n)^3 complete chunks or, if n is 64, of an eighth of a chunk. The variable part is the
+     * edge length of the intersection of a leaf and a chunk.
      */
     int32_t part = min32(n, OST_LEAF);
     bool found = false;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The chunk grid on the host (thesis, chapter 3): a bone divided into cubes
- * (chunks) of n^3 voxels, n = 16, 32 or 64.  Only chunks with an active voxel
- * have memory.
+ * The chunk grid on the host (thesis, chapter 3): a bone divided into cubes (chunks) of n^3 voxels,
+ * n = 16, 32 or 64. Memory is allocated only for chunks with an active voxel.
  *
  *     chunk grid          a chunk                     one row of occupancy, n = 32
  *   +----+----+----+      densities  int16[n^3]         bit  0             31

@@ -4,10 +4,10 @@
  *
  *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *
- * The first 18 significant digits form the mantissa, and the next 18 digits the tail,
- * in units of 10^-18 of the mantissa's last digit; a tail with the single digit 5 is
- * 5 * 10^17.  Any later digit that is not 0 sets `more`.  Leading zeros are not
- * significant; trailing zeros after the point are counted in `places`.
+ * The first 18 significant digits form the mantissa, and the next 18 digits the tail, in units of
+ * 10^-18 of the mantissa's last digit; a tail that consists of the single digit 5 has the value 5 *
+ * 10^17.  Any later digit that is not 0 sets `more`.  Leading zeros are not significant; trailing
+ * zeros after the point are counted in `places`.
  *
  * Scaling divides once, exactly, in 128 bits.  With e = -exponent >= 0:
  *
@@ -15,8 +15,8 @@
  *   value * factor * 10^e = (|mantissa| * factor + a) + (b + more) / 10^18
  *   |mantissa| * factor + a = q * 10^e + r              < 2^60 * 2^64 + 2^64 < 2^125
  *
- * q is the floor.  Whether q is rounded up depends on the comparison of r with
- * 10^e / 2, and, if both are equal, on b and `more`.
+ * q is the floor.  q is rounded up if r is greater than 10^e / 2.  If both are equal, b and `more`
+ * determine whether q is rounded up.
  */
 #include "core/conditions.h"
 
@@ -33,8 +33,8 @@ static bool is_digit(const char *p, const char *end)
 }
 
 /*
- * Reads e[+-]digits at p into *exponent. Returns a pointer to the byte after the exponent, p if
- * there is no exponent, or NULL if the magnitude of the exponent is too great.
+ * Reads e[+-]digits at p into *exponent. Returns a pointer to the byte after the exponent, p if there is no exponent,
+ * or NULL if the magnitude of the exponent is too large.
  */
 static const char *read_exponent(const char *p, const char *end, int32_t *exponent)
 {
@@ -59,8 +59,8 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
 
 /*
  * Limits a count of digits to half of the range of int32. Readers limit the length of lines, so the
- * counts that they pass are far smaller. For a longer text, the limited count gives a value that is
- * out of range.
+ * counts that they pass are far smaller. With a longer text, the limited count results in a value
+ * that is out of range.
  */
 static int32_t saturated(int64_t count)
 {
@@ -114,8 +114,8 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 }
 
 /*
- * Returns true if RHE rounds the quotient up. The fraction of the quotient is the sum of remainder / ten_to_e, of
- * beyond in units of 10^-18 / ten_to_e, and of a smaller positive part if more is set.
+ * Returns true if RHE rounds the quotient up. The fractional part of the quotient is (remainder + beyond * 10^-18) /
+ * ten_to_e, plus a smaller positive number if `more` is true.
  */
 static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes exact quotients of many numbers by one divisor with a single division: each
- * quotient is estimated by a reciprocal and, according to the remainder, corrected by
- * at most one.
+ * Computes the exact quotients of many numbers and one divisor with a single division, which
+ * computes a reciprocal. Each quotient is estimated by a multiplication with the reciprocal. The
+ * remainder shows whether the estimate must be corrected, by at most one.
  *
  * With D the divisor, s such that d = floor(D / 2^s) is in [2^61, 2^62) (for
  * s < 0: d = D 2^-s), and I = floor(2^124 / (d + 1)), which is in [2^62, 2^63):

@@ -65,15 +65,16 @@ static ost_status open_at(int folder, const char *path, bool follow, ost_file *o
     if (folder == AT_FDCWD && strcmp(path, "-") == 0)
         return ost_fail(err, OST_ERR_IO, "-: standard input is not read here; save it to a file first");
     /*
-     * The type is checked before the file is opened, because an open can have side effects: it may
-     * change the state of a device, and it unblocks the writer of a pipe.
+     * The type is checked before the file is opened, because opening a file can have side effects: it may change the
+     * state of a device, and it unblocks the writer of a pipe.
      */
     if (fstatat(folder, path, &info, follow ? 0 : AT_SYMLINK_NOFOLLOW) != 0)
         return cannot_open(path, out, err);
     ost_status status = check_type(path, &info, err);
     if (status != OST_OK)
         return status;
-    /* The name may refer to another file now. Therefore the open must not block, and the type is checked again. */
+    /* By now, the name may refer to a different file. Therefore openat must not block, and the type is checked
+       again. */
     const int fd = openat(folder, path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | (follow ? 0 : O_NOFOLLOW));
     if (fd < 0)
         return cannot_open(path, out, err);

@@ -9,10 +9,10 @@
  * if the shell redirects it from a regular file.  A verb that accepts a pipe as its
  * input passes the name to ost_file_spool first, which copies the pipe to a file.
  *
- * A failure says nothing about the content of a file.  Three outcomes are
- * therefore distinct: the file is absent, the file cannot be read (no
- * descriptor, no memory, no permission, not a regular file, an I/O error), or
- * the file was read and the caller can examine its bytes.
+ * A failure to read a file must not be mistaken for a statement about the file's content.  Three
+ * outcomes are therefore distinguished: the file is absent, the file cannot be read (no descriptor,
+ * no memory, no permission, not a regular file, an I/O error), or the file was read and the caller
+ * can examine its bytes.
  */
 #ifndef OST_CORE_FILE_H
 #define OST_CORE_FILE_H
@@ -27,7 +27,7 @@
 typedef struct ost_file {
     int fd;       /* file descriptor, close-on-exec and blocking; -1 after a failure */
     int64_t size; /* size in bytes at the time of opening */
-    bool absent;  /* after a failure: true if no file has this name */
+    bool absent;  /* after a failure: true if there is no file with this name */
 } ost_file;
 
 /*

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sets the floating-point state to the initial state of a process, and restores the
- * caller's state afterwards.  Used by code whose results must not depend on the state
- * of the caller (rounding, traps, flushing of denormals) and that must not change it:
+ * Sets the floating-point state to the initial state of a process, and restores the caller's state
+ * afterwards.  Used by code whose results must not depend on the caller's state (rounding mode,
+ * traps, flushing of denormals) and that must not change this state:
  *
  *   const ost_floats caller = ost_floats_enter();
  *   ...
  *   ost_floats_leave(caller);
  *
- * Each computing thread must call both functions, because OpenMP threads inherit the
- * state of the thread that started them.  Traps must be off, because vector code also
- * divides in lanes whose results are not used, where the divisor may be zero.
+ * Each computing thread must call both functions, because OpenMP threads inherit the state of the
+ * thread that started them.  Traps must be off, because vector code also divides in lanes whose
+ * results are not used, and in these lanes the divisor may be zero.
  */
 #ifndef OST_CORE_FLOATS_H
 #define OST_CORE_FLOATS_H

@@ -19,7 +19,7 @@ const char *ost_isa_name(ost_isa isa)
 
 enum {
     LEAF1_C = 1 << 23 | 1 << 28,                   /* POPCNT, AVX */
-    OSXSAVE = 1 << 27,                             /* leaf 1, register C: XGETBV may be executed */
+    OSXSAVE = 1 << 27,                             /* leaf 1, ECX: XGETBV may be executed */
     EXTENDED1_C = 1 << 5,                          /* LZCNT */
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */

@@ -6,9 +6,9 @@
  *   allowed   --  detected, and not above the level requested by the "isa=" option of a backend
  *                 or, without this option, by the environment variable OSTEON_ISA
  *
- * A level is named after the instruction sets that it requires; an x86 level includes
- * the lower levels.  Code of a level runs only if the level is allowed, so that no
- * illegal instruction is executed, however the program was built.
+ * A level is named after the instruction sets that it requires; an x86 level includes the lower
+ * levels.  The code for a level is executed only if the level is allowed.  Therefore no illegal
+ * instruction is executed, however the program was built.
  */
 #ifndef OST_CORE_ISA_H
 #define OST_CORE_ISA_H
@@ -47,12 +47,12 @@ typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
     uint32_t leaf7_b, leaf7_c;
     uint32_t extended1_c; /* leaf 0x80000001 */
-    uint32_t xcr0;        /* registers saved by the operating system */
+    uint32_t xcr0;        /* mask of the register sets that the operating system saves */
 } ost_isa_cpuid;
 
 /*
- * Returns the highest x86 level that a machine with these features can run. A level requires that the
- * operating system saves its registers.
+ * Returns the highest x86 level that a machine with these features can run. A level also requires that the operating
+ * system saves the registers of that level.
  */
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 

@@ -2,8 +2,8 @@
 /*
  * A stream that writes into memory and reports each failed allocation.
  *
- * open_memstream is not suitable. In glibc (at least up to 2.41), if its buffer cannot grow, it drops a byte without
- * setting the error flag of the stream, and fclose returns 0 with a NULL buffer.
+ * open_memstream is not suitable. In glibc (at least up to 2.41), a stream whose buffer cannot grow drops a byte
+ * without setting its error flag, and fclose then returns 0 with a NULL buffer.
  */
 #ifndef OST_CORE_MEMORY_STREAM_H
 #define OST_CORE_MEMORY_STREAM_H
@@ -13,7 +13,7 @@
 #include <stdio.h>
 
 typedef struct ost_memory_stream {
-    char *bytes;           /* followed by a NUL that is not counted in size */
+    char *bytes;           /* written bytes, followed by a NUL that is not counted in `size` */
     size_t size, capacity; /* valid after the stream is closed */
 } ost_memory_stream;
 

@@ -31,7 +31,8 @@ double ost_mesh_volume_mm3(const ost_mesh *mesh)
 
 /* ------------------------------------------------------------ open edges */
 
-/* A directed edge between welded vertices, low < high. The sign is +1 if the edge is directed from low to high. */
+/* A directed edge between two welded vertices, low < high. The sign is +1 if the edge is directed from low to high,
+   and otherwise -1. */
 typedef struct edge {
     uint32_t low, high;
     int32_t sign;

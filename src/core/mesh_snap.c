@@ -4,9 +4,9 @@
  *
  *   v = RHE((p - corner) * 2^f / s),   0 <= v <= dims * 2^f <= 2^20
  *
- * f is the greatest number of fraction bits, at most 10, for which the longest axis
- * fits 2^20: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a
- * tool).  The centre of a voxel, (i + 1/2) 2^f, is therefore always a lattice point.
+ * f is the greatest number of fraction bits, at most 10, with which the longest axis has at most
+ * 2^20 lattice units: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a tool).  The
+ * centre of a voxel, (i + 1/2) 2^f, is therefore always a lattice point.
  *
  * Triangles whose snapped cross product is zero have no area and no effect; they
  * are dropped and counted.  The order of the other triangles does not change.  The
@@ -69,8 +69,8 @@ static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
 }
 
 /*
- * Snaps the vertices of all triangles. A vertex is snapped at each use, which is faster than marking the
- * snapped vertices.
+ * Snaps the vertices of all triangles. A vertex is snapped for each triangle that uses it, which is faster than
+ * recording which vertices are already snapped.
  */
 static ost_status snap_vertices(const ost_mesh *mesh, ost_snapped_mesh *out, ost_error *err)
 {

@@ -6,8 +6,8 @@
  *   k = floor(4096 phase / turn)                  a step of 0.088 degrees
  *   q_tool = q_hand * (C_k, 0, 0, -S_k)           each component RHE by 2^30
  *
- * C_k = RHE(2^30 cos(pi k / 4096)) and S_k = RHE(2^30 sin(pi k / 4096)) are read from a
- * table of the sines of a quarter circle; the second quarter is its mirror image.
+ * C_k = RHE(2^30 cos(pi k / 4096)) and S_k = RHE(2^30 sin(pi k / 4096)) are read from a table of
+ * sines for angles up to 90 degrees. The values for angles up to 180 degrees follow by symmetry.
  */
 #include <osteon/event.h>
 #include <osteon/motor.h>
@@ -65,7 +65,8 @@ double ost_motor_angle(const ost_motor *motor)
     return -6.283185307179586 / STEPS * (double)(motor->phase * STEPS / OST_MOTOR_TURN);
 }
 
-/* Returns the time between two ticks in ns. Time increases, so the difference is correct modulo 2^64. */
+/* Returns the time between two ticks in ns. `to` is later than `from`, so the difference modulo 2^64 is the exact
+   result. */
 static uint64_t since(int64_t from, int64_t to)
 {
     return (uint64_t)to - (uint64_t)from;
@@ -91,8 +92,8 @@ void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm)
 /* -------------------------------------------------------------------- paths */
 
 /*
- * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. For a number
- * above OST_MOTOR_PARTS_MAX, the result is OST_MOTOR_PARTS_MAX + 1.
+ * Returns the number of ticks into which a row is divided (AR-MOTOR-7), at least 1. If the number exceeds
+ * OST_MOTOR_PARTS_MAX, returns OST_MOTOR_PARTS_MAX + 1.
  */
 static int64_t parts_of(const ost_tick *before, const ost_tick *row, int32_t rpm)
 {
@@ -129,8 +130,8 @@ static int64_t root(int64_t n)
 }
 
 /*
- * Returns pose j of the `parts` poses of the hand between two rows, renormalised to unit length. A component is below
- * 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
+ * Returns hand pose j of the `parts` interpolated poses between two rows, renormalised to unit length. A component is
+ * below 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
  */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int parts)
 {

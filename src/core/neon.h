@@ -6,7 +6,7 @@
  *
  *   ff 00 ff 00 00 00 00 ff  &  01 02 04 08 10 20 40 80  =  01 00 04 00 00 00 00 80  ->  85
  *
- * There are no carries, because the bits of the eight bytes are different.
+ * The additions produce no carries, because each byte has a different bit.
  */
 #ifndef OST_CORE_NEON_H
 #define OST_CORE_NEON_H

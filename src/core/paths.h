@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The paths of an open backend that compute voxels, each with the number of times it
- * was entered since the backend was opened.  From these counts, a campaign lists the
- * paths that were not executed.
+ * The paths of an open backend that compute voxels, each with the number of times it was entered
+ * since the backend was opened.  A campaign uses these counts to list the paths that were not
+ * executed.
  *
  *   kernel ost_remove                     312
  *   download of a bone in several parts     0     not entered
@@ -24,7 +24,7 @@ typedef void ost_path_visit(void *user, const char *path, uint64_t entered);
 /* Visits every path of the backend in a fixed order. Visits no path if the backend does not count paths. */
 void ost_backend_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* Implements the slot `paths` for a backend that does not count paths. */
+/* Implements the `paths` slot for a backend that does not count paths. */
 void ost_no_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <osteon/pose.h>
 
-#include <math.h> /* for sqrt, which is used only for a message */
+#include <math.h> /* for sqrt, which is used only to format a message */
 #include <stdlib.h>
 
 #include "core/integer.h"
@@ -40,7 +40,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true if a component fits int32, which is the case for all components up to 1.001 * 2^30. */
+/* Returns true if a component fits int32, as all components up to 1.001 * 2^30 do. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;

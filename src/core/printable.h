@@ -25,8 +25,7 @@
 int32_t ost_code_point(const char *text, size_t *bytes);
 
 /*
- * Returns true if a terminal only displays the code point, that is, if the code point is not in the list at the top of
- * this file.
+ * Returns true if the code point is not in the list at the top of this file, that is, if a terminal only displays it.
  */
 int ost_code_point_is_printable(int32_t code);
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rotation of a pose as exact integers (AR-POSE-4): R = M / N, where M is the
- * matrix of products of the quaternion's components and N is the sum of their
- * squares.  There is no rounding, so quarter turns are exact: q = (c, 0, 0, c)
- * gives N = 2c^2, and the entries of M are 0 and +-2c^2.
+ * The rotation of a pose as exact integers (AR-POSE-4): R = M / N, where M is the matrix of
+ * products of the quaternion's components and N is the sum of their squares.  Nothing is rounded,
+ * so rotations by 90 degrees are exact: q = (c, 0, 0, c) gives N = 2c^2, and the entries of M are 0
+ * and +-2c^2.
  *
  * Ranges: a component of a pose that was read is at most 1.001 * 2^30 + 1.
- * ost_rotation_fits checks a slightly weaker bound, 2^30 + 2^21.  Each product is
- * then below 2^60.01.  N and twice every sum of two products are below 2^62.01, so all
- * of them fit int64.  N is checked afterwards.
+ * ost_rotation_fits checks a slightly weaker bound, 2^30 + 2^21.  Each product is then below
+ * 2^60.01.  N and twice every sum of two products are below 2^62.01, so all of them fit int64.  The
+ * value of N is checked afterwards.
  */
 #ifndef OST_CORE_ROTATION_H
 #define OST_CORE_ROTATION_H

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the shortest decimal of a number.  C functions that round correctly print the number with
- * an increasing number of digits and read each text back, until the number that they read equals
- * the original number.  9 digits suffice for any float, and 17 for any double.  Both functions use
- * the program's locale.  Afterwards the decimal separator of the locale is replaced by a point, and
- * the decimal is read exactly.
+ * Finds the shortest decimal of a number.  The number is printed with more and more digits by
+ * correctly rounding C functions, and each text is read back, until the result equals the original
+ * number. 9 digits suffice for any float, and 17 for any double.  Printing and reading both use the
+ * program's locale.  Afterwards, the locale's decimal separator is replaced by a point, and the
+ * decimal is read exactly.
  */
 #include "core/shortest.h"
 
@@ -30,7 +30,8 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    enum { MAX_DIGITS_TRIED = 6 }; /* different decimals of up to 6 digits are read as different float32 numbers */
+    /* number of digits up to which different decimals always read as different float32 numbers */
+    enum { MAX_DIGITS_TRIED = 6 };
     char text[64];     /* space for a sign, 17 digits, a separator of a few bytes, and e-308 */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {

@@ -24,8 +24,8 @@ static int64_t dot(const ost_pose *a, const ost_pose *b)
 }
 
 /*
- * Returns true if the length of the quaternion is near 1, which ost_map_make also requires. An uninitialised
- * pose of zeros is rejected here, before a division by its N.
+ * Returns true if the length of the quaternion is near 1, which ost_map_make also requires. A pose whose components are
+ * all zero, as in an uninitialised struct, is rejected here, because later code divides by N.
  */
 static bool near_unit(const ost_pose *pose)
 {
@@ -34,10 +34,9 @@ static bool near_unit(const ost_pose *pose)
 }
 
 /*
- * Computes RHE(M c / N) along one axis for the eight corners c of a box, numbered
- * x + 2y + 4z. All corners use the same products of a row of M with lo and hi. The tool's
- * box is within 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and
- * |M c| <= N |c| < 2^60.01 * 2^43.66.
+ * Computes RHE(M c / N) along one axis for the eight corners c of a box, numbered x + 2y + 4z. The
+ * products of a row of M with lo and hi are computed once for all corners. The tool's box is within
+ * 8 m of its origin, so |c| < sqrt(3) * 2^42.87 and |M c| <= N |c| < 2^60.01 * 2^43.66.
  */
 static void turned(const ost_rotation *r, const ost_divider *by, int row, const ost_pm lo[3], const ost_pm hi[3],
                    int64_t out[8])

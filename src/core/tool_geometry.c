@@ -9,9 +9,8 @@
  *      corner        min                   max         far
  *        |<- s..2s ->|#######################|<- s..2s ->|
  *
- * RHE(m - 1/2) <= m and RHE(m + 1/2) >= m for every m, and neither differs from m
- * by more than one.  Therefore the margin on each side of the mesh is one to two void
- * voxels wide.
+ * For every m, RHE(m - 1/2) <= m <= RHE(m + 1/2), and both results differ from m by at most one.
+ * Therefore the margin on each side of the mesh is one to two empty voxels wide.
  *
  * Ranges: |min|, |max| <= 8e12 (OST_LENGTH_MAX) and s <= 1e11, so every sum and
  * product is below 2e13, far below 2^63.

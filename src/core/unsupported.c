@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Slots of the function table for unsupported operations of a backend. */
+/* Implements slots of the function table for operations that a backend does not support. */
 #include "core/backend.h"
 #include "core/paths.h"
 
