@@ -48,18 +48,18 @@ typedef struct bridge {
     heard heard[NEWEST_SLOTS];
     bridge_signals bridge_signals[NEWEST_SLOTS];
     _Atomic bool stop, met, busy, ended;
-    /* The following fields are used by the network thread only. */
+    /* The following fields are used only by the network thread. */
     uint64_t number, simulation, sequence;
     link_window window;
     int64_t heard_ns, hello_ns, sent_ns[FLIGHTS];
-    /* The following fields are used by the tick only. */
+    /* The following fields are used only in the tick. */
     haptic_clutch clutch;
     ost_safety safety;
     double most_n, most_stiffness;
     heard last;              /* newest state, and the time at which it arrived */
     bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
-    ost_pose given;          /* the tool's last pose */
+    ost_pose given;          /* latest pose of the tool */
     double at[3], speed[3];  /* position and speed of the pose `given` */
     bool has_at;
 } bridge;
@@ -337,7 +337,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
     atomic_store(&b->stop, true);
     if (write(b->wake, &one, sizeof one) < 0) {
-        /* The thread wakes every HELLO_MS in any case. */
+        /* The failure has no effect, because the thread wakes at least every HELLO_MS. */
     }
     pthread_join(b->thread, NULL);
     b->report->met = atomic_load(&b->met);

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bridge is the remote end of the driver udp: a device on this machine drives a simulation on
- * another machine.
+ * The bridge is the remote end of the `udp` driver: a device on this machine drives a simulation on another machine.
  *
  *   device --read--> tick --newest--> thread --pose--> simulation
  *     ^               |  ^--newest--- thread <-state--    |
  *     '-- wrench: coupling to the plane of the newest state
  *
- * The coupling is computed on this machine. A state contains a force, the pose at which it was
- * computed, and the stiffness at that pose. Together they define a plane, which stays fixed until
- * the next state arrives. A spring and a damper on this machine push the device out of the plane.
- * Their force is limited by the rules of safety.c, which include passivity. Therefore no feedback
- * loop contains the delay of the link, however long the delay is.
+ * The coupling is computed on this machine. A state contains a force, the pose at which the force was computed, and
+ * the stiffness at that pose. These values define a plane, which stays fixed until the next state arrives. A spring
+ * and a damper on this machine push the device out of the plane.
+ * The safety layer (safety.c) limits this force, also to keep the loop passive. No feedback loop therefore includes
+ * the delay of the link, however long the delay is.
  *
  *   force = f + K (p - x) . n - B v . n, never pulling    f, n, p, K, B: from the state; x, v: position and speed now
  *
@@ -29,7 +28,8 @@ enum { BRIDGE_LIMP_MS = 50, BRIDGE_PATIENCE_MS = 5000, BRIDGE_ADDRESS = 128 };
 typedef struct bridge_options {
     const char *to;        /* "host:port" or "[address]:port" */
     const char *key;       /* path of the file that contains the key */
-    /* number of ticks; 0: until the device or the simulation ends, or stop_requested() returns true */
+    /* number of ticks; with 0, the bridge runs until the device or the simulation ends, or stop_requested() returns
+       true */
     uint64_t ticks;
     int64_t patience_ms;   /* timeout for the first answer in ms; 0: BRIDGE_PATIENCE_MS */
     bool no_realtime;
@@ -39,10 +39,11 @@ typedef struct bridge_options {
 typedef struct bridge_report {
     ost_servo_report loop;
     char to[BRIDGE_ADDRESS];        /* numeric address and port */
-    /* numbers of packets: sent; accepted states; states dropped because they were invalid, late, or already received */
+    /* number of packets sent; number of states accepted; numbers of states dropped because they were invalid, late,
+       or already received */
     uint64_t sent, states, bad, late, replayed;
-    /* limps: number of times that the device was released after it had been held; limp_ticks:
-       number of ticks without force since the device was first held */
+    /* limps: number of times that the force was switched off after the device had been held; limp_ticks: number of
+       ticks without force since the device was first held */
     uint64_t limps, limp_ticks;
     uint64_t fault_ticks;           /* number of ticks in which the device returned no valid pose */
     bool met;                       /* set if a simulation has answered */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contains the names of the actions that buttons perform, and parses "button=action,button=action". */
+/* Defines the names of button actions, and parses "button=action,button=action". */
 #include <string.h>
 
 #include "haptics/driver.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A clutch couples a body (a device, or a pose that a device has already mapped to the bone's
- * frame) with a tool at another position.
+ * A clutch couples a body with a tool at a different position. The body is a device, or a pose that
+ * a device has already mapped to the bone's frame.
  *
  *   body     from ----> at          tool     given ----> given + world (at - from)
  *
@@ -28,8 +28,8 @@ void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 /*
- * Aligns the body's frame with the tool's start pose, independently of the body's first
- * orientation. Called for devices that define right and up.
+ * Aligns the body's frame with the tool's start pose, regardless of the body's first orientation. Called for devices
+ * whose axes have a fixed meaning, such as right and up.
  */
 void haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages it with the tool at its current position. */

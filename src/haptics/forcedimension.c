@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver dhd: devices of Force Dimension (delta, omega, sigma, lambda) and Novint's Falcon,
+ * The `dhd` driver: Force Dimension's delta, omega, sigma and lambda devices and Novint's Falcon,
  * through the library of the vendor's SDK.
  *
  * The library's functions act on the calling thread and use SI units; x points toward the operator,
- * y to the operator's right, and z up. The id -1 selects the device that was opened last. The
- * return values 1 (called again too soon) and 2 (a motor at its limit) are not failures.
+ * y to the operator's right, and z up. An id of -1 selects the device that was opened last. The
+ * return values 1 (the function was called again too soon) and 2 (a motor is at its limit) are not
+ * failures.
  */
 #include <math.h>
 #include <stdio.h>

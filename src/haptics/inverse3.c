@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver inverse3: Haply's Inverse3 with a VerseGrip, through the vendor's service on the same
- * machine.
+ * The `inverse3` driver: Haply's Inverse3 with a VerseGrip, through the vendor's service on the
+ * same machine.
  *
  *   service <--force-- thread <--newest-- write, in the tick      JSON over a WebSocket,
  *   service --state--> thread --newest--> read, in the tick       127.0.0.1, port 10001
  *
  * The service answers each force with a state and sends nothing else. The thread sends the newest
  * force one millisecond after the previous one, or zero if there is none. Units are metres and
- * newtons; x points to the right, y away from the operator, and z up. The orientation is that of
- * the grip. Without a grip the tool keeps its orientation.
+ * newtons; x points to the right, y away from the operator, and z up. The tool's orientation is
+ * that of the grip; without a grip, it does not change.
  *
  * The device moves the tool relative to its start. If more than a few ticks pass without a state,
  * the motion afterwards continues from the tool's current position. After half a second without a
  * state, the device is considered lost.
  *
- * The file has more than 500 lines, because it contains one protocol whose parts share one
- * connection.
+ * The file has more than 500 lines, because all parts of the protocol share one connection.
  */
 #include "config.h"
 
@@ -63,25 +62,24 @@ typedef struct came {
 struct haptic_instance {
     struct lws_context *context;
     pthread_t thread;
-    /* each semaphore is posted once: met at the first state or a failure, over at the end of the
-       thread */
+    /* each semaphore is posted once: `met` at the first state or on a failure, `over` at the end of the thread */
     sem_t met, over;
     newest in, out;
     came came[NEWEST_SLOTS];
-    double force[NEWEST_SLOTS][3]; /* in the same frame as the positions in `came` */
+    double force[NEWEST_SLOTS][3]; /* force in N, in the same frame as the positions in `came` */
     _Atomic bool stop, lost;
     _Atomic uint64_t states, garbage;
-    char wanted[ID];      /* value of the option id=; "" selects the first device */
-    /* The following fields are used by the network thread only. */
+    char wanted[ID];      /* value of the `id` option; "" selects the first device */
+    /* The following fields are used only by the network thread. */
     struct lws *wsi;
     char id[ID];
     char message[MESSAGE_MOST];
     size_t size;
-    char why[160];        /* reason of the failure */
+    char why[160];        /* reason for the failure */
     int bad;              /* consecutive invalid messages */
     bool has_met, has_greeted, has_ended;
     int64_t sent_ns, stop_ns;
-    /* The following fields are used by the tick only. */
+    /* The following fields are used only in the tick. */
     haptic_clutch clutch;
     int ticks_without_sample;
     bool tracking_lost;
@@ -105,8 +103,8 @@ static void fail(haptic_instance *h, const char *why)
 /* --------------------------------------------------------------- messages */
 
 /*
- * Reads the named numbers of an object. Returns false if a number is missing, not finite, or
- * greater than `most` in absolute value.
+ * Reads the numbers with the given names from an object. Returns false if a number is missing, not finite, or greater
+ * than `most` in absolute value.
  */
 static bool numbers(const json_t *object, const char *const *names, int count, double most, double *out)
 {
@@ -208,7 +206,7 @@ static int write_command(haptic_instance *h, bool nothing, char *text, size_t ca
 {
     long long f[3];
     if (newest_take(&h->out)) {
-        /* If no newer force was written, the slot still contains the previous force. */
+        /* If no new force was written, the slot still contains the previous force. */
     }
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)

@@ -19,8 +19,8 @@
 static const uint8_t magic[4] = {'O', 'S', 'T', 'L'};
 enum {
     AT_VERSION = 4, AT_TYPE = 5, AT_FLAGS = 6, AT_BRIDGE = 8, AT_SIMULATION = 16, AT_SEQUENCE = 24,
-    AT_BODY = 32,   /* t_ns as a signed 64-bit integer, or answers as an unsigned one */
-    AT_POSE = 40,   /* three 64-bit and four 32-bit signed integers */
+    AT_BODY = 32,   /* offset of `t_ns` (signed) or `answers` (unsigned), a 64-bit integer */
+    AT_POSE = 40,   /* offset of the pose: three 64-bit and four 32-bit signed integers */
     AT_BUTTONS = 80, AT_TOOL = 84,
     AT_FORCE = 80, AT_TORQUE = 92, AT_STIFFNESS = 104, AT_DAMPING = 108
 };
@@ -205,7 +205,8 @@ size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_ST
 link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out)
 {
     uint8_t mac[LINK_MAC];
-    /* The form is checked before the HMAC is computed, so that a flood of malformed packets costs little. */
+    /* The packet's form is checked before the HMAC is computed, so that a flood of malformed packets takes little
+       time. */
     if (size < LINK_MAC || !link_decode(bytes, size - LINK_MAC, out))
         return LINK_MALFORMED;
     if (!sign(key, bytes, size - LINK_MAC, mac) || CRYPTO_memcmp(mac, bytes + size - LINK_MAC, LINK_MAC) != 0)

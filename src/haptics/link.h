@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Encodes and decodes packets between a simulation and a bridge. docs/reference/devices.md, section
- * "udp", documents every byte. All packets have fixed sizes, are little-endian, and end in an
- * HMAC-SHA-256 of the preceding bytes with a key that both sides have.
+ * Encodes and decodes the packets that a simulation and a bridge exchange.
+ * docs/reference/devices.md, section "udp", documents every byte. All packets have fixed sizes, are
+ * little-endian, and end in an HMAC-SHA-256 of the preceding bytes with a key that both sides
+ * share.
  *
  *   bridge --hello, pose--> simulation          one packet each, 120 bytes
  *   bridge <----state------ simulation          the answer, 144 bytes
  *
- * No function in this file waits, and none stores state except the key's context. Sequence numbers
- * are checked with a link_window.
+ * No function in this file waits. The only stored state is the key's context. Sequence numbers are
+ * checked with a link_window.
  */
 #ifndef OST_HAPTICS_LINK_H
 #define OST_HAPTICS_LINK_H
@@ -28,28 +29,28 @@ enum {
 typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_type;
 
 enum {
-    LINK_SEEN = 1,   /* pose: the device holds the tool */
-    LINK_ENDED = 2,  /* pose or state: this is the last packet */
-    /* state: the pose was too far away; the bridge must release its clutch and engage it again at
-       the tool's position */
+    LINK_SEEN = 1,   /* set in a pose: the device holds the tool */
+    LINK_ENDED = 2,  /* set in a pose or a state: this is the last packet */
+    /* set in a state: the pose was too far away, so the bridge must release its clutch and engage it again at the
+       tool's position */
     LINK_AGAIN = 4,
-    LINK_BUSY = 8    /* state: the simulation already has another bridge */
+    LINK_BUSY = 8    /* set in a state: the simulation is already connected to another bridge */
 };
 
 typedef struct link_packet {
     uint8_t type;
     uint16_t flags;
-    uint64_t bridge, simulation; /* random number of each side for this run; simulation is 0 in a hello packet */
+    uint64_t bridge, simulation; /* random number of each side for this run; `simulation` is 0 in a hello packet */
     uint64_t sequence;           /* number of this packet, counted by the sender */
-    /* state: the greatest sequence number among the poses that the simulation has accepted */
+    /* in a state: the greatest sequence number of the poses that the simulation has accepted */
     uint64_t answers;
-    int64_t t_ns;                /* hello, pose: time on the sender's clock, only for diagnosis */
-    /* hello, pose: pose of the device; state: pose for which the simulation computed the answer */
+    int64_t t_ns;                /* in a hello or pose packet: time on the sender's clock, only for diagnosis */
+    /* in a hello or pose packet: pose of the device; in a state: pose for which the simulation computed the answer */
     ost_pose pose;
     uint32_t buttons;
     int32_t tool;                /* -1 if the device does not select a tool */
     int32_t force_un[3], torque_unm[3];
-    uint32_t stiffness, damping; /* along the force, in mN/m and mN s/m */
+    uint32_t stiffness, damping; /* stiffness and damping along the force, in mN/m and mN s/m */
 } link_packet;
 
 /* Result of checking received bytes. */
@@ -83,7 +84,7 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which packets of a sender have arrived: the newest one and the 63 before it. */
+/* Records which of a sender's packets have arrived, for the newest packet and the 63 before it. */
 typedef struct link_window {
     uint64_t last, seen; /* bit i of seen: packet last - i has arrived */
 } link_window;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver motion: plays a tracked hand's motion from a path in text form (io/path_csv.c).
+ * The `motion` driver: plays back a tracked hand's motion from a path in text form (io/path_csv.c).
  *
  *   rows   *  *  *  *  .  .  .  .  *  *  *        . no pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
  *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
  *                                 ^ begins lifted; the clutch engages where the tool is
  *
- * The motion is as long as its table, and tracking may be lost at its beginning and end. Between
- * two rows, positions are interpolated linearly and orientations along their arc. Tracking is lost
- * before a row that begins lifted (AR-PATH-4, AR-PATH-5).
+ * The motion lasts from the first row of the table to the last. Tracking may be lost at the
+ * beginning and at the end. Between two rows, positions are interpolated linearly and orientations
+ * along their arc. Tracking is lost before a row that begins lifted (AR-PATH-4, AR-PATH-5).
  */
 #include <math.h>
 #include <stdlib.h>

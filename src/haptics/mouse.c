@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver mouse: follows a target pose that a window's thread sets. It runs a thousand times per
+ * The `mouse` driver: follows a target pose that a window's thread sets, at a thousand ticks per
  * second.
  *
  *   window, 60 times a second --ost_mouse_input_put--> three buffers --read--> the target pose
@@ -8,9 +8,9 @@
  *                                                                  '--> the device's pose
  *
  * A mouse jumps by pixels. The device follows with a time constant of 15 ms, at no more than 250 mm
- * and three turns per second. The pose guard and the sweep can follow such a motion.
+ * and three revolutions per second. Such a motion is accepted by the pose check and can be swept.
  *
- * Forces are displayed and cannot be felt. Viewers read them from the live state.
+ * Forces are displayed but cannot be felt. Viewers read them from the live state.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -22,12 +22,13 @@
 
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
 static const double STEP_M = 0.25e-3;         /* greatest motion per tick, in m */
-static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three turns per second */
+static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three revolutions per second */
 
 struct ost_mouse_input {
     newest newest; /* passes the newest state from the window's thread to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    uint32_t lifts[NEWEST_SLOTS], lifted; /* lifts: number of lifts before each state; lifted: total number of lifts */
+    /* lifts: for each state, number of lifts that preceded it; lifted: total number of lifts */
+    uint32_t lifts[NEWEST_SLOTS], lifted;
 };
 
 ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err)

@@ -5,7 +5,8 @@
  *
  *   writer: back --exchange--> middle --exchange--> front :reader
  *
- * A value is dropped if the writer publishes the next one before the reader has taken it.
+ * If the writer publishes a value before the reader has taken the previous one, the previous value
+ * is dropped.
  */
 #ifndef OST_HAPTICS_NEWEST_H
 #define OST_HAPTICS_NEWEST_H

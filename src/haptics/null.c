@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The driver null: a tool that does not move, for measuring the loop alone and for viewing a scene. */
+/* The `null` driver: a tool that does not move, for measuring the loop alone and for viewing a scene. */
 #include <stdlib.h>
 
 #include "haptics/driver.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver openhaptics: 3D Systems' Touch and Touch X, and the Phantom Omni of the thesis,
- * through the HD interface of OpenHaptics.
+ * The `openhaptics` driver: 3D Systems' Touch and Touch X, and the Phantom Omni of the thesis,
+ * through OpenHaptics' HD interface.
  *
  *   vendor's thread, a thousand times a second
  *     frame begins --transform, buttons--> beat: read, tick, write --force--> frame ends
@@ -9,7 +9,7 @@
  * A complete tick runs within the vendor's frame, so the force is computed from the pose of the
  * same millisecond. Meanwhile, the thread that called run waits and checks that the vendor's thread
  * is still running. Units are millimetres and newtons; x points to the right, y up, and z toward
- * the operator. The device senses six degrees of freedom and renders three.
+ * the operator. The device senses six degrees of freedom and renders forces in three.
  */
 #include <errno.h>
 #include <math.h>
@@ -93,7 +93,7 @@ struct haptic_instance {
     unsigned device;
     haptic_workspace workspace;
     ost_haptic_limits limits;
-    /* The following fields are used by the vendor's thread while it runs. */
+    /* While the vendor's thread runs, only this thread uses the following fields. */
     haptic_beat *beat;
     void *user;
     ost_haptic_state state;
@@ -206,8 +206,8 @@ static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
 }
 
 /*
- * Handles errors of the device. If the motors are too warm, the device renders no force for a
- * second. An error "exceeded force" is ignored. Any other error means that the device is lost.
+ * Handles errors of the device. If the motors are too warm, the device renders no force for a second. The error
+ * "exceeded force" is ignored. Any other error means that the device is lost.
  */
 static void judge(haptic_instance *h)
 {

@@ -2,8 +2,8 @@
 /*
  * Requests real-time scheduling. The code tries SCHED_FIFO 80, then SCHED_FIFO at the highest
  * priority that the limit allows, then nice -11, then the default. In each case it sets the
- * shortest timer slack. Processes and threads that are created in the meantime get default
- * scheduling (SCHED_RESET_ON_FORK), because OpenMP's workers and drivers must not have a higher
+ * shortest timer slack. Processes and threads created by this thread get default scheduling
+ * (SCHED_RESET_ON_FORK), because OpenMP's workers and the drivers' threads must not have a higher
  * priority than the loop that uses them.
  *
  * Memory is locked so that no tick waits for a page. Later allocations are locked only if they

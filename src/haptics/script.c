@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The drivers script and replay play recorded ticks, one tick per read. The driver script reads a
- * path, and the driver replay reads the ticks of a session.
+ * The `script` and `replay` drivers play back recorded ticks, one tick per read. The `script` driver reads a path, and
+ * the `replay` driver reads the ticks of a session.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -9,15 +9,15 @@
  *
  *   due 1 - lead: wake, rehearse, wait without sleep until due 1
  *
- *   wake        time from the moment when a tick is due to its beginning
+ *   wake        time from the moment when a tick is due until it begins
  *   exec        time from its beginning until the wrench is written
  *   own         the part of exec that the tick itself used (thread_time.h)
  *   completion  time from the moment when it is due until the wrench is
  *               written; more than a period is a missed deadline
  *
  * Due times are absolute and never move. The world's clock counts the ticks that were executed.
- * `osteon bench --suite servo` measures the same loop with a tick that does nothing. It shows the
- * deadlines that are missed because of the machine alone.
+ * `osteon bench --suite servo` measures the same loop with a tick that does nothing. The result
+ * shows which deadlines are missed because of the machine alone.
  */
 #include <errno.h>
 #include <stdio.h>
@@ -149,7 +149,8 @@ static void count_missed(servo *s, uint64_t missed)
     r->missed += missed;
 }
 
-/* Counts the missed deadlines of the tick that was due at s->due and has just been executed. Then advances s->due. */
+/* Counts the missed deadlines of the tick that was due at s->due and has just been executed. Then advances s->due to
+   the next tick. */
 static void go_on(servo *s)
 {
     const int64_t skipped = skipped_after(s->due, ost_clock_ns(), s->options.period_ns);

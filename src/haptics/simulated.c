@@ -1,22 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver sim: a simulated device held by a simulated operator's hand, so that the force loop
- * can be closed without hardware.
+ * The `sim` driver: a simulated device held by a simulated hand, so that the force loop can be
+ * closed without hardware.
  *
  *   hand's plan --spring, damper--> mass --encoders--> pose
  *                                    ^  '- friction
  *                                    '---- force, one tick late
  *
- * The parameters are those of a Phantom Omni and of a hand, from the literature:
+ * The parameters of the Phantom Omni and of the hand are taken from the literature:
  *
  *   mass 60 g (inertia at the tip 45 g and the stylus), viscous 0.2 N s/m,
  *   Coulomb friction 0.26 N (backdrive), encoders 55 um (450 dpi), 3.3 N at most
  *   hand    light 100 N/m 0.5 N s/m   normal 150 N/m 1.5 N s/m   firm 400 N/m 4 N s/m
  *
  * A tick consists of ten steps of 0.1 ms, which update velocities first (semi-implicit Euler).
- * Coulomb friction is implicit: it reduces the speed by as much as possible in one step, but not
- * below zero, so that a sticking device stays still. The stylus has exactly the planned direction.
- * The device senses this direction and renders no torque.
+ * Coulomb friction is implicit: in each step, it reduces the speed by as much as possible, but not
+ * below zero, so that a sticking device stays still. The stylus always has exactly the planned
+ * direction. The device senses this direction and renders no torque.
  *
  * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others
  * 2006). friction=0 is the worst case, in which a force law must still be stable.

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver spnav: 3Dconnexion's SpaceMouse and similar devices, through libspnav and spacenavd.
+ * The `spnav` driver: 3Dconnexion's SpaceMouse and similar devices, through libspnav and spacenavd.
  *
  *   cap pushed by c counts of 350 --> a speed --> integrated tick by tick --> pose
  *
  * The cap sets a speed, not a position, because it returns to its centre by itself. The motion is
- * therefore unlimited. A fully pushed cap moves the tool at speed= and turns it at turn=. Below
- * that the speed is proportional, and within the dead zone it is zero. x points to the right, y up,
- * and z toward the operator, opposite to libspnav's z. libspnav reports only changes, so the last
- * values apply until the next event.
+ * therefore unlimited. A fully pushed cap moves the tool at the speed of the `speed` option and
+ * rotates it at that of the `turn` option. At smaller deflections the speed is proportional, and
+ * within the dead zone it is zero. x points to the right, y up, and z toward the operator, opposite
+ * to libspnav's z. libspnav reports only changes, so the last values apply until the next event.
  *
- * With hold=1 the tool moves only while button 1 is pressed. The device renders no force.
+ * With hold=1, the tool moves only while button 1 is pressed. The device renders no force.
  */
 #include <math.h>
 #include <poll.h>

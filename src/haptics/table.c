@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contains the list of drivers and the public functions that open and list devices. */
+/* Defines the list of drivers and the public functions that open and list devices. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

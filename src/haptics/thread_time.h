@@ -4,8 +4,8 @@
  * deadlines accordingly.
  *
  *   wall time  =  own work  +  time taken away (other threads, the hypervisor)
- *   an interval in which the thread waited voluntarily (slept, waited for a
- *   lock, read a file) counts completely as own work: a tick must not wait
+ *   an interval in which the thread waited voluntarily (slept, waited for a lock, read a file)
+ *   counts as own work, because a tick must not wait
  *
  * If the kernel accounts for the stolen time of a virtual machine separately (Linux with
  * CONFIG_PARAVIRT_TIME_ACCOUNTING), a thread's processor time excludes the time that a hypervisor

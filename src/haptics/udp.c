@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The driver udp: a device on another machine, where osteon bridge runs.
+ * The `udp` driver: a device on another machine, where osteon bridge runs.
  *
  *   bridge --pose--> thread --newest--> read, in the tick
  *   bridge <--state- thread <--newest-- write, in the tick
@@ -11,9 +11,9 @@
  *
  * The bridge computes the force on the device from the contents of the newest state: a pose that
  * the bridge sent before, the force at that pose, and the stiffness along this force (bridge.c).
- * Therefore no feedback loop contains the delay of the link. This driver checks each pose. A pose
- * is rejected if a hand could not have moved that far since the last pose. The bridge is then
- * requested to engage its clutch again.
+ * Therefore no feedback loop includes the delay of the link. This driver checks each pose. A pose
+ * is rejected if a hand could not have moved that far since the last pose. The bridge must then
+ * engage its clutch again.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -79,7 +79,7 @@ struct haptic_instance {
     came came[NEWEST_SLOTS];
     goes goes[NEWEST_SLOTS];
     uint32_t stiffness, damping;
-    /* The following fields are used by the network thread only. */
+    /* The following fields are used only by the network thread. */
     uint64_t simulation, owner, sequence;
     int64_t owner_ns;
     link_window window;
@@ -87,7 +87,7 @@ struct haptic_instance {
     socklen_t peer_size;
     bool has_peer;
     goes answer;
-    /* The following fields are used by the tick only. */
+    /* The following fields are used only in the tick. */
     ost_pose given;
     int64_t ticks_without_sample, lost_ticks;
     bool met, tracking_lost, again;
@@ -136,7 +136,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;
     if (p->simulation != u->simulation) {
-        count(u, REPLAYED, 1); /* this packet was sent during another run */
+        count(u, REPLAYED, 1); /* this packet was sent during a different run */
         return false;
     }
     const int64_t now = ost_clock_ns();

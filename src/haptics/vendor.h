@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Loads a vendor's library when a device is requested, and not before.
+ * Loads a vendor's library only when a device that needs it is requested.
  *
- *   file in the environment variable, else each name in turn --dlopen--> every symbol, or none
+ *   file named by the environment variable, else each name in turn --dlopen--> every symbol, or
+ *   none
  *
- * The build needs no files of a vendor, because this project declares the prototypes itself. A
- * library stays loaded, because some libraries have threads that outlive their devices.
+ * The build needs no vendor files, because this project declares the prototypes itself. A library
+ * stays loaded, because some libraries have threads that outlive their devices.
  */
 #ifndef OST_HAPTICS_VENDOR_H
 #define OST_HAPTICS_VENDOR_H

@@ -22,8 +22,8 @@ typedef struct haptic_workspace {
 } haptic_workspace;
 
 /*
- * Makes the mapping. axes[i] is the device's axis (0 x, 1 y, 2 z) that becomes the tool's axis i.
- * The axes must form a right-handed frame.
+ * Creates a mapping. axes[i] is the device axis (0 x, 1 y, 2 z) that becomes the tool's axis i. The axes must form a
+ * right-handed frame.
  */
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
 
