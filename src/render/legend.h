@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws a legend over a frame. The legend explains the frame's colours. */
+/* Draws a legend over a frame, which explains the frame's colours. */
 #ifndef OST_RENDER_LEGEND_H
 #define OST_RENDER_LEGEND_H
 
@@ -10,7 +10,7 @@ typedef struct ost_legend {
     ost_colouring colouring;
     double scale_mm;   /* depth of the last colour, in mm; used only with OST_COLOUR_DEPTH */
     bool plate;        /* true if the subchondral plate has its own colour; used only with OST_COLOUR_CLASS */
-    bool window;       /* set if a clip plane shows the inside of the bone in the greys of the CT */
+    bool window;       /* set if a clip plane shows the inside of the bone in the CT's grey values */
 } ost_legend;
 
 /* Computes the legend's size in pixels. The size is 0 x 0 for plain bone without a clip plane. */

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A letter consists of strokes on a grid. In a point, a digit is an x coordinate and a letter is a
- * y coordinate. 'd' is the baseline, 'j' the top of a small letter, 'm' the top of a capital.
+ * A letter consists of strokes on a grid. A point is written as a digit, its x coordinate, and a
+ * letter, its y coordinate. 'd' is the baseline, 'j' the top of a small letter, 'm' the top of a
+ * capital.
  *
  *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
  *       / \
- *     g 1---5       ~  a curve from its first point to its last; the points between are control points
+ *     g 1---5       ~  a curve from its first point to its last; the points in between are control points
  *     d 0   6       @  a closed curve
  *
  * The curves are quadratic B-splines: parabolas between the middles of the control polygon's sides,

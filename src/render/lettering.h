@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Draws letters over a frame, at any size. The strokes of the letters have a uniform width and
- * round ends. For each size, the letters are drawn once into small pictures of pixel coverage.
- * ASCII, the degree sign and the raised three are supported; all other characters are left blank.
+ * round ends. For each size, every letter is rasterized once to a bitmap of pixel coverage. ASCII,
+ * the degree sign and the raised three are supported; all other characters are left blank.
  */
 #ifndef OST_RENDER_LETTERING_H
 #define OST_RENDER_LETTERING_H
@@ -16,11 +16,11 @@
 
 typedef struct ost_lettering ost_lettering;
 
-/* The pixels on which letters are drawn. A pixel is 0x..BBGGRR; the top row is the first. */
+/* The pixels on which letters are drawn. A pixel has the form 0x..BBGGRR; the first row is the top row. */
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
-    const ost_cells *written; /* the cells in which something is drawn are added to this set; may be NULL */
+    const ost_cells *written; /* set to which the cells are added in which something is drawn; may be NULL */
 } ost_sheet;
 
 /* Makes letters of one size. height: height of a capital letter in pixels, 5 to 200. */
@@ -32,7 +32,7 @@ int ost_lettering_width(const ost_lettering *lettering, const char *text);
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
                         uint32_t colour);
 
-/* Blends a box of one colour over the sheet. alpha: opacity in 256ths. */
+/* Blends a box of one colour over the sheet. alpha: opacity, 256 for opaque. */
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws the marks over a picture: a scale bar, the patient's directions at the picture's edges as
- * on a radiograph, and a legend of its colours.
+ * Draws marks over a picture: a scale bar, the patient's directions at the picture's edges as on a
+ * radiograph, and a legend of the colours.
  *
  *   .-------- S --------.
  *   |                   |      the bar is exact at the point at which the
@@ -25,26 +25,28 @@ double ost_marks_unit(int height);
 double ost_round_down(double most);
 
 /*
- * Writes the letters of a direction in the patient: first the letter of the axis with the greatest
+ * Writes the letters of an anatomical direction: first the letter of the axis with the greatest
  * component, then those of the other axes whose components are large enough. The frame is LPS+; "S"
  * and "I" mean superior and inferior. For a zero vector, writes "".
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
-/* Writes the letters of the direction in the patient toward an edge of a picture. edge: 0 left, 1
-   right, 2 upper, 3 lower. right and up: the picture's axes in the patient. */
+/* Writes the letters of the anatomical direction toward an edge of a picture. edge: 0 left, 1 right, 2 upper, 3
+   lower. right and up: the picture's axes in the patient's frame. */
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar with its length above it and its lower edge at y. The length in millimetres is
- * the greatest number of the form 1, 2 or 5 times a power of ten for which the bar is at most
- * `longest` pixels long. x is the bar's right end, or its left end if from_left is true.
+ * Draws a scale bar with its length above it and its lower edge at y. The length is the greatest
+ * round number of millimetres (1, 2 or 5 times a power of ten) for which the bar is at most
+ * `longest` pixels long. x is the position of the bar's left end if from_left is true, and
+ * otherwise that of its right end.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);
 
 typedef struct ost_marks {
-    double right[3], up[3]; /* axes of the picture in the patient as unit vectors; zero if the axes are not known */
-    double mm_per_pixel;    /* 0 if there is no scale bar */
+    /* unit vectors of the picture's axes in the patient's frame; zero if the axes are not known */
+    double right[3], up[3];
+    double mm_per_pixel;    /* size of a pixel in mm; 0 if no scale bar is drawn */
     ost_legend legend;
 } ost_marks;
 

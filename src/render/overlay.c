@@ -25,7 +25,8 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* in voxels; a line that is at most this far behind a surface is still drawn as in front of the surface */
+/* distance in voxels; a line that is at most this far behind a surface is drawn as if it were in front of the
+   surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -68,8 +69,8 @@ static bool narrow(float v0, float dv, float lo, float hi, float *from, float *t
 }
 
 /*
- * Computes x, y and the reciprocal of the depth in the picture for both ends of a line. Returns
- * false if both ends are in front of the near plane.
+ * Computes x, y and the reciprocal of the depth in the picture for both ends of a line. Returns false if both ends are
+ * nearer than the near plane.
  */
 static bool project(const ost_eye *e, const float from[3], const float to[3], float out[2][3])
 {
@@ -128,7 +129,7 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
     }
 }
 
-/* Returns the width of a thin line: one pixel per 720 rows. */
+/* Returns the width of a thin line: one pixel for every 720 rows of the picture. */
 static int thin(const ost_frame *f)
 {
     return f->height < 1080 ? 1 : (f->height + 360) / 720;
@@ -300,8 +301,8 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 /* ------------------------------------------------------------------ voxels */
 
 /*
- * A map from a grid of any orientation to the bone's voxels. Used to draw a grid's voxels: the
- * edges of the faces that face the eye.
+ * Maps a grid of any orientation to the bone's voxels. Used to draw the edges of the voxel faces that are turned to the
+ * eye.
  */
 typedef struct turned_grid {
     double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws explanatory lines over a frame. Lines behind drawn surfaces are faint.
+ * Draws explanatory lines over a frame. Lines behind surfaces are drawn faintly.
  *
  *   chunks        the grid of chunks: active ones red, others grey (thesis, Figs. 2.1, 3.1)
  *   boxes         the bone's box, the tool's oriented box, and their intersection (Fig. 2.3)
@@ -45,14 +45,14 @@ typedef struct ost_overlay_scene {
     int rim_count;
 } ost_overlay_scene;
 
-/* Draws overlays on the frame. which: one bit for each overlay. eye: the frame's eye, in the bone's voxels. */
+/* Draws overlays on the frame. which: bit mask of overlays. eye: the frame's eye, in the bone's voxels. */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
 /* Computes the half-open range of chunks that may intersect the tool's box. The range is empty if
    there are no such chunks. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* Draws a line between two positions, in the bone's voxel coordinates. strength: opacity in 256ths; width: in
+/* Draws a line between two positions, in the bone's voxel coordinates. strength: opacity, 256 for opaque; width: in
    pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3],
                       uint32_t colour, unsigned strength, int width);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes pictures as PNG, in memory and on disk, with libpng. A file contains only pixels, neither
- * a time nor the name of a program, so equal pictures give equal files. Only write_file writes to
- * disk; it uses io.
+ * Writes pictures as PNG, in memory and on disk, with libpng. A file contains only pixels, without
+ * a time or program name, so equal pictures produce equal files. Only write_file writes to disk; it
+ * uses src/io.
  */
 #include <errno.h>
 #include <setjmp.h>
@@ -47,8 +47,8 @@ static void sink_flush(png_structp png)
 }
 
 /*
- * If a call fails, libpng returns to setjmp by longjmp. Therefore everything that is accessed
- * afterwards is in *s or in the caller's stack frame.
+ * If a call fails, libpng returns to setjmp by longjmp. Therefore all data that is accessed afterwards is in *s or in
+ * the caller's stack frame.
  */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
                          ost_error *err)

@@ -7,8 +7,8 @@
  *     x ->                x ->                y ->
  *     y down              z up                z up
  *
- * All three have the same scale and square pixels. Colours, not densities, are interpolated between
- * voxel centres, so a voxel at the border of a cut can be recognized as a voxel.
+ * All three have the same scale and square pixels. Not densities but colours are interpolated
+ * between voxel centres, so that individual voxels can be recognized at the border of a cut.
  */
 #include "render/slices.h"
 
@@ -240,8 +240,8 @@ static bool is_removed(const densities *d, size_t v)
     return d->before && d->now->voxels[v] < d->threshold && d->before->voxels[v] >= d->threshold;
 }
 
-/* Computes the grey of a density. A removed voxel is tinted, but the density that it had before its
-   removal stays visible. */
+/* Computes the grey value of a density. A removed voxel is tinted, but the density before its removal remains
+   visible. */
 static void colour_of(const void *user, size_t voxel, double rgb[3])
 {
     static const double tint[3] = {0xe8, 0x4a, 0x27};
@@ -253,7 +253,7 @@ static void colour_of(const void *user, size_t voxel, double rgb[3])
         rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
 }
 
-/* Computes the middle of the removed voxels, or the middle of the grid if no voxel was removed. */
+/* Computes the middle of the removed voxels' box, or the middle of the grid if no voxel was removed. */
 static void middle(const densities *d, int32_t at[3])
 {
     const ost_dims n = d->now->geometry.dims;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws three slices in any colours, with a scale bar and directions. Used by ost_picture_slices
-   and for pictures of differences. */
+/* Draws three slices, coloured by a callback, with a scale bar and directions. Used by ost_picture_slices and for
+   pictures of differences. */
 #ifndef OST_RENDER_SLICES_H
 #define OST_RENDER_SLICES_H
 
 #include <osteon/picture.h>
 
-/* Computes red, green and blue, 0 to 255, of the voxel with this index in the volume. */
+/* Computes the red, green and blue values, 0 to 255, of the voxel with the given index in the volume. */
 typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
 /* Returns the colour, 0xBBGGRR, of the region that contains the voxel with this index, or OST_NO_REGION. */
 typedef uint32_t ost_slices_region(const void *user, size_t voxel);

@@ -17,10 +17,10 @@
 #include "render/views.h"
 
 enum { THRESHOLD = 120, SIDE = 800 };
-/* fraction of the picture's height or width that is filled by the box of the active voxels */
+/* fraction of the picture's height or width that the active voxels' box fills */
 static const double FILLED = 0.94;
 
-/* The camera's axes as unit vectors in the patient, and the point at which the camera is directed. */
+/* The camera's axes as unit vectors in the patient's frame, and the point at which the camera is directed. */
 typedef struct aim {
     double right[3], up[3], forward[3], at[3];
     double distance; /* mm */
@@ -43,8 +43,8 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box. The distance is chosen such that the
-   picture contains the complete box. */
+/* Directs the camera at the middle of the active voxels' box. The distance is the one at which the picture contains
+   the complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
     const ost_geometry *g = &volume->geometry;
@@ -67,8 +67,8 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces the colours of the frame by means of 2 x 2 pixels, in place. The position to which a
-   mean is written has already been read. */
+/* Replaces each 2 x 2 pixels of the frame by their mean colour, in place. The pixel that is overwritten by a mean
+   has already been read. */
 static void halve(ost_sheet *sheet)
 {
     sheet->width /= 2;

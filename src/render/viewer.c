@@ -146,8 +146,8 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Draws with OpenGL. Returns false if the processor must draw instead. If the camera is out of
- * range, OpenGL and the processor report the same error.
+ * Draws with OpenGL. Returns false if the frame must be drawn by the processor instead. If the camera is out of range,
+ * OpenGL and the processor report the same error.
  */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {

@@ -9,8 +9,8 @@
  *   reference (uncut bone) ------> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
  *
- * A viewer must be used by only one thread at a time. If it follows no live state, it shows the
- * surfaces that were set.
+ * A viewer must be used by only one thread at a time. If the viewer follows no live state, it shows
+ * the surfaces that were set.
  */
 #ifndef OST_RENDER_VIEWER_H
 #define OST_RENDER_VIEWER_H
@@ -26,7 +26,7 @@
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
 #define OST_VIEWER_FRESH_NS                                                                                            \
-    INT64_C(150000000) /* in operation time; removed bone is highlighted for one to two of these intervals */
+    INT64_C(150000000) /* interval in ns of operation time; removed bone is highlighted for one to two intervals */
 
 typedef struct ost_viewer {
     ost_live_channel *live;      /* borrowed; NULL if the viewer follows no operation */
@@ -38,22 +38,22 @@ typedef struct ost_viewer {
     int threads;
     ost_style style;
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
-    ost_frame frame;     /* has the size that was used in the last draw */
+    ost_frame frame;     /* the last frame that was drawn; it has the size of the camera's picture */
     ost_live_state state;
-    bool has_state;      /* set if the tool is drawn at the pose in state */
+    bool has_state;      /* set if the tool is drawn at the pose in `state` */
     uint64_t changed;    /* number of changed chunks taken from live so far */
     ost_uncut reference; /* valid if has_uncut */
     bool has_uncut;
     uint32_t palette[OST_PAINTS];
-    ost_surface ghost;   /* valid if has_ghost; drawn if show_ghost */
+    ost_surface ghost;   /* valid if `has_ghost` is set; drawn if `show_ghost` is set */
     ost_pose ghost_pose;
     bool has_ghost, show_ghost;
     unsigned overlays;   /* bits of ost_overlay */
     ost_overlay_scene scene;
     int64_t aged_ns;
-    ost_gl *gl;          /* owned; NULL if the processor draws */
+    ost_gl *gl;          /* owned; NULL if frames are drawn by the processor */
     const ost_gl_variant *variant;
-    /* reason for which the processor draws instead of OpenGL; "" if there is no such reason */
+    /* reason why frames are drawn by the processor instead of OpenGL; "" if there is no such reason */
     char lost[OST_ERROR_TEXT];
 } ost_viewer;
 
@@ -63,9 +63,9 @@ ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_sty
 void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer */
 
 /*
- * Draws with OpenGL from the next frame on. If OpenGL fails later, the processor draws again, and
- * viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of
- * ost_gl_open.
+ * Selects OpenGL for the following frames. If OpenGL fails later, frames are again drawn by the
+ * processor, and viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions
+ * of ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 

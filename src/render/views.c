@@ -6,8 +6,7 @@
 
 #include "core/vector.h"
 
-/* in radians; the elevation is limited to this value, so that the up direction of the picture stays
-   up */
+/* maximum elevation, in radians, so that the picture is never upside down */
 static const double STEEPEST = 1.55;
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
@@ -71,7 +70,7 @@ void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t
 }
 
 /*
- * Returns the orbit whose camera sees the point `at` from the direction `back`. In LPS, x points to
+ * Returns the orbit whose camera is in the direction `back` from the point `at`, at which it looks. In LPS, x points to
  * the patient's left, y to the back, and z up.
  */
 static ost_orbit from(const double at[3], const double back[3], double distance)
@@ -133,7 +132,8 @@ void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double b
 
 void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 {
-    const double a_picture = 2.5; /* rotation in radians for a drag over the full height of the picture */
+    /* rotation in radians when the mouse is dragged over the full height of the picture */
+    const double a_picture = 2.5;
     o->azimuth -= a_picture * dx / height;
     o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));
 }

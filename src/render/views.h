@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the camera positions of named views, with the names that surgeons use, and cameras that
- * the user moves.
+ * Computes the camera positions of named views, whose names are those that surgeons use, and of
+ * cameras that the user moves.
  *
  *   operator    over the surgeon's shoulder: the face, seen past the tool
  *   en-face     onto the glenoid's face, along its axis
@@ -41,8 +41,9 @@ typedef enum ost_view_name {
 
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
-    double middle[3], size;  /* of the bone's grid or, after ost_view_subject_fit, of the bone: middle, longest side */
-    bool has_face;           /* set if face and inward are known */
+    /* middle and longest side of the bone's grid or, after ost_view_subject_fit, of the bone */
+    double middle[3], size;
+    bool has_face;           /* set if `face` and `inward` are known */
     double face[3], inward[3]; /* centre of the glenoid; unit vector from there into the bone */
     bool has_landmarks;      /* set if trigonum and inferior are known */
     double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
@@ -51,11 +52,12 @@ typedef struct ost_view_subject {
 
 typedef struct ost_orbit {
     double at[3];            /* point that the camera orbits, in mm */
-    double azimuth, elevation; /* radians; the azimuth is 0 at the front and grows toward the patient's left */
+    /* angles in radians; the azimuth is 0 at the front and increases toward the patient's left */
+    double azimuth, elevation;
     double distance;         /* mm */
 } ost_orbit;
 
-/* Makes a subject. at and axis: position and axis of the glenoid; axis is NULL if position and axis are not known. */
+/* Makes a subject. at and axis: position and axis of the glenoid; if axis is NULL, the glenoid is not known. */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
 /* Computes the box lo <= v < hi of the voxels whose density is at least the threshold. If there are
@@ -65,14 +67,15 @@ void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], 
    of the entire bone do not depend on the surrounding air. */
 void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);
 
-/* Returns the orbit of a view. tool: pose of the tool, for the view along the tool. If tool is
-   NULL, the operator's view is used instead. */
+/* Returns the orbit of a view. tool: pose of the tool, used only for the view along the tool; if it is NULL, the
+   operator's view is returned instead. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
 /* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-void ost_orbit_near(ost_orbit *orbit, double steps); /* one step of the wheel changes the distance by one eighth */
+/* zooms; each step of the wheel changes the distance by one eighth */
+void ost_orbit_near(ost_orbit *orbit, double steps);
 
 /* Computes unit vectors that point right, up, and out of the picture toward the viewer. */
 void ost_orbit_frame(const ost_orbit *orbit, double right[3], double up[3], double back[3]);

@@ -72,8 +72,7 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
         gl->wanted[i] = UINT64_MAX;
 }
 
-/* Lists those points of a block that are in wanted cells and have a face toward the eye. A point is
-   listed by its number. */
+/* Lists the numbers of a block's points that are in wanted cells and have a face toward the eye. */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
 {
@@ -91,8 +90,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Lists the numbers of those bricks of a block that are in wanted cells. A run stores its bricks in
-   the order of their bits. */
+/* Lists the numbers of a block's bricks that are in wanted cells. The bricks of a run are stored in the order of
+   their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -145,7 +144,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Bricks are cheaper than points if a voxel is narrower than this number of pixels. */
+/* Bricks are drawn faster than points if a voxel is narrower than this number of pixels. */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

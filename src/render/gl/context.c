@@ -56,7 +56,7 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
                           "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver, doing,
                           error != GL_NO_ERROR ? error_name(error) : "",
                           error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
-    /* OpenGL queues errors. The number of reads is limited, because a lost context reports an error at every call. */
+    /* OpenGL queues errors. The number of calls is limited, because a lost context reports an error at every call. */
     for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++)
         ;
     c->complaint[0] = '\0';
@@ -163,7 +163,7 @@ static int find_candidates(candidate *out, ost_error *err)
     return count;
 }
 
-/* Opens a context of any version, to report the version that the driver supports. */
+/* Opens a context of any version, to find the version that the driver supports for the error message. */
 static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 {
     const EGLint none[] = {EGL_NONE};

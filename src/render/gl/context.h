@@ -18,8 +18,9 @@ typedef struct ost_gl_context {
     EGLDisplay display;
     EGLContext context;
     int version;         /* version of the context, times ten; at most the version in the options */
-    bool persistent;     /* buffers can stay mapped (4.4) */
-    bool zero_to_one;    /* the depth in clip space can range from 0 to 1, so the depth is stored unchanged (4.5) */
+    bool persistent;     /* set if buffers can stay mapped (OpenGL 4.4) */
+    /* set if the depth in clip space can range from 0 to 1, so that the depth is stored unchanged (OpenGL 4.5) */
+    bool zero_to_one;
     ost_gl_info info;
     char complaint[256]; /* first message of the driver since the last check */
 } ost_gl_context;
@@ -28,7 +29,7 @@ typedef struct ost_gl_context {
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
 void ost_gl_context_close(ost_gl_context *context); /* accepts a zero-initialized context */
 
-/* Returns OST_OK if no error has occurred since the last check. doing: name of the action for the
+/* Returns OST_OK if no error has occurred since the last check. doing: description of the action, used in the
    message, for example "draws 3 things". */
 ost_status ost_gl_context_check(ost_gl_context *context, const char *doing, ost_error *err);
 

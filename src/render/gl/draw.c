@@ -6,11 +6,12 @@
  *   blocks in view, near first        (points/blocks.h)
  *   points that face the eye          --> list of vertices (choose.c)
  *   G-buffer cleared, points drawn, composited over the picture (pass.c)
- *       between two parts of the points: the hidden cells are found (hide.c)
+ *       the points are drawn in two parts, between which hidden cells are found (hide.c)
  *
- * The depth is the squared distance of a voxel's centre. If clip space depth is 0 to 1 (4.5), the
- * stored depth is exact: it is the float that the processor's renderer compares, multiplied by a
- * power of two. In older versions it is rounded to 24 bits of the greatest distance.
+ * The depth is the squared distance of a voxel's centre. If clip-space depth ranges from 0 to 1
+ * (OpenGL 4.5), the stored depth is exact: it is the float that the processor's renderer compares,
+ * multiplied by a power of two. In older versions, the depth is rounded to a 24-bit fraction of the
+ * greatest distance.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"
@@ -161,8 +162,8 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer into the G-buffer, then copies to the picture those pixels of the layer that are
-   nearer than the picture's pixels. */
+/* Draws a layer into the G-buffer, then copies the layer's pixels that are nearer than the picture's pixels to the
+   picture. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];

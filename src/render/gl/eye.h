@@ -12,7 +12,7 @@ typedef struct ost_gl_eye_block {
     uint32_t light_0[4], light_4[4], paint[4];
 } ost_gl_eye_block;
 
-/* Writes the uniforms of layer `number`. The blocks of the layer must have been selected before. */
+/* Writes the uniforms of layer `number`. The layer's blocks must already be selected. */
 void ost_gl_put_eye(ost_gl *gl, int number, ost_style style);
 
 #endif

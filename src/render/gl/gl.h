@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws voxels as GL_POINTS with a ray-box test in the fragment shader (Majercik et al. 2018;
- * thesis 2.6 and 3.3.2). OpenGL draws the same picture that points/ draws on the processor.
+ * Draws voxels as GL_POINTS with a ray-box test in the fragment shader (Majercik et al. 2018; thesis 2.6 and 3.3.2).
+ * OpenGL draws the same picture that the code in points/ draws on the processor.
  *
  *   surfaces --changed blocks--> buffers of OpenGL
  *   eye --blocks in view, points that face it--> list --GL_POINTS--> colour, face and depth of each pixel
@@ -22,34 +22,36 @@ typedef enum ost_gl_target {
     OST_GL_COMPACT, /* colour, face and depth in 64 bits per pixel */
     OST_GL_WIDE,    /* normal and colour as 32-bit floats, as in the thesis */
     OST_GL_SMALL,   /* normal and colour, 8 bits each */
-    OST_GL_FORWARD  /* the lit colour; there is no G-buffer */
+    OST_GL_FORWARD  /* the lit colour; the lit colour, without a G-buffer */
 } ost_gl_target;
 
-/* A way of drawing. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
+/* A drawing method. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* as in the thesis, draws a point for every voxel of every used block, even if the voxel is not
-       active; needs OST_GL_WIDE */
+    /* if true, a point is drawn for every voxel of every used block, even if the voxel is not active, as in the
+       thesis; requires OST_GL_WIDE */
     bool every_voxel;
-    bool frustum;     /* draws only those blocks that are in view */
-    bool facing;      /* draws only points that have a face toward the eye */
-    bool order;       /* draws near blocks first */
-    /* draws only cells of 8^3 voxels that are not hidden; requires frustum and OST_GL_COMPACT, excludes true_depth */
+    bool frustum;     /* if true, only blocks in view are drawn */
+    bool facing;      /* if true, only points with a face toward the eye are drawn */
+    bool order;       /* if true, near blocks are drawn first */
+    /* if true, only cells of 8^3 voxels that are not hidden are drawn; requires `frustum` and OST_GL_COMPACT,
+       excludes `true_depth` */
     bool occlusion;
-    /* for occlusion: a shader computes the depths of tiles, as on a graphics card, even with a software renderer */
+    /* used with `occlusion`: if true, a shader computes the depths of tiles, as on a graphics card, even with a
+       software renderer */
     bool tiles;
     /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; otherwise
        the square around the bounding sphere of the cube */
     bool tight;
-    /* if true, three linear inequalities determine whether a pixel is covered; otherwise the slab
-       test of the thesis is used */
+    /* if true, linear inequalities on three axes determine whether a pixel is covered; otherwise the slab test of
+       the thesis is used */
     bool lines;
     /* if true, the fragment shader writes the depth; otherwise the depth is the squared distance of
        the voxel's centre */
     bool true_depth;
-    /* a point represents 4^3 voxels, which the shader traverses; requires tight and either
-       OST_GL_COMPACT or OST_GL_FORWARD, excludes facing */
+    /* if true, a point represents 4^3 voxels, which the shader traverses; requires `tight` and either OST_GL_COMPACT
+       or OST_GL_FORWARD, excludes `facing` */
     bool bricks;
-    bool choose;      /* draws bricks if voxels are small on the screen, otherwise single voxels */
+    bool choose;      /* if true, bricks are drawn if voxels are small on the screen, and otherwise single voxels */
     ost_gl_target target;
 } ost_gl_variant;
 
@@ -58,9 +60,9 @@ extern const ost_gl_variant ost_gl_ours;
 extern const ost_gl_variant ost_gl_thesis;
 
 typedef struct ost_gl_options {
-    bool debug;  /* enables the driver's messages, which are reported as errors */
-    /* newest OpenGL version to use, times ten; 0: no limit; the driver may support only an older
-       version */
+    bool debug;  /* if true, the driver's messages are enabled and reported as errors */
+    /* newest OpenGL version to use, times ten; 0: no limit; if the driver supports only an older version, that
+       version is used */
     int version;
 } ost_gl_options;
 
@@ -68,9 +70,9 @@ typedef struct ost_gl_info {
     char version[96];  /* for example "4.5 (Core Profile) Mesa 22.3.6" */
     char driver[128];  /* for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     char way[48];      /* for example "EGL without a surface" */
-    bool software;     /* OpenGL is executed by the processor */
+    bool software;     /* set if OpenGL is executed by the processor */
     bool mapped;       /* buffers stay mapped */
-    float largest;     /* greatest size of a point, in pixels */
+    float largest;     /* maximum size of a point, in pixels */
 } ost_gl_info;
 
 /* Returns NULL if this build supports OpenGL, otherwise the reason why it does not support OpenGL. */
@@ -96,8 +98,8 @@ ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
 
 /* Numbers that describe the last draw. */
 typedef struct ost_gl_counts {
-    uint64_t points;   /* vertices passed to OpenGL */
-    uint64_t uploaded; /* bytes of surface data uploaded */
+    uint64_t points;   /* number of vertices passed to OpenGL */
+    uint64_t uploaded; /* number of bytes of surface data uploaded */
     bool bricks;       /* set if the first object was drawn as bricks */
     /* number of hidden cells of 8^3 voxels that were skipped, counted for the first object in
        blocks that are in view */

@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search is worth its cost if at least one of every WORTH cells is hidden */
-    PAUSE = 8, /* number of frames until the next search if the last search was not worth its cost */
+    WORTH = 8,  /* the search is considered worthwhile if at least one of every WORTH cells is hidden */
+    PAUSE = 8, /* number of frames until the next search if the last search was not worthwhile */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -45,9 +45,9 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden: it is farther than everything that
- * is drawn in its pixels. o: centre of the cube relative to the eye. The slopes are derived in
- * splat_scalar.c.
+ * Returns true if a cube with edges of `side` voxels is hidden, that is, farther from the eye than
+ * everything that is drawn in its pixels. o: centre of the cube relative to the eye. The slopes are
+ * derived in splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {

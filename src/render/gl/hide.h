@@ -6,14 +6,14 @@
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
  *   cells of these that were not drawn yet --drawn--> depth
  *
- * The cells visible in the last frame are a guess at those that hide the others. A wrong guess
- * costs time but does not change the picture. A cell is skipped if all tiles that it may cover are
- * filled by points that are nearer than the entire cell. Points drawn later can only make a tile
- * nearer. Depth is the squared distance of centres, so a cell's nearest depth is that of its centre
+ * The cells that were visible in the last frame are drawn first, because they probably hide the others. If they
+ * do not, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover are
+ * filled by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A
+ * voxel's depth is the squared distance of its centre, so a cell's nearest depth is that of the voxel centre
  * nearest to the eye, with a margin for rounding.
  *
- * The unit is a cell and not a block of 32^3 voxels, because bone is thin: a small box around a
- * part of a block can be hidden even if the box of the complete block is not hidden.
+ * Cells are tested rather than blocks of 32^3 voxels, because bone is thin: often the box around a cell is hidden
+ * although the box around the complete block is not.
  *
  * A shader computes the tiles, and a few kilobytes are read back. With a software renderer, all
  * depths are read back, which is faster than the shader.
@@ -29,8 +29,8 @@ bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int numb
 void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
 /*
  * Called after the wanted cells were drawn. Sets gl->wanted to the cells that were not drawn
- * although they may be visible, and *missing to true if there are any. May change the framebuffer,
- * the viewport and the program.
+ * although they may be visible. Sets *missing to true if there are such cells. May change the
+ * framebuffer, the viewport and the program.
  */
 ost_status ost_gl_hide_test(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 

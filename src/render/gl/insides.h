@@ -16,13 +16,13 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    /* begin: index of the layer's first entry in the list; near: number of entries drawn as quads;
-       count: number of all entries */
+    /* begin: index of the layer's first entry in the list; near: number of its entries that are drawn as quads;
+       count: total number of its entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
     /* true if the list contains the points to draw; otherwise all points of the blocks are drawn */
     bool listed;
-    /* factor from a squared distance to the value in the depth buffer; upper bound of the rounding error */
+    /* factor that converts a squared distance to a depth buffer value; upper bound of the rounding error */
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
@@ -53,7 +53,8 @@ struct ost_gl {
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    /* signalled when the last frame is complete; NULL if there is no frame or a thread has already waited for it */
+    /* signalled when the last frame is complete; NULL if there is no frame or if a thread has already waited for the
+       frame */
     GLsync fence;
     ost_gl_counts did;
 };

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes the drawing calls: draws points into a G-buffer, and composites the G-buffer into the picture. */
+/* Issues the OpenGL draw calls that draw points into a G-buffer and composite the G-buffer into the picture. */
 #ifndef OST_RENDER_GL_PASS_H
 #define OST_RENDER_GL_PASS_H
 
 #include "render/gl/insides.h"
 
-/* Sets the OpenGL state that stays the same for the complete frame. */
+/* Sets the OpenGL state that is constant for the complete frame. */
 void ost_gl_set_state(const ost_gl *gl);
 void ost_gl_clear_gbuffer(ost_gl_target kind);
 /* Binds the uniforms and textures of layer `number` for the following draw calls. */

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL buffer that many blocks share. Each block has a run of granules.
+ * An OpenGL buffer that many blocks share. It is allocated in granules of 2^bits elements; each block has a
+ * run of consecutive granules.
  *
- *   | block 7 . . | block 2 | free | block 0 . . . |      a granule: 2^bits elements
- *   | page | page | page    |      | page | page   |      a page: where the granule's block begins, in voxels
+ *   | block 7 . . | block 2 | free | block 0 . . . |      granules
+ *   | page | page | page    |      | page | page   |      page: position of the granule's block in voxels
  *
- * A vertex shader finds a vertex's block by the vertex's number: page = number >> bits. If OpenGL
- * supports it (4.4), the buffer stays mapped and is written through the mapping; otherwise it is
- * written by glBufferSubData. Data that a frame still reads must not be overwritten, so the caller
+ * A vertex shader finds the block of a vertex by the vertex number: the page has the index number >> bits.
+ * If OpenGL supports it (4.4), the buffer stays mapped and is written through the mapping; otherwise it is
+ * written by glBufferSubData. Data that is still read for a frame must not be overwritten, so the caller
  * waits for the last frame before it writes.
  */
 #ifndef OST_RENDER_GL_POOL_H
@@ -35,7 +36,8 @@ void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsig
 /* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
 void ost_gl_pool_free(ost_gl_pool *pool);
 
-/* Reserves a run for count elements. Stores the index of the run's first element and the number of its granules. */
+/* Reserves a run of granules for count elements. Stores the index of the run's first element and the number of
+   granules. */
 ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
                             uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);

@@ -6,7 +6,7 @@
 
 enum { PARTS = 8, LOG = 400 };
 
-/* The keyword `precise` exists since OpenGL 4.0, and as an extension to 3.3. */
+/* The keyword `precise` was introduced in OpenGL 4.0 and is available as an extension to 3.3. */
 static const char new_head[] = "#version 400 core\n#define PRECISE precise\n";
 static const char old_head[] = "#version 330 core\n"
                                "#ifdef GL_ARB_gpu_shader5\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compiles a program of two shaders. Each shader consists of several parts, which are preceded by macros. */
+/* Compiles programs of two shaders. Each shader consists of macro definitions followed by several parts. */
 #ifndef OST_RENDER_GL_PROGRAM_H
 #define OST_RENDER_GL_PROGRAM_H
 

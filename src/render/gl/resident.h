@@ -20,16 +20,18 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_F
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    uint32_t shade_first, shade_granules; /* position and size of the run of shades; used only by bricks */
-    uint64_t bricks[8];   /* bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
-    uint64_t cells;       /* cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
-    uint64_t hidden;      /* cells that the last search found to be hidden (hide.h) */
+    /* first element and number of granules of the run of shades; used only by bricks */
+    uint32_t shade_first, shade_granules;
+    uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
+    uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
+    uint64_t hidden;      /* set of the cells that the last search found to be hidden (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    const ost_surface *surface; /* only compared, never dereferenced; the versions identify the contents */
+    /* surface of this entry; only compared, never dereferenced; the versions identify the contents */
+    const ost_surface *surface;
     uint64_t last;              /* number of the last frame that used this entry */
-    ost_gl_run *run[OST_GL_FORMS]; /* owned; one run for every slot */
+    ost_gl_run *run[OST_GL_FORMS]; /* owned; for each form, one run for every slot */
     int32_t runs[OST_GL_FORMS];
     int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;
@@ -56,7 +58,7 @@ void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
-/* Uploads the present state of the surface in the given form. The previous frame must be complete. */
+/* Uploads the current state of the surface in the given form. The previous frame must be complete. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                               ost_gl_form form, ost_gl_resident **out, ost_error *err);
 ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,

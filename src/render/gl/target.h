@@ -3,7 +3,7 @@
  * The textures into which a frame is drawn.
  *
  *   G-buffer   depth; colour, face and depth along forward, or normal and colour as in the thesis
- *   tiles      the farthest depth of each 8 x 8 pixels of the G-buffer (hide.h)
+ *   tiles      the farthest depth in each tile of 8 x 8 pixels of the G-buffer (hide.h)
  *   picture    colour, with the face in its last channel; depth along forward
  *
  * Row 0 is the picture's top row, also in shaders.
@@ -16,7 +16,7 @@
 typedef struct ost_gl_targets {
     int width, height;   /* 0 if the textures do not exist yet */
     ost_gl_target kind;  /* format of the G-buffer */
-    /* gbuffer is 0 for OST_GL_FORWARD, which draws into the picture without a G-buffer */
+    /* `gbuffer` is 0 for OST_GL_FORWARD, which draws into the picture without a G-buffer */
     GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1;
     GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
     int across, down;    /* size in tiles */

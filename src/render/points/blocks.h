@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Selects the blocks of a surface that are in view of an eye, in the order of increasing distance.
+ * Selects the blocks of a surface that are in the view of an eye, in order of increasing distance.
  * All renderers use this file.
  *
  *   blocks of the surface --frustum--> those that may be visible --by distance--> order
@@ -14,7 +14,7 @@ typedef struct ost_frame_block {
     int32_t slot;
     float distance;      /* squared distance of the block's centre from the eye; blocks are sorted by this distance */
     uint64_t nearest;    /* lower bound of the keys of the block's voxels (splat.h) */
-    ost_extent pixels;   /* pixels that the block may cover */
+    ost_extent pixels;   /* range of pixels that the block may cover */
     uint32_t count;      /* number of points of the block */
 } ost_frame_block;
 
@@ -22,9 +22,9 @@ typedef struct ost_frame_block {
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /*
- * Selects and sorts the blocks that may be visible, and computes `bases` for all slots. blocks must
- * have space for surface->used entries, and bases for 4 floats per slot. Stores in *y0 and *y1 the
- * half-open range of rows that the selected blocks may cover.
+ * Selects and sorts the blocks that may be visible, and computes `bases` for all slots. `blocks`
+ * must have space for surface->used entries, and `bases` for 4 floats per slot. Stores in *y0 and
+ * *y1 the half-open range of rows that the selected blocks may cover.
  */
 void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases,
                        int32_t *count, int *y0, int *y1);
@@ -36,8 +36,8 @@ void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost
 bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
 /*
- * Computes which faces are turned to the eye, for each coordinate i on an axis, as bits of
- * ost_face. base: coordinate of voxel 0 minus coordinate of the eye.
+ * For each coordinate i on an axis, computes which faces are turned to the eye, as bits of ost_face. base: coordinate
+ * of voxel 0 minus coordinate of the eye.
  */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);
 

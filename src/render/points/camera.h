@@ -4,8 +4,9 @@
  *
  * The camera's frame has x to the right of the picture, y up, and z toward the viewer; the view
  * direction is -z. The camera's pose maps this frame to the bone's frame and is quantised like
- * every pose. All other values are computed from the pose by a few additions, products and
- * divisions, each rounded once. Therefore cameras and pictures are bit-identical on all machines.
+ * every pose. All other values are computed from the pose by a few additions, multiplications and
+ * divisions, each of which is rounded once. Therefore cameras and pictures are bit-identical on all
+ * machines.
  *
  *   ray of pixel (x, y):   d = (x + 1/2 - w/2) right - (y + 1/2 - h/2) up + focal forward
  *   in voxels:             voxel (i, j, k) is the cube of side 1 about (i, j, k)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Contains the loops from voxels to cells of 2^3 voxels, in plain C. The same text is compiled for
- * every instruction set and vectorized by the compiler.
+ * Contains the loops from voxels to cells of 2^3 voxels, in plain C. The same source is compiled for every instruction
+ * set, and the compiler vectorizes it.
  */
 #ifndef OST_RENDER_CELL_LOOPS_H
 #define OST_RENDER_CELL_LOOPS_H

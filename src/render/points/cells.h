@@ -3,7 +3,8 @@
  * A set of cells of a picture, with one bit for each cell of 16 x 8 pixels.
  *
  * Such sets describe the pixels to be redrawn, the pixels to be restored and the pixels that a
- * layer may cover. They are processed run by run.
+ * layer may cover. A set is processed run by run, where a run is a sequence of consecutive cells in
+ * a row.
  */
 #ifndef OST_RENDER_CELLS_H
 #define OST_RENDER_CELLS_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A clip plane hides one side of the grid. The side of a voxel is computed in integers: a voxel is
- * shown if and only if n . v <= d, where v is its index in the grid.
+ * A clip plane hides the part of the grid on one side of the plane. The test uses integers: a voxel
+ * with the grid index v is shown if and only if n . v <= d.
  *
  * n is a direction in units of 2^-14: |n| <= 2^14 on each axis, v < 2^14, so n . v < 2^30.
  */
@@ -18,8 +18,8 @@ enum { OST_CLIP_UNIT = 1 << 14 };
  */
 ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out,
                          ost_error *err);
-/* Sets the clip plane for later updates. If the clip plane is NULL, all voxels are shown. Blocks in
-   which the same voxels are shown as before are not updated. */
+/* Sets the clip plane for later updates. If the clip plane is NULL, all voxels are shown. A block is updated only if
+   different voxels are shown than before. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
 /* Computes which voxels of a block are shown. */
 void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS],

@@ -243,7 +243,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {
         for (int i = 0; i < count; i++)
-            /* the present contents of the surfaces have not been drawn, so they cannot be reused */
+            /* the current contents of the surfaces have not been drawn, so nothing can be reused in the next frame */
             frame->layer[i].surface = NULL;
         return status;
     }

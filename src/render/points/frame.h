@@ -5,15 +5,15 @@
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * A second object, such as a tool whose voxels have another orientation, is drawn in the same way
- * into separate planes of a band. Each pixel then shows the nearer of the two objects.
+ * Every further object, such as a tool with differently oriented voxels, is drawn in the same way into
+ * separate planes of a band. Each pixel then shows the nearest object.
  *
- * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test,
- * the farthest key of each tile of 8 x 8 pixels is stored. A farthest key is recomputed only if it
- * is needed and the tile has been drawn to since the last computation. The test does not change the
- * picture.
+ * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the
+ * farthest key of each tile of 8 x 8 pixels is stored. A tile's farthest key is recomputed only if it is
+ * needed and the tile has changed since the last computation. This optimization does not change the picture.
  *
- * After ost_frame_store, unchanged parts are reused. While the eye and the light do not change:
+ * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not
+ * change:
  *
  *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
  *        --cells that these may cover--> drawn again, in the planes of the first object alone
@@ -35,7 +35,7 @@
 #include "render/points/light.h"
 
 enum {
-    /* number of rows that a thread draws at a time; their keys, at 1280 pixels per row, fit into a
+    /* number of rows that a thread draws at a time; with 1280 pixels per row, the keys of these rows fit into a
        second-level cache */
     OST_BAND = 64,
 };
@@ -49,12 +49,12 @@ typedef struct ost_frame_tile {
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
                "cells are whole tiles");
 
-/* A thread's scratch for drawing a band. It is small enough to stay in a cache between bands and layers. */
+/* A thread's scratch for drawing a band, small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    /* owned; planes of any layer except the first; the first layer uses only the keys of these
+    /* owned; planes for the current layer, if it is not the first one; the first layer uses only the keys of these
        planes */
     ost_planes over;
-    ost_frame_tile *tiles;  /* owned; rows of tiles_across */
+    ost_frame_tile *tiles;  /* owned; each row has tiles_across tiles */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
 } ost_frame_bench;
 
@@ -62,12 +62,12 @@ typedef struct ost_frame_bench {
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was made */
     uint32_t count, capacity; /* number of entries; number of entries for which memory is reserved */
-    /* index of the memory reserved for the block's next list; the present list begins at
-       visible.begin */
+    /* index at which memory is reserved for the block's next list; the current list begins at visible.begin */
     uint32_t visible_first;
     int32_t at[3];          /* position of the block, in blocks */
-    bool listed;            /* set if the list is made; otherwise no voxel of the block is drawn */
-    bool there;             /* set if the block was in view in the last frame, even if it was hidden */
+    bool listed;            /* set if the list exists; otherwise no voxel of the block is drawn */
+    /* set if the block was inside the view frustum in the last frame, even if other blocks hid it */
+    bool there;
 } ost_frame_list;
 
 /* An object to draw, and the lists of its blocks. */
@@ -78,17 +78,18 @@ typedef struct ost_frame_layer {
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    /* number of slots in the last frame; capacity of the arrays with one entry per slot */
+    /* number of slots in the last frame; capacity, in slots, of the arrays that are indexed by slot */
     int32_t slots, slot_capacity;
-    float *bases;           /* owned; 4 for each slot */
+    float *bases;           /* owned; 4 values for each slot */
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* side of this layer's voxels in units of the first object's voxels */
-    /* set if the eye is inside or close to the object, so that faces that do not adjoin air may be visible */
+    /* set if the eye is inside or close to the object, so that faces between two active voxels may be visible */
     bool within;
-    bool same;              /* set if the eye and the light are those of the previous frame and frames are stored */
+    /* set if frames are stored and neither the eye nor the light has changed since the previous frame */
+    bool same;
     int y0, y1;             /* half-open range of rows that the layer may cover */
-    ost_cells cells;        /* cells that the layer may cover */
+    ost_cells cells;        /* set of cells that the layer may cover */
 } ost_frame_layer;
 
 enum { OST_FRAME_LAYERS = 4 };
@@ -99,8 +100,8 @@ typedef struct ost_frame {
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
     ost_planes stored;      /* owned; planes of the first layer alone, without keys; NULL before ost_frame_store */
     bool is_stored;         /* set if `stored` contains the first layer of the last frame */
-    ost_cells part;         /* cells of the first layer that this frame draws again */
-    /* cells to be copied from `stored`, because they are drawn again or were covered in the
+    ost_cells part;         /* cells of the first layer that are redrawn in this frame */
+    /* cells to be copied from `stored`, because they are redrawn or because other layers covered them in the
        previous frame */
     ost_cells stale;
     /* cells whose colours may differ from those in `stored`; drawing on the frame adds cells (ost_frame_sheet) */
@@ -121,7 +122,7 @@ typedef struct ost_frame {
 /* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    ost_eye eye;            /* in the object's voxels; the picture size of the eye must be that of the frame */
+    ost_eye eye;            /* eye in the object's voxel coordinates; its picture size must be that of the frame */
     ost_paint paint;
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
 } ost_frame_thing;
@@ -136,10 +137,10 @@ void ost_frame_free(ost_frame *frame);
    identify the voxel of each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables partial redrawing: later frames draw only the parts that differ from the previous frame.
-   Used if only some blocks change from frame to frame. */
+/* Enables partial redrawing: in later frames, only the parts that differ from the previous frame are drawn. Useful
+   if few blocks change from frame to frame. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
-/* Marks all pixels as overwritten by another renderer. */
+/* Records that another renderer has overwritten all pixels, so that no part of the last frame is reused. */
 void ost_frame_overwritten(ost_frame *frame);
 /* Returns the frame's colours as a sheet to draw on. */
 ost_sheet ost_frame_sheet(const ost_frame *frame);

@@ -81,7 +81,7 @@ static bool next_run(const cell_row *row, int *from, int *to)
     return found;
 }
 
-/* Clears the keys of pixels that are drawn again, and marks all other tiles as complete. Returns the extent to draw. */
+/* Clears the keys of the pixels to be redrawn, and marks all other tiles as complete. Returns the extent to draw. */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)
 {
@@ -166,7 +166,7 @@ static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
            (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
-/* Returns true if a layer covers a pixel of the planes into which it was drawn. */
+/* Returns true if the layer covers at least one pixel of the planes into which it was drawn. */
 static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
 {
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;

@@ -150,11 +150,12 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     list->listed = true;
 }
 
-/* The parts of a block that look different. A part is a cube of 4 voxels per side and has one bit. */
+/* The parts of a block whose appearance has changed. A part is a cube of 4 voxels per side and is represented by one
+   bit. */
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
 typedef struct parts {
-    uint64_t bit[PARTS]; /* for each z, bit x + 8 y stands for one part */
+    uint64_t bit[PARTS]; /* for each z, bit x + 8 y represents one part */
 } parts;
 
 static void differs(parts *p, uint32_t id)
@@ -162,8 +163,8 @@ static void differs(parts *p, uint32_t id)
     p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
 }
 
-/* Makes the list of a block again, and marks the parts of the block in which the old and the new
-   list differ. Both lists are sorted. */
+/* Recomputes the list of a block, and marks the parts of the block in which the old and the new list differ. Both
+   lists are sorted. */
 static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old,
                          parts *out)
 {

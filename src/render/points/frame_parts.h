@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The three parts of drawing a frame:
+ * Declarations shared by the three files that draw a frame:
  *
  *   frame.c        memory, objects, teams of threads
  *   frame_list.c   which voxels of a block have a face toward the eye, and where the lists have changed
@@ -15,7 +15,7 @@
 #include <omp.h>
 #endif
 
-/* A thread's scratch for making a list. It also contains a copy of the list that the new list replaces. */
+/* A thread's scratch for making a list. It also contains a copy of the previous list. */
 typedef struct ost_frame_lists {
     ost_chosen chosen;
     uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
@@ -23,7 +23,7 @@ typedef struct ost_frame_lists {
     uint8_t only[OST_BLOCK_POINTS];
 } ost_frame_lists;
 
-/* Returns the number of the calling thread in its team, which is also the index of the thread's scratch. */
+/* Returns the calling thread's number in its team, which is also the index of its scratch. */
 static inline int ost_frame_thread(void)
 {
 #ifdef _OPENMP
@@ -38,7 +38,7 @@ static inline int ost_frame_thread(void)
 /*
  * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of
  * slots. Sets layer->same to false if the reallocation discarded lists or if the lists belong to
- * other blocks.
+ * blocks at different positions.
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
@@ -51,9 +51,9 @@ void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
  * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the
  * cells that must be copied from the stored planes. Returns the planes to draw into. The stored
- * planes are drawn completely only in the second of two equal frames, so that frames with a moving
- * eye do not have this cost. The numbers of voxels change with a list, so a frame with keys draws
- * all cells again.
+ * planes are drawn completely only in the second of two frames with the same eye and light, so that
+ * this work is not done while the eye moves. If a list changes, so do the numbers of its voxels; a
+ * frame with keys is therefore always drawn completely.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 

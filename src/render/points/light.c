@@ -111,7 +111,7 @@ static uint32_t channel(uint32_t full, uint32_t bright, uint32_t gloss)
     return v < 255 ? v : 255;
 }
 
-/* Mixes three eighths of colour a with five eighths of colour b. */
+/* Mixes two colours: 3/8 of a and 5/8 of b. */
 static uint32_t mixed(uint32_t a, uint32_t b)
 {
     return (((a & 0xff00ff) * 3 + (b & 0xff00ff) * 5) >> 3 & 0xff00ff) |

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes colours of voxels with a palette of all directions, which is made once per frame.
+ * Computes the colours of voxels with a table of the brightness in all directions, which is
+ * computed once per frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
  *        --paint---> colour; for flat paints this is the tint
  *
- * The key light is over the viewer's left shoulder, and a weaker light is on the right. The palette
+ * The key light is over the viewer's left shoulder, and a weaker light is on the right. The table
  * contains integers, so a tint is computed with a few integer operations.
  */
 #ifndef OST_RENDER_LIGHT_H
@@ -16,14 +17,13 @@
 #include "render/points/octahedral.h"
 #include "render/points/palette.h"
 
-#define OST_CONTACT 0x30a0ffu /* 0xBBGGRR; this colour is blended in where bone was just removed */
+#define OST_CONTACT 0x30a0ffu /* colour, as 0xBBGGRR, that is blended in where bone was just removed */
 #define OST_BACKGROUND 0x1c1816u /* 0xBBGGRR */
 
 /* The paint of an object: its colour and gloss. */
 typedef struct ost_paint {
     uint8_t red, green, blue;
-    /* at most 127; added to each channel where the mirror direction of the key light points to the
-       eye */
+    /* value added to each channel where the mirror direction of the key light points to the eye; at most 127 */
     uint8_t gloss;
 } ost_paint;
 
@@ -34,13 +34,13 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    /* for each direction: brightness in 256ths, at most 320; the bits from OST_BRIGHT_BITS on are
-       the amount added to each channel */
+    /* for each direction, two values: the low OST_BRIGHT_BITS bits are the brightness in units of 1/256, at most
+       320; the higher bits are the amount added to each channel */
     uint16_t shade[OST_OCTAHEDRAL_COUNT];
-    uint32_t face[8];                     /* light of each face, in 256ths; entries 6 and 7 are not used */
+    uint32_t face[8];                     /* light on each face, in units of 1/256; entries 6 and 7 are not used */
     uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
     ost_style style;
-    /* The inputs from which `shade` was computed. The contents of shade are reused while these inputs do not change. */
+    /* The inputs from which `shade` was computed. The values of `shade` are reused while these inputs do not change. */
     float right[3], up[3], forward[3];
     uint8_t gloss;
     bool made;
@@ -57,8 +57,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * Unit vectors of all directions, and the function shade, which computes the shades of all
- * directions. It is the function in light.c unless it is set to the result of ost_light_shade_for.
+ * Unit vectors of all directions, and a function that computes the shades of all directions: the function in light.c,
+ * unless `shade` is set to the result of ost_light_shade_for.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
@@ -68,13 +68,12 @@ void ost_directions_make(ost_directions *directions);
 ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
 /*
- * Computes the light of a frame. palette: made by ost_palette_make; if palette is NULL, every paint
- * is the object's own paint. The light must be zero-initialized before its first use.
+ * Computes the light of a frame. The parameter palette is the result of ost_palette_make; if it is NULL, the object's
+ * own paint is used for every paint number. The light must be zero-initialized before its first use.
  */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
                     ost_paint paint, const uint32_t *palette);
-/* Computes the colours of fully lit faces. Both arrays must have space for count entries, rounded
-   up to a multiple of 16. */
+/* Computes the colours of fully lit faces. The capacity of both arrays must be count rounded up to a multiple of 16. */
 void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);

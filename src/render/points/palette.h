@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Maps numbers to colours.
+ * Maps paint numbers to colours.
  *
  *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
  *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
- * The scale goes from light to dark, through yellow, green, blue and violet, so that its order is
- * visible to every eye and in print. Tissues differ in lightness as well as in hue.
+ * The scale goes from light to dark, through yellow, green, blue and violet, so that its order can
+ * also be recognized by colour-blind viewers and in black-and-white print. Tissues differ in
+ * lightness as well as in hue.
  */
 #ifndef OST_RENDER_PALETTE_H
 #define OST_RENDER_PALETTE_H
@@ -24,7 +25,7 @@ typedef enum ost_colouring {
 
 enum {
     OST_PAINTS = 256,
-    OST_PAINT_LIT = 1,      /* first lit colour; OST_PAINT_FLAT is the first flat colour */
+    OST_PAINT_LIT = 1,      /* first lit colour; OST_PAINT_FLAT is the first colour that is shown without lighting */
     OST_PAINT_FLAT = 128,
     OST_SCALE = 127,        /* number of steps of a scale; the steps are 0 .. 126 */
 };
@@ -61,7 +62,7 @@ uint32_t ost_window_grey(int step);
 /* Returns the step, 0 .. 126, for a density in HU. */
 int ost_window_step(int density);
 
-/* Fills the palette of a colouring. Colour 0 is not used, because it means the object's own paint. */
+/* Fills the palette of a colouring. Colour 0 is not used, because paint number 0 means the object's own colour. */
 void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
 
 #endif

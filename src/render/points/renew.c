@@ -9,7 +9,7 @@
  *   previous shades ------------------------ other rows --'                        '--> contact
  *
  * The shades of a row are computed together. The contact paint also changes with time, not only
- * where bone is removed, so it is applied to all points each time.
+ * where bone is removed, so it is applied to all points in every update.
  */
 #include "render/points/renew.h"
 
@@ -125,8 +125,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* Renderers identify their copies of a list by its version. The address of a block would not
-   suffice, because another surface could reuse it. */
+/* A renderer identifies its copy of a list by the version. The address of a block would not suffice, because another
+   surface could reuse the address. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,

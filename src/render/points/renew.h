@@ -9,8 +9,8 @@
 /* Selects the loops for an instruction set. By default, the best instruction set that OSTEON_ISA allows is used. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of all blocks in which cells may have changed. Must be called before the
-   first renewal, because a renewal reads the cells of neighbours. */
+/* Recomputes the cells of all blocks in which cells may have changed. Must be called before the first call of
+   ost_surface_renew, because updating a block reads the cells of its neighbours. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
 /* Updates a block that is marked as dirty. The block's record of changes is not cleared, because

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Contains the loops of rows.h over complete rows, in plain C. The same text is compiled for every
- * instruction set, and the compiler vectorizes it over rows.
+ * Contains the loops of rows.h over complete rows, in plain C. The same source is compiled for every instruction set,
+ * and the compiler vectorizes it over rows.
  */
 #ifndef OST_RENDER_ROW_LOOPS_H
 #define OST_RENDER_ROW_LOOPS_H
@@ -16,9 +16,9 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the distance of the next shift when bits are spread. `covered` is the distance over which
- * the bits have already been spread. After an OR with copies shifted by at most 2 covered + 1, no
- * gap remains.
+ * Returns the distance of the next shift when bits are spread by OR with shifted copies. The bits
+ * have already been spread by `covered`. A shift by at most 2 covered + 1 leaves no gap between the
+ * copies.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -74,7 +74,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* Computes, for each of the six faces, the voxels of a row that have a set bit behind this face. */
+/* For each of the six faces, computes the voxels of a row whose neighbour at this face has a set bit. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const uint32_t own = rim->row[z + 1][y + 1];

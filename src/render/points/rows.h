@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Processes rows of bits of a block and of its neighbours. Lists (extract.c) and shades (shading.c)
- * are computed from the results. A row is one integer word.
+ * are computed from the results. Each row is stored in one integer.
  *
  *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
  *                                       --points--> surface points
@@ -14,10 +14,11 @@
 #include "render/points/surface.h"
 
 enum {
-    /* number of rows, and of slices, on which the shades of a block may depend */
+    /* number of rows along y, and of slices along z, on which the shades of a block may depend */
     OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH,
     OST_RIM = OST_BLOCK + 2,
-    OST_POINT_SLACK = 16,                      /* number of words after the last point that a kernel may overwrite */
+    /* number of words after the last point that may be overwritten by a kernel */
+    OST_POINT_SLACK = 16,
 };
 
 /* Rows of voxels, one word each, indexed by [z][y]. z and y are counted from -OST_SHADING_REACH.
@@ -34,7 +35,7 @@ typedef struct ost_rim {
 } ost_rim;
 
 typedef struct ost_faces {
-    uint32_t face[6][OST_BLOCK_ROWS]; /* indexed by ost_face; set bits are voxels with air at this face */
+    uint32_t face[6][OST_BLOCK_ROWS]; /* set bits are voxels with air at the given face; indexed by ost_face */
     uint32_t any[OST_BLOCK_ROWS];
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
 } ost_faces;
@@ -42,11 +43,12 @@ typedef struct ost_faces {
 typedef struct ost_row_kernels {
     /* Computes out[i]: bits 16 .. 31 of left[i], then all bits of own[i], then bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
-    /* Sets all voxels that are at most `reach` away from a set voxel along each axis. Afterwards
-       the outer `reach` rows, slices and bits are undefined. */
+    /* Sets all voxels whose distance to a set voxel is at most `reach` along each axis. Afterwards the outer `reach`
+       rows, slices and bits are undefined. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* Finds the voxels in each row that have a face to the air and, behind this face, a set bit of the rim. */
+    /* For each row, finds the voxels that have a face to the air and whose neighbour at this face has a set bit in
+       the rim. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
     /* Writes the points, in ascending order of rows. Their number is faces->begin[OST_BLOCK_ROWS]. */
     void (*points)(const ost_faces *faces, uint32_t *points);

@@ -16,10 +16,10 @@
  *
  *    reach in voxels: 1 for the slope, 2 for the interpolation between cells, 8 for four cells of the sum
  *
- * If only the bits are known, a voxel contains either no bone or 100 % of it. If the CT is known, a
- * bone voxel contains from a quarter to 100 % of bone, depending on its density: a voxel at the
- * border that is half bone has half the density. Within three voxels of a cut, bone voxels again
- * count as 100 % bone, because inside the bone the density does not measure the amount of bone.
+ * If only the bits are known, a voxel contains either 0 % or 100 % bone. If the CT is known, a bone voxel
+ * contains 25 % to 100 % bone, depending on its density: a voxel at the border that is half filled with
+ * bone has half the density. Within three voxels of a cut, a bone voxel is always treated as 100 % bone,
+ * because inside the bone, the density does not indicate the amount of bone.
  */
 #include "render/points/shading.h"
 
@@ -49,7 +49,8 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Computes k->near, the voxels near removed ones. Returns false if no voxel was removed; k->near is then undefined. */
+/* Computes k->near, the voxels near removed voxels. Returns false if no voxel was removed; k->near is then
+   undefined. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
@@ -63,8 +64,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns the LINE voxels of a row from index `first` on. size: number of voxels in the row. Values
-   beyond the row are never used, because there is no bone. */
+/* Returns the LINE voxels of a row from index `first` on. size: number of voxels in the row. Values beyond the row
+   are never used, because there is no bone beyond the row. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -219,8 +220,8 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 
 /*
  * Computes slice z of the wide field. *made is the number of slices of cells that have been
- * processed, and *smoothed the number of slices of the field of cells. Slices that are not needed
- * are included in these numbers.
+ * processed, and *smoothed the number of slices of the field of cells. Both numbers include slices
+ * that were skipped because they are not needed.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)
@@ -257,7 +258,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    /* all needed slices with an index less than this number have been computed */
+    /* each number: all needed slices with a lower index have been computed */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
     const bool cut = s->reference && find_near(s, b, k);
@@ -281,7 +282,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels that have a face to the air and, behind this face, a voxel of the set that `which` returns. */
+/* Finds the voxels that have a face to the air and whose neighbour at this face belongs to the set that `which`
+   returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {
@@ -313,13 +315,13 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* a voxel bared by the clip plane is not in contact, because no bone was removed there */
+    if (s->clipped) /* a voxel exposed by the clip plane is not in contact, because no bone was removed there */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes k->bared, the voxels that a tool has bared. The depths of the block are computed only if
-   a voxel next to its points was removed. */
+/* Computes k->bared, the voxels exposed by a tool. The depths of the block are computed only if a voxel next to one
+   of its points was removed. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

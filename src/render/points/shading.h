@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the look of a surface voxel: the direction of the surface's normal, its openness and its
- * paint.
+ * Computes the appearance of a surface voxel: the direction of the surface normal, the openness and the paint.
  *
  *   bits, densities --> amount of bone in a voxel -smoothed by 9^3--------> field ------.
  *                          '--> means of 2^3 voxels --smoothed by 9^3 cells--> wide field --slopes.h--> normal,
  *   bits now, bits before, densities (uncut.h) --> paint                                               openness
  *
- * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis. For a voxel whose upper side
- * lies in a plane surface, the field is therefore 0.6 of its maximum. The wide field determines the
- * smooth surface, without the steps of voxels and slices; the other field determines the edges. All
- * computations use integers, except for the last step (slopes.h).
+ * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis. For a voxel whose upper side lies in a
+ * plane surface, the field is therefore 0.6 of its maximum. The wide field yields the smooth surface, without
+ * the steps of voxels and slices; the fine field yields the edges. All computations use integers, except for
+ * the last step (slopes.h).
  */
 #ifndef OST_RENDER_SHADING_H
 #define OST_RENDER_SHADING_H
@@ -22,17 +21,16 @@
 typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
-    ost_faces faces;             /* faces to the air of those voxels of the block that are shown */
+    ost_faces faces;             /* faces to the air, for the block's voxels that are shown */
     uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed: bit y of word z */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    /* cap: voxels that the clip plane bares; bared: voxels that a tool has bared; contact: voxels
-       next to which bone was just removed */
+    /* cap: voxels exposed by the clip plane; bared: voxels exposed by a tool; contact: voxels next to which bone was
+       just removed */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    /* occupied: active voxels; near: voxels near removed ones; other: scratch of the function
-       spread */
+    /* occupied: active voxels; near: voxels near removed voxels; other: scratch for the `spread` function */
     ost_rows occupied, near, other;
-    /* one slice with the neighbours' voxels, or two slices of the block alone */
+    /* one slice including the neighbours' voxels, or two slices without them */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
     /* y: slice z is stored at index z % 9; field: slice z is stored at index z % 3 */
     ost_field_slice y[9], field[3];
@@ -40,8 +38,7 @@ typedef struct ost_shading_scratch {
     ost_field_slice cells_y[9], cells_field[3], wide[3];
 } ost_shading_scratch;
 
-/* Recomputes those cells of the block that are near changes. Must be called for all blocks before
-   the first block is shaded. */
+/* Recomputes the block's cells near changed voxels. Must be called for all blocks before the first block is shaded. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
 /* Computes the shades of all points in stale rows and writes them to the scratch. The scratch must

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes shades from fields. Slopes are read point by point and then converted to shades, sixteen
- * points at a time if the registers are wide enough. The arithmetic uses floats. The operations
- * have a fixed order, and each one is rounded separately:
+ * Computes shades from fields. Slopes are read point by point. They are then converted to shades,
+ * sixteen points at a time if the registers are wide enough. The arithmetic uses floats. The
+ * operations have a fixed order, and each one is rounded separately:
  *
  *   fine, wide slope --their angle--> share t of the wide one
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
  *   fine, wide value --> openness by the fine one, by both --t--> openness
  *
  * The value of a field depends both on a voxel's distance from the smooth surface and on its
- * openness. Across a plane, the wide value rises half as fast as the fine value. Therefore 2 wide -
- * fine does not depend on the voxel's distance. It is half of the maximum on a plane, less on an
- * edge, and more in a hollow.
+ * openness. Let f be the value of the fine field and w the value of the wide field. Across a plane,
+ * w rises half as fast as f, so 2 w - f does not depend on the voxel's distance. The difference 2 w
+ * - f is half of the maximum on a plane, less on an edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H
@@ -20,20 +20,22 @@
 #include "render/points/smooth.h"
 
 enum {
-    OST_LINE_SHIFT = 8,  /* bit of a row at which a line begins: a row begins at x = -16 and a line at x = -8 */
-    /* the sum for x = -1, which is the first entry of a row of the field, begins at entry 3 of a line (x = -5) */
+    /* number of the row bit at which a line begins: a row begins at x = -16 and a line at x = -8 */
+    OST_LINE_SHIFT = 8,
+    /* the first entry of a field row is the sum for x = -1, which begins at entry 3 of a line (x = -5) */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
-    /* openness of a plane; least openness; rate at which openness falls in a pit; rate at which it rises on an edge */
+    /* openness of a plane; minimum openness; rate at which openness falls in a pit; rate at which openness rises on
+       an edge */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
-    OST_WIDE_PART = 4,   /* the values of the wide field are divided by this number */
-    OST_WIDE_LEAST = 120, /* a wide slope smaller than this is ignored */
+    OST_WIDE_PART = 4,   /* divisor of the wide field's values */
+    OST_WIDE_LEAST = 120, /* smallest slope of the wide field that is used */
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of OST_FIELD_FULL */
 };
 /*
- * The wide slope is used if the cosine of the angle between the fine and the wide slope is at least
- * OST_AGREE_LEAST. Its weight rises with the cosine. From OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on,
- * only the wide slope is used.
+ * The slope of the wide field is used if the cosine of the angle between the slopes of the fine and
+ * the wide field is at least OST_AGREE_LEAST. Its weight rises with the cosine, and is 1 from
+ * OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on.
  */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
@@ -45,7 +47,7 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Data of up to OST_SLOPES points: the slope of both fields along each axis, the values of both
+/* Data of up to OST_SLOPES points: the slopes of the fine and the wide field along each axis, the values of both
    fields, and the faces to the air. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
@@ -70,7 +72,7 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* Adds to a slope the contribution of the faces to the air. Without it, the slope would be zero in
+/* Adds the contribution of the faces to the air to a slope. Without this contribution, the slope would be zero in
    the middle of a plate that is one voxel thick. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {

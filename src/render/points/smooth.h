@@ -12,10 +12,10 @@
  *
  *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
- * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic has 16 bits: final sums are below 2^16,
- * and intermediate overflow is harmless in arithmetic modulo 2^16. Therefore all variants compute
- * the same words. The scalar variant adds weighted words. The others obtain the next sum by adding
- * a slope, and the next slope by adding in[i + 10] - 2 in[i + 5] + in[i].
+ * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic uses 16-bit words: final sums are below 2^16,
+ * and intermediate overflow does no harm, because the arithmetic is modulo 2^16. Therefore all variants
+ * compute the same words. The scalar variant adds weighted words. The other variants add a difference to
+ * obtain the next sum, and add in[i + 10] - 2 in[i + 5] + in[i] to obtain the next difference.
  */
 #ifndef OST_RENDER_SMOOTH_H
 #define OST_RENDER_SMOOTH_H
@@ -24,24 +24,25 @@
 #include "render/points/surface.h"
 
 enum {
-    OST_FIELD_REACH = 5,   /* in voxels: the sum reaches 4 voxels, and the gradient adds one */
-    OST_WIDE_REACH = 11,   /* in voxels; the gradient of the wide field depends on voxels up to this distance */
-    /* within this distance of a cut, the density of a bone voxel is ignored, and the voxel counts as 100 % bone */
+    /* distance in voxels up to which the field's gradient depends on bone: 4 for the sum and 1 for the gradient */
+    OST_FIELD_REACH = 5,
+    OST_WIDE_REACH = 11,   /* distance in voxels up to which the wide field's gradient depends on bone */
+    /* distance from a cut, in voxels, up to which every bone voxel is treated as 100 % bone, regardless of its
+       density */
     OST_NEAR_REACH = 3,
     OST_FIELD_LINE = 48,   /* number of voxels in a line; the first one is at x = -8 */
     OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* number of rows in a slice of bone, and number of slices */
-    /* number of rows after a sum was computed: the block's rows and one more on each side */
+    /* number of rows of a sum: the block's rows and one more on each side */
     OST_FIELD_ROWS = OST_BLOCK + 2,
     OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
-    OST_FIELD_LEAST = 15,  /* least value of a bone voxel */
-    /* a voxel with at least this density in HU is 100 % bone: OST_FIELD_LEAST + 768 / 16 =
-       OST_FIELD_ALL */
+    OST_FIELD_LEAST = 15,  /* minimum value of a bone voxel */
+    /* density in HU from which a voxel is 100 % bone: OST_FIELD_LEAST + 768 / 16 = OST_FIELD_ALL */
     OST_FIELD_DENSE = 768,
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */
     OST_FIELD_BY_FACES = 160, /* amount by which a face to the air increases a slope */
     OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
-    OST_SHADING_SLACK = 16, /* number of words after the last look that a kernel may overwrite */
+    OST_SHADING_SLACK = 16, /* number of words after the last shade that may be overwritten by a kernel */
 };
 
 typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
@@ -56,10 +57,11 @@ typedef struct ost_smooth_kernels {
     /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is at x
        = i - 1. Entries from OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
-    /* Computes a row of cells from two rows in each of two slices. */
+    /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins `count` rows of cells of three blocks to lines. Like a line of bone, a line of cells begins at x = -8. */
+    /* Joins `count` rows of cells from three blocks to form lines. Like a line of bone, a line of cells begins at x
+       = -8. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
     /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At

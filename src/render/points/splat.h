@@ -10,14 +10,14 @@
  * no operations are fused, so all variants are bit-identical. A pixel belongs to one band, and a
  * band draws blocks in a fixed order, so the result does not depend on the number of threads.
  *
- * A pixel stores one word, its key. The upper half is the squared distance from the eye to the
- * voxel's centre, as the bits of a float. The lower half is the voxel's number: its block's slot <<
- * 15 | its index in that block's list. The least key is stored, so the result depends neither on
- * the order of the voxels nor on the positions of the lists. On a regular grid, this distance
- * orders voxels along every ray: if a ray goes from voxel A to its neighbour across +x, then d_x >
- * 0, and the ray passes the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and the squared
- * distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The same holds
- * for all axes.
+ * For each pixel, one word is stored: the key. The upper half is the squared distance from the eye
+ * to the voxel's centre, as the bits of a float. The lower half is the voxel's number: its block's
+ * slot << 15 | its index in that block's list. The least key is stored, so the result depends
+ * neither on the order of the voxels nor on the positions of the lists. On a regular grid, this
+ * distance orders voxels along every ray: if a ray goes from voxel A to its neighbour across +x,
+ * then d_x > 0, and the ray passes the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and
+ * the squared distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The
+ * same holds for all axes.
  *
  * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all
  * lists together have fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
@@ -32,16 +32,17 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* The key of a pixel without a voxel consists of bytes equal to OST_EMPTY_BYTE. Interpreted as a
-   distance, this key is greater than all others. */
+/* The value of every byte of the key of a pixel without a voxel. Interpreted as a distance, such a key is greater
+   than all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
 /*
- * Planes of pixels. Rows begin at multiples of stride, which is a multiple of OST_LANES. The planes
- * are 64-byte aligned. Planes may cover only a band, so that its keys fit into a cache: their first
- * row is row `top` of the frame, and the first row of the keys is row key_top.
+ * Planes of pixels. Rows begin at multiples of `stride`, which is a multiple of OST_LANES. The
+ * planes are 64-byte aligned. To fit into a cache, planes may be limited to a band of the frame:
+ * the first row of the planes is row `top` of the frame, and the first row of the keys is row
+ * `key_top`.
  */
 typedef struct ost_planes {
     /* squared distance << 32 | number of the voxel; valid for pixels to which something may have
@@ -72,12 +73,11 @@ typedef struct ost_splat_eye {
     float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */
 } ost_splat_eye;
 
-/* Half of a voxel's side. OST_HALF_WIDE is slightly wider, to close the cracks that rounding would
-   leave between neighbours. */
+/* Half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the distance of the eye from a voxel's middle along an axis is at most this value, the rays to
-   the voxel can have both signs on this axis. */
+/* If the eye is at most this far from a voxel's centre along an axis, some rays to the voxel may run in the positive
+   direction of this axis and others in the negative direction. */
 #define OST_FACE_HALF 0.501f
 
 /* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */
@@ -85,28 +85,27 @@ typedef struct ost_extent {
     int x0, x1, y0, y1;
 } ost_extent;
 
-/* Special values of the word in which an extent is stored (ost_extent_word). */
+/* Special values of an extent that is stored as one word (ost_extent_word). */
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* The points of a block that have a face toward the eye. Each thread that makes lists has one such
-   struct as scratch. */
+/* The points of a block that have a face toward the eye. Each thread that computes lists uses one such struct as
+   scratch. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the face, if only one face is both to the air and turned to the eye; OST_SEVERAL if
-       there are several such faces */
+    /* axis of the face that is both to the air and turned to the eye; OST_SEVERAL if there are several such faces */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both; tint: colour
-       of the face in full light */
+    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both values; tint: colour of the
+       voxel in full light */
     uint64_t *seen;
-    uint8_t *only;              /* owned by the frame; the same values as in ost_chosen */
+    uint8_t *only;              /* owned by the frame; same values as ost_chosen.only */
     /*
      * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. The
-     * value is OST_EXTENT_UNKNOWN until the group has been drawn once. Every thread computes the
+     * value is OST_EXTENT_UNKNOWN until a thread has drawn the group. Every thread computes the
      * same value, so threads need not wait for each other.
      */
     _Atomic uint64_t *extent;
@@ -114,21 +113,21 @@ typedef struct ost_visible {
     uint32_t *begin;
     /* entry 4 * slot + a: component a of the vector from the eye to the block's voxel (0, 0, 0) */
     const float *bases;
-    uint32_t light[8];          /* light of each face, in 256ths, at most 256 */
+    uint32_t light[8];          /* light on each face, in units of 1/256, at most 256 */
     uint32_t background;
 } ost_visible;
 
 typedef struct ost_splat_kernels {
     /*
-     * Selects the points that have a face toward the eye. The order of the points is kept.
-     * turned[a][i]: those faces of axis a that are turned to the eye at coordinate i, as bits of
-     * ost_face. Returns the number of selected points.
+     * Selects the points that have a face toward the eye. The order of the points does not change.
+     * turned[a][i]: faces perpendicular to axis a that are turned to the eye at coordinate i, as
+     * bits of ost_face. Returns the number of selected points.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
     /*
-     * Draws the list of a block into the keys of the pixels in part. May also write keys outside
-     * part in the same rows; their values are not used.
+     * Draws a block's list into the keys of the pixels in `part`. May also write keys outside `part` in the same rows;
+     * these keys are not used.
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
@@ -140,10 +139,10 @@ typedef struct ost_splat_kernels {
        column x on. x must be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * Copies those pixels of `from` that are nearer than the pixels of `to`, for x0 <= x < x1 of
-     * row y. At equal depth, `to` is unchanged. Depths of `from` are multiplied by scale. Keys are
-     * not changed. For each OST_LANES pixels from x on, sets bit x / OST_LANES of taken if at least
-     * one pixel was copied.
+     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if it is nearer. At equal
+     * depth, the pixel of `to` remains. Depths of `from` are first multiplied by scale. Keys are
+     * not changed. For each group of OST_LANES pixels that begins at x, sets bit x / OST_LANES of
+     * taken if at least one pixel was copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;
@@ -163,7 +162,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
                          uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
-OST_SPLAT_DECLARE(avx2) /* the AVX2 function for facing is the scalar function */
+OST_SPLAT_DECLARE(avx2) /* for AVX2, `facing` is the scalar function */
 OST_SPLAT_DECLARE(avx512)
 
 static inline uint64_t ost_key(float distance, uint32_t number)
@@ -197,7 +196,7 @@ static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
            (uint64_t)(uint32_t)y1;
 }
 
-/* Returns true if the extent is known and has no pixels in common with part. */
+/* Returns true if the extent is known and has no pixels in common with `part`. */
 static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 {
     return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||
@@ -206,7 +205,7 @@ static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 
 #define OST_EMPTY_KEY (UINT64_C(0x0101010101010101) * OST_EMPTY_BYTE)
 
-/* Returns the colour with each channel multiplied by light / 256, rounded down. */
+/* Multiplies each channel of a colour by light / 256, rounded down. */
 static inline uint32_t ost_lit(uint32_t colour, uint32_t light)
 {
     return ((colour & 0xff00ff) * light >> 8 & 0xff00ff) | ((colour & 0xff00) * light >> 8 & 0xff00);

@@ -11,14 +11,14 @@
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
  *                            h half a side: the line along d meets the cube about o
  *
- * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With those
+ * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these
  * signs s, the test consists of six inequalities that are linear in the pixel's position, one for
  * each edge of the outline:
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
- * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if either test passes.
- * The wrong sign makes the test stricter, because s d <= |d|.
+ * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if one of the two tests
+ * passes. A wrong sign can only make a test stricter, because s d <= |d|.
  *
  * If only one face of a voxel is to the air and turned to the eye, it is sufficient to draw that
  * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,
@@ -28,8 +28,8 @@
  * edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j,
  * by reversing the sign of this term.
  *
- * A voxel with a corner that is not beyond the near plane is not drawn, so every line in the test
- * is a ray.
+ * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can
+ * be treated as a ray.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -127,7 +127,7 @@ typedef struct edge {
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    /* for each component vector v of the ray d: n contains the product o x v, and m contains h s v */
+    /* for each vector v in {focal forward, right, up}: n contains the product o x v, and m contains h s v */
     float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);
@@ -202,7 +202,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Draws the entries from .. to - 1 of a list, which share one extent word. Returns this extent word. */
+/* Draws the entries `from` to `to` - 1 of a list, which share one extent word. Returns this extent word. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
                            uint32_t to, const ost_planes *planes, const ost_extent *part)
 {

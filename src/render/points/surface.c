@@ -155,7 +155,7 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The data of a block that may be affected by a change in another block. */
+/* The data of a block that a change in another block may affect. */
 typedef enum sees { SEES_SHADES, SEES_POINTS, SEES_CELLS, SEES_UNCUT } sees;
 
 /* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */
@@ -219,7 +219,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        /* from now on, the block records which of its voxels have been cut */
+        /* from now on, the voxels of the block that are removed are recorded */
         mark(surface, at, first, last, 1, SEES_UNCUT);
     }
     if (status == OST_OK)
@@ -355,7 +355,8 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
             status = ost_surface_renew(surface, i, err);
         surface->points += surface->slot[i]->count;
     }
-    /* these fields are cleared after all renewals, because the renewal of a neighbour reads them */
+    /* these fields are cleared after all blocks are updated, because updating a block reads the fields of its
+       neighbours */
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
         free(surface->slot[i]->changed);
         surface->slot[i]->changed = NULL;

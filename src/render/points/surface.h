@@ -6,11 +6,11 @@
  *   occupancy words, a row of 32 voxels each --ost_surface_set--> block, dirty
  *   dirty blocks and their six neighbours --ost_surface_update--> surface points
  *
- * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. No other
- * voxels are visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk
+ * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. Only surface
+ * voxels can be visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk
  * size.
  *
- * A surface point consists of two words, one for its position and one for its look:
+ * A surface point consists of two words, one for its position and one for its appearance:
  *
  *   where   bits   0..4   5..9   10..14   15..20
  *                   x      y       z      faces to the air: -x +x -y +y -z +z
@@ -51,24 +51,25 @@ typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
-    bool dirty;                /* set if the next update must process the block; the following fields state why */
+    /* set if the next update must process the block; the following fields state the reason */
+    bool dirty;
     bool unlisted;             /* set if the block's list of points may have changed */
     bool remade;               /* set if all shades of the block may have changed */
     bool unmeasured;           /* set if the block's cells may have changed */
-    bool contact;              /* set if at least one look of the block has OST_SHADE_CONTACT */
+    bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the lists of points and shades, unique within the process; 0 before the first list */
     uint64_t version;
-    uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
+    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     /* owned; voxels of `occupied` that changed since the last update; NULL if no voxels changed */
     uint32_t *changed;
-    uint32_t *before;          /* owned; bone voxels of the uncut bone; NULL if the surface has no reference */
-    /* owned; fresh: voxels removed since the last call of ost_surface_age; recent: voxels removed
-       in the interval before that call; NULL if there are no such voxels */
+    uint32_t *before;          /* owned; bits of the uncut bone's voxels; NULL if the surface has no reference */
+    /* owned; fresh: voxels removed since the last call of ost_surface_age; recent: voxels removed between the last
+       two calls; NULL if there are no such voxels */
     uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until a depth is needed for the first time */
-    uint32_t count, capacity;  /* number of points; capacity */
-    /* amount of bone in each cell, a cube of 2^3 voxels, indexed by x, y, z (shading.h) */
+    uint32_t count, capacity;  /* number of points; number of points for which memory is allocated */
+    /* amount of bone in each cell, which is a cube of 2^3 voxels (shading.h); x is the fastest index */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
     uint32_t *points, *shades; /* owned; `count` surface points, in ascending order of rows */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of the first point of each row */
@@ -82,13 +83,13 @@ typedef struct ost_clip {
 
 typedef struct ost_surface {
     ost_geometry geometry;     /* geometry of the bone; the spacing is equal on all axes */
-    int32_t blocks[3];         /* size of the grid in blocks; the last blocks may lie partly outside the grid */
+    int32_t blocks[3];         /* number of blocks along each axis; the last blocks may lie partly outside the grid */
     /* owned; slot of each block of the grid; -1 if the block has never contained an active voxel */
     int32_t *slot_of;
     ost_surface_block **slot;  /* owned; `used` entries */
     int32_t used, capacity;
     uint64_t points;           /* total number of points of all blocks; valid after an update */
-    /* owned; renewals: number of slots whose lists the last update changed; renewed: these slots */
+    /* owned; renewed: slots whose lists the last update changed; renewals: number of these slots */
     int32_t renewals, *renewed;
     struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is not known */
     int colouring;             /* an ost_colouring (palette.h) */
@@ -127,8 +128,8 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent
-   voxels are no longer highlighted. Used if shows_contact is set. */
+/* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent voxels are no longer
+   highlighted. Has an effect only if shows_contact is set. */
 void ost_surface_age(ost_surface *surface);
 
 /* Recomputes the points and shades that have changed since the last update, and lists the changed blocks in renewed. */

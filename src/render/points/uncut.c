@@ -115,7 +115,8 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if the density d of a voxel at most two steps away along one of the axes satisfies from <= d < to. */
+/* Returns true if there is a voxel, at most two steps away along one of the axes, whose density d satisfies from <=
+   d < to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -130,9 +131,9 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 
 /*
  * Returns the tissue of a voxel by its density class, with two corrections for the partial volume
- * effect. First, a voxel of medium density between hard bone and a soft voxel or air is the edge of
- * hard bone, not cancellous bone. Second, if the position of the face is known, a voxel as dense as
- * cartilage is cartilage only at the face.
+ * effect. First, a voxel of medium density between hard bone and a soft voxel or air is treated as
+ * the edge of hard bone, not as cancellous bone. Second, if the position of the face is known, a
+ * voxel with the density of cartilage is treated as cartilage only at the face.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The uncut bone, with which the present bone is compared. It contains the densities of the CT,
- * from which paint is computed.
+ * The uncut bone, with which the current bone is compared. It contains the CT's densities, from
+ * which paint is computed.
  *
- *   densities --class, density---------> paint of voxels that a tool has bared
- *   bits before --distance to outside--> paint of the same voxels, by depth
- *   densities --window-----------------> paint of voxels that a clip plane bares
+ *   densities --class, density---------> paint of voxels exposed by a tool bits before --distance
+ *   to outside--> paint of the same voxels, by depth densities --window-----------------> paint of
+ *   voxels exposed by a clip plane
  *
- * A paint is a number: 0 is the object's own colour, 1 .. 127 are lit as the surface is, and 128 ..
- * 255 are shown without lighting. A palette maps it to a colour (palette.h).
+ * A paint is a number that a palette maps to a colour (palette.h): 0 is the object's own colour, 1
+ * .. 127 are lit like the surface, and 128 .. 255 are shown without lighting.
  *
  * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone,
  * less half a voxel. Depths are exact up to 32 voxels. A voxel is outside if it is not bone and a
@@ -24,26 +24,26 @@
 #include "render/points/palette.h"
 #include "render/points/surface.h"
 
-enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH }; /* in voxels; its square */
+/* greatest depth, in voxels; its square */
+enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH };
 
 typedef struct ost_uncut {
     ost_volume volume;      /* owned */
     int32_t threshold;
-    /* set if the state before the operation is not known; the entire surface of the bone is then
-       painted */
+    /* set if the bone before the operation is not available; the entire surface is then painted */
     bool uncut;
     int32_t classes, border[OST_CLASS_MAX];
-    bool has_face;          /* set if face and inward are known */
-    /* in voxels; face: middle of the glenoid's face; inward: unit vector from there into the bone */
+    bool has_face;          /* set if `face` and `inward` are known */
+    /* face: middle of the glenoid's face, in voxels; inward: unit vector from this point into the bone */
     double face[3], inward[3];
     double scale_mm;        /* depth of the last colour of the scale, in mm */
-    uint8_t level[OST_DEPTH_FAR + 1]; /* paint for each squared distance */
+    uint8_t level[OST_DEPTH_FAR + 1]; /* paint number for each squared distance */
     /* owned; one entry per cube of 2^3 voxels; NULL until a depth is needed for the first time */
     uint8_t *outside;
 } ost_uncut;
 
-/* Makes a reference. Takes ownership of the volume, which must have cubic voxels. If at is NULL,
-   the position of the glenoid is not known. */
+/* Makes a reference. Takes ownership of the volume, which must have cubic voxels. at: position of the glenoid; NULL
+   if it is not known. */
 ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
                           const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err);
 /* Frees the reference's memory. Accepts a zero-initialized reference. */
@@ -51,9 +51,9 @@ void ost_uncut_free(ost_uncut *reference);
 
 /* Computes a block of the uncut bone, one bit per voxel. */
 void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
-/* Returns the paint of a voxel that a tool has bared. depth: the entry of block->depth for this voxel. */
+/* Returns the paint of a voxel exposed by a tool. depth: the entry of block->depth for this voxel. */
 uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth);
-/* Returns the paint of a voxel that a clip plane bares. The reference may be NULL. */
+/* Returns the paint of a voxel exposed by a clip plane. The reference may be NULL. */
 uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3]);
 /* Allocates block->depth and computes the squared distance of every voxel. Distances are limited to OST_DEPTH_FAR. */
 ost_status ost_uncut_depth(ost_surface *surface, ost_surface_block *block, ost_error *err);

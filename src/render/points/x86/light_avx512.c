@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contains the functions of light.c for sixteen voxels at a time. */
+/* Implements the functions of light.c with AVX-512, for sixteen voxels at a time. */
 #include "core/conditions.h"
 #include "render/points/light.h"
 #include "render/points/surface.h"
@@ -26,7 +26,7 @@ static inline __m512i channel(__m512i full, __m512i bright, __m512i gloss)
     return _mm512_min_epi32(_mm512_add_epi32(_mm512_srli_epi32(times(full, bright), 8), gloss), all(255));
 }
 
-/* Mixes three eighths of one colour with five eighths of another, in two of the three channels. */
+/* Mixes two colours, 3/8 of one and 5/8 of the other, in two of the three channels. */
 static inline __m512i mixed_part(__m512i colour, uint32_t other, uint32_t mask)
 {
     const __m512i c = _mm512_and_si512(colour, all(mask)), three = _mm512_add_epi32(_mm512_add_epi32(c, c), c);

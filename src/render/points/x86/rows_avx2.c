@@ -7,8 +7,8 @@
 OST_ROWS_DEFINE(avx2)
 
 /*
- * Returns the positions of the set bits of an 8-bit number, in ascending order. Each position takes
- * three bits of the result, like a digit of an octal number.
+ * Returns the positions of the set bits of an 8-bit number, in ascending order. Each position takes three bits of the
+ * result, that is, one octal digit.
  */
 static inline uint32_t order_of(uint32_t bits)
 {

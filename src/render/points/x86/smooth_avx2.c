@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* Returns lanes of all ones where the bit of the row is set, otherwise zero. */
+/* Expands the bits of a row to lanes: all ones where the bit is set, otherwise zero. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
@@ -110,7 +110,7 @@ void ost_field_slice_avx2(const ost_field_slice *const y[9], uint64_t rows, ost_
 
 OST_CELLS_DEFINE(avx2)
 
-/* Returns three quarters of a plus one quarter of b, for words less than 2^14. */
+/* Returns 3/4 a + 1/4 b, for words less than 2^14. */
 static inline __m256i between(__m256i a, __m256i b)
 {
     return _mm256_srli_epi16(plus(plus(plus(a, a), plus(a, b)), _mm256_set1_epi16(2)), 2);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements the method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so the
- * function for facing is the scalar one.
+ * Implements the method of splat_avx512.c with eight lanes. AVX2 cannot compress lanes, so `facing`
+ * is the scalar function.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -70,7 +70,7 @@ static inline unsigned greater(__m256i a, __m256i b)
     return bits(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b)));
 }
 
-/* Finds out which of eight voxels may be visible, and computes their rectangles. */
+/* Determines which of eight voxels may be visible, and computes their rectangles. */
 static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes single[3], unsigned live, eight *out)
 {
     static const float origin[3];
@@ -114,7 +114,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2 stands for focal, u, v, from which a, b, c of an edge are computed */
+    /* i = 0, 1, 2 means focal forward, right, up, from which the coefficients a, b, c of an edge are computed */
+    for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm256_xor_ps(all(s->wide[i][a]), negative[a]);
@@ -268,8 +269,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Draws again those voxels that are so close to the eye that their rays can have both signs on an
-   axis. Each iteration handles one further combination of signs. */
+/* Redraws the voxels that are so close to the eye that some of their rays run in the positive direction of an axis
+   and others in the negative direction. Each iteration handles one further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {
@@ -289,8 +290,7 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned 
     }
 }
 
-/* Clips rectangles to the rows of part. Returns the lanes whose rectangles contain pixels in these
-   rows and in the columns of part. */
+/* Clips rectangles to the rows of `part`. Returns the lanes whose rectangles contain pixels of `part`. */
 static inline unsigned into_part(eight *r, unsigned live, const ost_extent *part)
 {
     const __m256i top = _mm256_max_epi32(_mm256_load_si256((const void *)r->y0), _mm256_set1_epi32(part->y0));

@@ -3,8 +3,8 @@
  * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that are small on the
  * screen are then tested sixteen at a time, pixel by pixel of their rectangles. The covered pixels
  * are stored in a list, and their keys are updated one by one. Loading a single word that was just
- * stored causes no stall, but overlapping register-wide accesses cause stalls. For larger voxels,
- * sixteen pixels are filled at a time, in one row or in two.
+ * stored causes no stall, whereas overlapping register-wide accesses do. For larger voxels, sixteen
+ * pixels are filled at a time, in one row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -124,7 +124,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    for (int i = 0; i < 3; i++) { /* i = 0, 1, 2 stands for focal, u, v, from which a, b, c of an edge are computed */
+    /* i = 0, 1, 2 means focal forward, right, up, from which the coefficients a, b, c of an edge are computed */
+    for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
             m[a] = _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(all(s->wide[i][a])), negative[a]));
@@ -304,7 +305,7 @@ static inline void fill_all(const ost_splat_eye *s, const sixteen *r, __mmask16 
         fill(s, r, __builtin_ctz(left), planes);
 }
 
-/* Finds out which of sixteen voxels may be visible, and computes their rectangles. */
+/* Determines which of sixteen voxels may be visible, and computes their rectangles. */
 static inline __mmask16 rectangles(const ost_splat_eye *s, lanes3 o, const __mmask16 single[3], __mmask16 live,
                                    sixteen *out)
 {
@@ -348,8 +349,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Draws again those voxels that are so close to the eye that their rays can have both signs on an
-   axis. Each iteration handles one further combination of signs. */
+/* Redraws the voxels that are so close to the eye that some of their rays run in the positive direction of an axis
+   and others in the negative direction. Each iteration handles one further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
@@ -370,8 +371,7 @@ static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16
     }
 }
 
-/* Clips rectangles to the rows of part. Returns the lanes whose rectangles contain pixels in these
-   rows and in the columns of part. */
+/* Clips rectangles to the rows of `part`. Returns the lanes whose rectangles contain pixels of `part`. */
 static inline __mmask16 into_part(sixteen *r, __mmask16 live, const ost_extent *part)
 {
     const __m512i top = _mm512_max_epi32(_mm512_load_si512(r->y0), _mm512_set1_epi32(part->y0));
@@ -446,7 +446,7 @@ static inline __m512i lit(__m512i colour, __m512i light)
 
 /*
  * For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the
- * voxel's index in the lists. The voxels of a register are in few blocks, so both values are
+ * voxel's index in the lists. The voxels in a register belong to few blocks, so both values are
  * computed block by block.
  */
 static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
