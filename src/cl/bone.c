@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bones of the backend `cl`: a pool of slots on the device, and a table of chunks on
- * the host (AR-CHK).
+ * The bones of the `cl` backend: a pool of slots on the device, and a table of chunks on the host
+ * (AR-CHK).
  *
- * Slices are stored in two passes, so that an operation that fails because of a lack of
- * memory fails before it has changed anything:
+ * Slices are stored in two passes, so that an operation for which memory is insufficient fails
+ * before it has changed anything:
  *
  *   scan    counts the voxels of each chunk that the slices make active     only reads
  *           slots are assigned to the chunks that need one; the pool grows if needed
@@ -15,7 +15,8 @@
  * Slices are transferred through a buffer of limited size, the slab, whose voxels are
  * stored x fastest and without padding.
  *
- * The file has more than 500 lines, because pool, table and slices change together or not at all.
+ * The file has more than 500 lines, because the pool, the table and the slices are always changed
+ * together.
  */
 #include "cl/objects.h"
 
@@ -182,7 +183,7 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 /* The source of slices that are stored in a bone: voxels on the host, or a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
-    const int16_t *voxels; /* on the host; NULL: slices of a grid on the device, from slice 0 on */
+    const int16_t *voxels; /* voxels on the host; NULL if the source is a grid on the device, from slice 0 on */
     cl_mem slab;           /* a buffer of `step` slices, or the store of the grid */
     cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0 */
     /* If weights >= 0, slice k is the mean of slice layers[first + k - z0] and the next slice of the slab, and
@@ -274,7 +275,8 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     return status;
 }
 
-/* Runs the first pass. Sets scanned[c] for each chunk c to the number of its voxels that the slices make active. */
+/* Runs the first pass. For each chunk c, sets scanned[c] to the number of the chunk's voxels that the slices make
+   active. */
 static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
 {
     cl_backend *b = backend_of(bone);

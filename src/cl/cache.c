@@ -23,7 +23,7 @@ _Static_assert(sizeof(entry_head) == 80, "no padding");
 
 static const char magic[8] = {'O', 'S', 'T', 'C', 'L', 'B', '0', '1'};
 
-/* The greatest number of bytes of an entry, which exceeds the size of any program. Without this limit, a damaged length
+/* The maximum size of an entry in bytes, which exceeds the size of any program. Without this limit, a damaged length
    could cause a huge allocation. */
 enum { ENTRY_MAX = 1 << 28 };
 

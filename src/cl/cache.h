@@ -6,14 +6,14 @@
  *   key       SHA-256 of everything that a binary depends on (key.c)
  *   entry     "OSTCLB01" | length u64 | key 32 | SHA-256 of the binary 32 | the binary
  *
- * An entry is used only if all these fields match.  An entry that is truncated,
- * changed or has another key is ignored and written again.  If there is no cache,
- * programs are built each time; this is not an error.
+ * An entry is used only if all these fields match.  An entry that is truncated or modified, or that
+ * has a different key, is ignored and replaced.  If there is no cache, programs are built each
+ * time; this is not an error.
  *
- * This process executes the binaries of the cache, so a cache is used only if no other
- * user can have written it.  The folder and the entry must belong to the effective
- * user, must not be writable by the group or by others, and must not be symbolic
- * links.  A folder that does not satisfy these conditions is neither read nor written.
+ * This process executes the binaries in the cache, so the cache is used only if no other user can
+ * have written to it.  The folder and the entry must belong to the effective user, must not be
+ * writable by the group or by others, and must not be symbolic links.  A folder that does not
+ * satisfy these conditions is neither read nor written.
  */
 #ifndef OST_CL_CACHE_H
 #define OST_CL_CACHE_H
@@ -22,7 +22,7 @@
 
 typedef struct ost_cl_cache {
     char folder[1024]; /* path of the cache's folder; "" if there is none */
-    char entry[80];    /* file name of the entry in this folder */
+    char entry[80];    /* file name of the entry in `folder` */
     ost_digest key;
 } ost_cl_cache;
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the list of devices. If a device is refused, its entry contains the reason.
+ * Makes the list of devices. If a device is rejected, its entry contains the reason.
  *
  *   loader -- no platform                      icd.c finds the reason
  *      |
  *   platform -- no device                      one entry represents the platform
  *      |
  *   device -- not available, no compiler, OpenCL before 1.2, big-endian,
- *      |      no 64-bit integers: refused because of what the driver reports
- *   fingerprint.c: refused because of its results
+ *      |      no 64-bit integers: rejected because of what the driver reports
+ *   fingerprint.c: rejected because of its results
  *
  * 64-bit integers are part of the full profile. In the embedded profile they are
  * optional (cles_khr_int64).
@@ -20,7 +20,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* The greatest number of platforms, and of devices per platform. A driver that reports more is defective. */
+/* The maximum number of platforms, and of devices per platform. A driver that reports more is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
 /* Removes the blanks at both ends of a text and replaces control characters by '?'. */
@@ -82,7 +82,7 @@ static bool device_flag(const ost_cl_api *cl, cl_device_id device, cl_device_inf
 }
 
 /* Returns the version as an integer, for example 12 for "OpenCL 1.2 ..." with the prefix "OpenCL ". Returns 0 if the
-   text has another form. */
+   text has a different form. */
 static int version_of(const char *text, const char *prefix)
 {
     size_t length = strlen(prefix);
@@ -129,8 +129,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
 
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
-    /* Mesa's llvmpipe ends long loops early. fingerprint.c would detect this and build the other kernel set; the test
-       of the name avoids building twice. */
+    /* Mesa's llvmpipe ends long loops early. fingerprint.c would detect this, and the kernel set for GPUs would then
+       be built; testing the name avoids building two programs. */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
     if (!answered || !d->name[0])

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lists the platforms and devices that are present, finds which devices may decide
- * voxels, and selects a device by the user's options.
+ * Lists the available platforms and devices, determines which devices may be used, and selects a
+ * device by the user's options.
  *
  *   "platform=Portable,device=1,workgroup=64,kernels=gpu,staging=65536"
  *
- * The value of platform or device is a part of the name, in upper or lower case, or a
- * number: the index of the platform in the loader's order, or of the device within its
- * platform.  Without these two options, the first device that passes all checks is used.
+ * The value of the `platform` or `device` option is a part of the name, regardless of case, or a
+ * number: the index of the platform in the loader's order, or of the device within its platform.
+ * Without these two options, the first device that passes all checks is used.
  * The other options change no result, because every device can run both kernel sets.
  */
 #ifndef OST_CL_CHOICE_H
@@ -26,17 +26,18 @@ typedef struct ost_cl_device {
     int platform_index, device_index;
     char platform_name[OST_CL_NAME], platform_version[OST_CL_NAME];
     char name[OST_CL_NAME], driver[OST_CL_NAME];
-    cl_ulong max_buffer; /* greatest size of one buffer, in bytes */
+    cl_ulong max_buffer; /* maximum size of one buffer, in bytes */
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
-    bool cpu; /* true: few strong cores; OST_CL_SET_AUTO then selects the kernel set for CPUs */
-    char reason[OST_CL_REASON]; /* why the device is refused because of what the driver reports; "" if it is not */
+    bool cpu; /* true if the device has few strong cores, so that OST_CL_SET_AUTO selects the kernel set for CPUs */
+    /* if the device is rejected because of the properties that the driver reports: the reason; otherwise "" */
+    char reason[OST_CL_REASON];
 } ost_cl_device;
 
 typedef struct ost_cl_devices {
     size_t count;
     ost_cl_device *list; /* owned */
-    char reason[OST_CL_REASON]; /* reason why no platform is present, if this is the case */
+    char reason[OST_CL_REASON]; /* if there is no platform: the reason */
 } ost_cl_devices;
 
 /* Lists all platforms and devices. Sets all members of *out, also on failure. */
@@ -50,20 +51,21 @@ typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CP
 typedef struct ost_cl_options {
     char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
     size_t workgroup;                                /* work items per work group; 0: default */
-    size_t staging; /* greatest number of bytes that a stage transfers or processes at a time; 0: the stage's limit */
+    /* maximum number of bytes that a stage transfers or processes at a time; 0: the stage's own limit */
+    size_t staging;
     unsigned order; /* seed that permutes work items (OST_ORDER of kernels/common.h); 0: no permutation */
     ost_cl_set kernels;
 } ost_cl_options;
 
 ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err);
-/* Returns true if this device is one that the options platform and device select. */
+/* Returns true if the `platform` and `device` options select this device. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
 /* Returns lines "CL_DEVICE_VENDOR=..." that describe the platform and the device, for the record. The caller frees the
    text. Returns NULL if there is no memory. */
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
 
-/* Writes the reason why the loader reports no platform, as far as the loader's folder of drivers shows the reason. */
+/* Writes the reason why the loader reports no platform, if this reason can be found in the loader's driver folder. */
 void ost_cl_icd_reason(char *reason, size_t size);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The declarations that the files of the OpenCL backend's host side share.
+ * Declarations shared by the files of the OpenCL backend's host code.
  *
- *   choice.c, icd.c   lists the devices, which of them may be used, and selects one
+ *   choice.c, icd.c   lists the devices, determines which may be used, and selects one
  *   context.c         one opened device: context, queue, program, kernels, checks
  *   program.c         builds programs; cache.c caches binaries under the key of key.c
  *   layout.c          checks that structs have the same layout on the device
@@ -52,7 +52,7 @@ enum ost_cl_kernel {
     OST_CL_KERNEL_COUNT
 };
 
-/* The list of the paths of the host (core/paths.h), as X(path, sets, name). A counter counts how often each path is
+/* The list of the host's code paths (core/paths.h), as X(path, sets, name). A counter counts how often each path is
    entered. */
 /* clang-format off */
 #define OST_CL_PATHS(X) \
@@ -89,12 +89,12 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
-    bool cpu_set;     /* true: the kernel set for CPUs; false: for GPUs */
+    bool cpu_set;     /* true if the kernel set for CPUs is used; false for the one for GPUs */
     size_t workgroup; /* work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
-    uint32_t turns;   /* loop iterations after which the device ends a loop; OST_CL_TURNS: no limit was found */
-    int run;          /* voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
+    uint32_t turns;   /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */
+    int run;          /* number of voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
     cl_context context;
     cl_command_queue queue;
     struct {
@@ -103,10 +103,11 @@ typedef struct cl_backend {
     } spare[OST_CL_SPARES]; /* owned; freed buffers that can be reused at about the same size (spare.c) */
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
-    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* greatest size of a work group of each kernel */
+    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel */
     bool from_cache;                              /* true if the program's binary was found in the cache */
     ost_digest empty_leaf;
-    uint64_t launched[OST_CL_KERNEL_COUNT]; /* number of launches of each kernel, without events that meet no block */
+    /* number of launches of each kernel, excluding events whose boxes overlap no block */
+    uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
     struct ost_cl_event_scratch *event; /* owned; scratch of events (remove.c); NULL before the first event */
 } cl_backend;
@@ -117,16 +118,17 @@ typedef struct cl_backend {
 ost_status ost_cl_device_open(const ost_cl_api *cl, const ost_cl_device *device, const ost_cl_options *options,
                               cl_backend **out, ost_error *err);
 void ost_cl_device_close(cl_backend *backend);
-/* Returns the limit in bytes for a stage: the smaller of the stage's own limit and the option staging. */
+/* Returns the limit in bytes for a stage: the smaller of the stage's own limit and the value of the `staging`
+   option. */
 static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
 {
     return b->staging && b->staging < limit ? b->staging : limit;
 }
-/* Implements the slot `paths` of the function table: calls visit for each kernel of the backend's kernel set and for
+/* Implements the `paths` slot of the function table: calls visit for each kernel of the backend's kernel set and for
    each path of OST_CL_PATHS, with its count. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* The functions that implement the slots in cl.c, with a table of OpenCL functions as a parameter, for tests. */
+/* For tests: the functions that implement the slots in cl.c, with a table of OpenCL functions as a parameter. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
 bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);

@@ -97,8 +97,8 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     return status;
 }
 
-/* Creates the context, the queue and the program. If `chosen` is true, the user has selected the kernel set, so it is
-   not replaced by the other one. */
+/* Creates the context, the queue and the program. If `chosen` is true, the user has selected the kernel set, so it
+   is not replaced. */
 static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;

@@ -5,10 +5,10 @@
 
 #include <stddef.h>
 
-/* The program whose kernels decide voxels. It uses only integers. */
+/* The program whose kernels compute voxels. It uses only integers. */
 extern const char *const ost_cl_program[];
 extern const size_t ost_cl_program_count;
-/* The program whose results describe the floating-point arithmetic of the device, for the record. */
+/* The program whose results describe the device's floating-point arithmetic, for the record. */
 extern const char *const ost_cl_floats[];
 extern const size_t ost_cl_floats_count;
 

@@ -2,12 +2,12 @@
 /*
  * A table with the status for each OpenCL error, and what the user can do:
  *
- *   memory refused              OST_ERR_MEMORY       a smaller bone, or backend cpu
+ *   memory refused              OST_ERR_MEMORY       a smaller bone, or the `cpu` backend
  *   device gone, build refused  OST_ERR_UNAVAILABLE  another device or driver
  *   anything else               OST_ERR_INTERNAL     a wrong call by this backend
  *
- * CL_OUT_OF_RESOURCES means "no memory" or, on GPUs, "a kernel was stopped".  The two
- * causes cannot be distinguished, so the text names both.
+ * CL_OUT_OF_RESOURCES means that memory is exhausted or, on GPUs, that a kernel was stopped. The
+ * two causes cannot be distinguished, so the text names both.
  */
 #include "cl/error.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts an error code of OpenCL to a status and a line of text that names the call, the device and the cause. */
+/* Converts an OpenCL error code to a status and a line of text that names the call, the device and the cause. */
 #ifndef OST_CL_ERROR_H
 #define OST_CL_ERROR_H
 

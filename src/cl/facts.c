@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Records the information that a driver reports about itself and a device, as lines
- * "CL_DEVICE_VENDOR=...".  The names are those of OpenCL.  Values that are not text are
- * decimal numbers; bit fields are hexadecimal.  No decision depends on these lines.
- * They are the same in every run on a machine, because they include neither the time
+ * "CL_DEVICE_VENDOR=...".  The names are those of OpenCL.  Values that are not text are decimal
+ * numbers; bit fields are hexadecimal.  The lines have no effect on the choice of a device or on
+ * any result.  They are the same in every run on a machine, because they include neither the time
  * nor the free memory.
  */
 #include "cl/choice.h"
@@ -64,7 +64,7 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
                                    [BITS] = sizeof v->ulong,
                                    [BUS] = sizeof v->bus};
     if (kind != TEXT && size != sizes[kind])
-        return; /* the driver reports no value, or a value of another size */
+        return; /* the driver reports no value, or a value of a different size */
     fprintf(to, "%s=", name);
     switch (kind) {
     case TEXT:

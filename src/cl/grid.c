@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The dense grids of the backend `cl`, whose voxels are in a store, x fastest. Uploads and downloads slices. */
+/* The dense grids of the `cl` backend, whose voxels are in a store, x fastest. Uploads and downloads slices. */
 #include "cl/objects.h"
 
 #include <stdlib.h>
@@ -133,13 +133,13 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
         return status;
     status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count,
                           voxels, err);
-    grid->lost = status != OST_OK; /* after a failure, a part of the slices may have been written */
+    grid->lost = status != OST_OK; /* after a failure, some of the slices may have been written */
     return status;
 }
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* If the grid is a list of slices, it first gets a store with its own voxels. No value of a voxel changes. */
+    /* If the grid is a list of slices, it first gets a store with its own voxels. The voxels' values do not change. */
     cl_grid *grid = (cl_grid *)(uintptr_t)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);

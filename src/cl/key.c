@@ -8,11 +8,10 @@
  *   NAME=VALUE ...            driver settings in the environment, sorted
  *
  * Environment variables control drivers: for example, POCL_KERNELLIB_NAME and
- * POCL_WORK_GROUP_METHOD change the machine code, but not the name or version of the
- * driver.  Only the driver defines which settings matter, so all variables with a
- * driver's prefix are included.  An unnecessary build takes only seconds, but a binary
- * that was built with other settings could invalidate a proof.  Cache folders
- * (*_CACHE_DIR) are excluded.
+ * POCL_WORK_GROUP_METHOD change the machine code, but not the name or version of the driver.  It is
+ * not known which variables affect the binary, so all variables with a driver's prefix are
+ * included.  An unnecessary build takes only seconds, but a binary that was built with different
+ * settings could invalidate a proof.  Cache folders (*_CACHE_DIR) are excluded.
  */
 #include "cl/cl.h"
 

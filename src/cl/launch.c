@@ -34,7 +34,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    cl_int code = CL_INVALID_BUFFER_SIZE; /* for sizes above the limit, which drivers handle in different ways */
+    cl_int code = CL_INVALID_BUFFER_SIZE; /* error for sizes above the limit, which drivers handle in different ways */
     *out = NULL;
     if (bytes <= b->device.max_buffer)
         *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),
@@ -42,7 +42,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_spare_clear(b)) /* try again: the buffers stored for reuse have occupied memory */
+    if (ost_cl_spare_clear(b)) /* try again, because the buffers stored for reuse occupied memory */
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }

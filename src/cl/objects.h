@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The grids, bones and tools on a device, and the functions of the function table that process them. */
+/* The grids, bones and tools on a device, and the slot functions that process them. */
 #ifndef OST_CL_OBJECTS_H
 #define OST_CL_OBJECTS_H
 
 #include "cl/cl.h"
 
-/* The voxels of one grid, or of several grids that share them. Shared voxels are not written. */
+/* The voxels of one grid or of several grids. While several grids share the voxels, they are not written. */
 typedef struct cl_store {
     cl_mem voxels;
-    size_t reserved; /* size of the buffer voxels in bytes */
+    size_t reserved; /* size of the `voxels` buffer in bytes */
     int holders;
 } cl_store;
 
@@ -21,8 +21,9 @@ typedef struct cl_store {
 typedef struct cl_grid {
     ost_grid base;
     cl_store *store;       /* counted in store->holders */
-    cl_mem cubic, sources; /* arguments for resampling the store's voxels; NULL: the store has the grid's own voxels */
-    bool linear;           /* kernel for resampling; true: ost_cubic_linear; false: ost_cubic_gather */
+    /* arguments for resampling the store's voxels; NULL if the store contains the grid's own voxels */
+    cl_mem cubic, sources;
+    bool linear;           /* true if the kernel for resampling is ost_cubic_linear; false if it is ost_cubic_gather */
     cl_mem seen, owner; /* buffers for scattering samples (kernels/shared.h); NULL before the first batch */
     bool lost;
 } cl_grid;
@@ -42,13 +43,13 @@ typedef struct cl_bone {
     size_t chunks;
     size_t chunk_voxels; /* n^3 */
     uint32_t *slot, *active; /* owned */
-    uint32_t *free;          /* owned; has capacity elements */
+    uint32_t *free;          /* owned; has `capacity` elements */
     size_t free_count, used, capacity;
     cl_mem shape; /* buffer with one ost_cl_bone */
     cl_mem density, words;
-    size_t density_bytes_reserved; /* size of the buffer density in bytes */
+    size_t density_bytes_reserved; /* size of the `density` buffer in bytes */
     cl_mem slots;     /* slot[] on the device */
-    bool slots_outdated; /* true if slot[] has changed since it was written to slots */
+    bool slots_outdated; /* true if slot[] has changed since it was copied to `slots` */
     bool lost;
 } cl_bone;
 
@@ -56,14 +57,15 @@ typedef struct cl_bone {
 typedef struct cl_tool {
     ost_tool base;
     cl_mem classes;
-    size_t reserved; /* size of the buffer classes in bytes */
+    size_t reserved; /* size of the `classes` buffer in bytes */
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
     cl_mem windows; /* windows (kernels/shared.h) for the kernel set for CPUs; otherwise NULL */
     bool touches;   /* true if a voxel may have class 2 */
     bool made;     /* true if the launches that make cells and windows have completed */
 } cl_tool;
 
-/* Returns OST_ERR_UNAVAILABLE if `lost` is true: an earlier failure has left the object in an unknown state. */
+/* Returns OST_ERR_UNAVAILABLE if `lost` is true, that is, if an earlier failure has left the object in an unknown
+   state. */
 ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what, ost_error *err);
 
 /* grid.c */

@@ -2,15 +2,15 @@
 /*
  * Removal and collision (AR-MAP, AR-REM) by one launch for all chunks, blocks and poses of an event.
  *
- *   host    chunks with a slot that the box of a pose meets  ascending, as in the report
+ *   host    chunks with a slot that overlap a pose's box     ascending, as in the report
  *             their blocks of 16^3
- *               entries: the poses that may meet the block, with its base
+ *               entries: the poses that may reach the block, with its base
  *   queue   event with poses, blocks, entries -> ost_remove -> a report per block
  *   host    waits once, for the reports; sums the reports of each chunk
  *
- * An entry is omitted in three cases, because no voxel of the block can then lie in the
- * tool's grid: the pose's box does not meet the block, the block's base is far
- * (AR-MAP-5), or the eight corners of the block all lie on one side of the grid.
+ * An entry is omitted if no voxel of the block can lie in the tool's grid.  There are three such
+ * cases: the pose's box does not overlap the block, the block's base is far (AR-MAP-5), or the eight
+ * corners of the block all lie on one side of the grid.
  *
  * The entries of a launch have at most ENTRIES_BYTES.  An event with more entries is
  * divided into several launches of complete blocks.  This affects only the time,
@@ -34,10 +34,10 @@ struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
     event_array input; /* the struct of the event, followed by the arrays of the event */
     cl_mem input_device, reports_device;
-    size_t input_capacity, reports_capacity; /* sizes of input_device and reports_device */
+    size_t input_capacity, reports_capacity; /* sizes in bytes of input_device and reports_device */
     size_t *chunk; /* owned; number of the chunk that contains each block */
     size_t chunk_capacity;
-    bool warm; /* true if the kernel of removal has been launched before */
+    bool warm; /* true if the removal kernel has been launched before */
 };
 
 void ost_cl_event_free(cl_backend *b)
@@ -167,7 +167,8 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
     return false;
 }
 
-/* Adds the entries of one block and sets *count to their number. *count is 0 if no pose may meet the block. */
+/* Adds the entries of one block and sets *count to their number. *count is 0 if the tool overlaps the block at no
+   pose. */
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -348,10 +349,9 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * Launches the kernel of removal once without a block, for an event that meets no block.
- * A world runs such an event when a tool is added.  Some drivers build a kernel for its
- * group size only at the first launch, so the launch makes them build it before the
- * operation.
+ * Launches the removal kernel once without a block, for an event whose boxes overlap no block.  A
+ * world runs such an event when a tool is added.  Some drivers build a kernel for its group size
+ * only at the first launch, so the launch makes them build it before the operation.
  */
 static ost_status warm(plan *p, ost_error *err)
 {
@@ -359,7 +359,7 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
-        /* it decides no voxel */
+        /* such a launch computes no voxel, so it is not counted */
         p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--;
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
@@ -479,7 +479,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_removal_even
         status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
-        ost_cl_finish(b, NULL); /* waits, because transfers from the arrays of this event may be in progress */
+        ost_cl_finish(b, NULL); /* waits, because transfers from this event's arrays may still be in progress */
         ost_cl_tool_finish(tool, false);
     }
     return status;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The tools of the backend `cl`. A tool has a class, one uint8, for each voxel, and
- * cells, which removal reads. A cell is a class together with its reach
- * (kernels/shared.h).
+ * The tools of the `cl` backend. A tool has a class, one uint8, for each voxel, and cells, which
+ * removal reads. A cell is a class together with its reach (kernels/shared.h).
  */
 #include "cl/objects.h"
 

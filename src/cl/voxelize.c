@@ -13,8 +13,8 @@
 
 #include <stdlib.h>
 
-/* STEPS_BYTES is the greatest size of the buffer of steps. ITEMS is a number of work items that is enough to occupy a
-   device. */
+/* STEPS_BYTES is the maximum size of the buffer of steps. ITEMS is a number of work items that is sufficient to keep
+   a device busy. */
 enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {

@@ -31,12 +31,13 @@ typedef struct centres {
 typedef struct mesh_bins {
     const ost_snapped_mesh *mesh; /* NULL: none */
     uint8_t tool_class;
-    uint64_t entries; /* total of all lists */
+    uint64_t entries; /* total number of entries of all lists */
     size_t count;     /* number of triangles whose bounds contain a centre */
-    uint32_t *number; /* numbers of these triangles; this pointer and the next four are owned */
-    centres *range;   /* centres in the bounds of these triangles */
+    /* numbers of the triangles whose bounds contain a centre; this pointer and the next four are owned */
+    uint32_t *number;
+    centres *range;   /* centres in the bounds of each of these triangles */
     centres *vertex;
-    uint32_t *start;  /* lists + 1 elements */
+    uint32_t *start;  /* start of each list; lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 
@@ -94,8 +95,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
     return OST_OK;
 }
 
-/* Counts the entries of all lists. Returns false if there are more than LISTED entries per triangle plus 2^20 (or the
-   option staging, if it is smaller). */
+/* Counts the entries of all lists. Returns false if there are more than LISTED entries per triangle plus 2^20 (or
+   the value of the `staging` option, if it is smaller). */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
     uint64_t entries = 0;
@@ -171,11 +172,11 @@ static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins
 }
 
 /*
- * Sets next[l + 1] to the number of triangles of each list l.  A triangle belongs to a
- * rectangle of lists along y and z.  First, +1 or -1 is added to `change` at the four
- * corners of each rectangle, so that `change` contains the differences between
- * neighbouring lists.  The sums of the differences along both axes are the numbers of
- * triangles.  Intermediate values are modulo 2^32.
+ * Sets next[l + 1] to the number of triangles of each list l.  The lists to which a triangle
+ * belongs form a rectangle along y and z.  First, +1 or -1 is added to `change` at the four corners
+ * of each rectangle, so that `change` contains the differences between neighbouring lists.  The
+ * sums of the differences along both axes are the numbers of triangles.  Intermediate values are
+ * modulo 2^32.
  */
 static void count_lists(const mesh_bins *bins, uint32_t *change, size_t wide, size_t high, const tile_size *size,
                         uint32_t *next)

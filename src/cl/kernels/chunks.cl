@@ -120,7 +120,8 @@ __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, _
         return;
     const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
     const int cx = bone->chunk_dims[0], cy = bone->chunk_dims[1];
-    /* The size of a chunk is a power of two. Shifts are used, because divisions took most of this kernel's time. */
+    /* The size of a chunk is a power of two. Shifts are used instead of divisions, which took most of this kernel's
+       time. */
     const int log = 31 - (int)clz((uint)bone->size), low = bone->size - 1;
     const uint slot = slots[(ulong)(x >> log) + (ulong)cx * ((ulong)(y >> log) + (ulong)cy * (ulong)(z >> log))];
     short read = 0;

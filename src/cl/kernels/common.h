@@ -6,7 +6,8 @@
  * and no shift by the width of the type.
  */
 
-/* The kernel sets of this program: for many small work items (1), for few large ones (2), or both (3); see shared.h. */
+/* The kernel sets of this program: the set for many small work items (1), the set for few large ones (2), or both
+   (3); see shared.h. */
 #ifndef OST_FOR
 #define OST_FOR 3
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Integer operations that a device must compute correctly before it may decide any
- * voxel.  OpenCL C defines all of these results, but some drivers have computed them
- * wrongly: the square of a masked number shifted right by 32 was compiled to 0 (ROCm
- * issue 1764), 64-bit products (ROCm 1383) and (long)int * 100 (Aparapi 38) were wrong,
- * and mul_hi was off by one (Oclgrind 16).  fingerprint_expect.h computes the same list
- * of results on the host by other means.  shared.h describes the buffers.
+ * Integer operations that a device must compute correctly before it may compute any voxel.  OpenCL
+ * C defines all of these results, but some drivers have computed them wrongly: the square of a
+ * masked number shifted right by 32 was compiled to 0 (ROCm issue 1764), 64-bit products (ROCm
+ * 1383) and (long)int * 100 (Aparapi 38) were wrong, and mul_hi was off by one (Oclgrind 16).
+ * fingerprint_expect.h computes the same list of results on the host by different methods.
+ * shared.h describes the buffers.
  */
 __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulong *out)
 {
@@ -62,11 +62,11 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
- * Measures how many iterations (turns) the loops of a work item may have.  The end of
- * the loop depends on the computed value, so a compiler cannot derive the number of
- * turns or unroll the loop without a test in each turn.  Mesa's llvmpipe allows 65,535
- * turns for all loops of an item together, or of all items in the same vector.  After
- * these turns it ends every loop after one turn and reports no error.
+ * Measures how many iterations (turns) the loops of a work item may have.  The loop's end depends
+ * on the computed value, so a compiler can neither derive the number of turns nor unroll the loop
+ * without a test in each turn.  Mesa's llvmpipe allows 65,535 turns for all loops of an item
+ * together, or of all items in the same vector.  After that, llvmpipe ends every loop after one
+ * turn and reports no error.
  */
 __kernel void ost_fingerprint_turns(uint end, __global uint *turns)
 {

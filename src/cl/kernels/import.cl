@@ -14,7 +14,7 @@
  */
 
 #define OST_LENGTH_MAX 8000000000000l
-#define OST_OWNER_FLAG 0x40000000u /* above the keys for duplicates=max, all below 2^17 */
+#define OST_OWNER_FLAG 0x40000000u /* flag for duplicates=max, above all keys, which are then below 2^17 */
 
 typedef struct ost_ct_position {
     ulong voxel;
@@ -117,7 +117,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         if ((atomic_or(&owner[position.voxel], 0u) & ~OST_OWNER_FLAG) != key)
             return;
         if (atomic_or(&owner[position.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
-            return; /* another sample with the same density writes the voxel */
+            return; /* a different sample with the same density writes the voxel */
         if (!seen_before || density > voxels[position.voxel])
             voxels[position.voxel] = density;
         return;

@@ -6,7 +6,7 @@
  *
  *   ost_layout(base, out)   one item
  *
- *   base  ulong[32]   never read: only addresses within it are formed
+ *   base  ulong[32]   never read; only addresses within the buffer are computed
  *   out   uint[26]    in the order of src/cl/layout.c
  */
 #define OST_CL_AT(type, member)                                                                                        \

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-MAP, AR-REM) by rows, for GPUs.  remove_cpu.cl computes the
- * same results by blocks, for CPUs.  A work item processes rows of 16 voxels of a block,
- * and for each row all poses that may meet the block.
+ * Removal and collision (AR-MAP, AR-REM) by rows, for GPUs.  remove_cpu.cl computes the same results by
+ * blocks, for CPUs.  A work item processes rows of 16 voxels of a block, and for each row all poses at which
+ * the tool may overlap the block.
  *
  *   u = base + j step[1] + k step[2]      the row's first voxel in tool cells, times 2^20
- *   while voxels of the row are undecided
+ *   while the class of some voxels of the row is unknown
  *     look up the cell of one such voxel  the cell has a class and a reach: all nearer cells have this class
- *     mark all voxels that it decides     skip[reach] voxels on either side
+ *     mark all voxels of this class       skip[reach] voxels on either side
  *
  *   row       . . # # # # # # # # # # # . . .     active
  *   tool        void     |   cutting                first look-up in the middle, then from the left
@@ -21,9 +21,9 @@
 #define OST_ROWS 4
 #endif
 
-/* Returns the class and the reach of the tool at u, in the format of a cell. Outside the grid the tool is void. The
-   nearest cell of the grid is no farther from any other cell of the grid than u is. Therefore, if that cell is void,
-   its reach is valid for u too. */
+/* Returns the class and the reach of the tool at u, in the format of a cell. Outside the grid, the tool is empty.
+   Let c be the grid cell nearest to u. No cell of the grid is farther from c than from u. Therefore, if c is empty,
+   the reach of c is valid for u too. */
 static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, int uy, int uz)
 {
     const int x = (int)(((uint)ux + 0x40000000u) >> 20) - 1024;

@@ -5,13 +5,12 @@
  *
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
  *
- * At each step, the cell of the tool at the middle of a cube decides the entire cube if
- * the cell's reach is at least the pose's complete[] (shared.h).  Eight cubes are looked
- * up at once.  The tool voxels that a brick may meet lie in one window of 8^3 voxels,
- * which has 64 bytes.  If the window is full or empty, it decides the brick.  Otherwise
- * the bits for the voxels are selected from the window, sixteen at a time, by a tree of
- * selections instead of loads.  If the tool's voxels are finer than the bone's, a brick
- * may be larger than a window, and is then looked up voxel by voxel.
+ * At each step, the tool's cell at the middle of a cube determines the class of the entire cube if the cell's reach is
+ * at least the pose's complete[] (shared.h).  Eight cubes are looked up at once.  The tool voxels that a brick may
+ * overlap lie in one window of 8^3 voxels, which has 64 bytes.  If the window is full or empty, so is the brick.
+ * Otherwise the bits for the voxels are selected from the window, sixteen at a time, by a tree of selections instead of
+ * loads.  If the tool's voxels are finer than the bone's, a brick may be larger than a window, and is then looked up
+ * voxel by voxel.
  *
  *   four             rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each: number b + 4 k
  *   group b + 4 c    the fours b of the planes 4 c to 4 c + 3: the rows of a row of bricks
@@ -41,12 +40,12 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* active voxels before the event, four rows per word; valid if loaded is 1 */
+    ulong active[64]; /* active voxels before the event, four rows per word; valid if `loaded` is 1 */
     ulong open[64];   /* voxels that are active and not hit so far, four rows per word */
     ulong touch[64];
     int loaded;
     uint hit, touched; /* one bit per group of rows: 1 if a voxel was hit; 1 if a voxel was touched */
-    ulong inside[4];   /* in rows 4 b to 4 b + 3 of any plane, voxels whose x and y are in the pose's box */
+    ulong inside[4];   /* for rows 4 b to 4 b + 3 of every plane: voxels whose x and y are in the pose's box */
     int lo, hi;        /* planes in the box */
     int within;        /* true if the entire block lies in the pose's box */
 } ost_block_rows;
@@ -59,7 +58,7 @@ typedef struct ost_view {
     uint at[3], step[3][3];
     uint lowest[3]; /* offset from a brick's first voxel to the brick's least coordinate on each axis */
     int dims[3], wide[3]; /* dimensions of the tool and of its windows */
-    int planes;     /* number of planes of a window that a brick may meet; 0: a brick may exceed a window */
+    int planes;     /* number of planes of a window that a brick may overlap; 0: a brick may exceed a window */
     uint complete[3];
 } ost_view;
 
@@ -111,7 +110,7 @@ static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int
 /* ------------------------------------------------------------- distances */
 
 /* Returns the class of the tool voxels that cover the entire block, or 3 if the cell at the block's middle does not
-   decide the block. */
+   determine this class. */
 static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 {
     int u[3];
@@ -132,9 +131,10 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
            vload8(0, ost_part_z) * ((uint)edge * view->step[2][a]) + (uint)((edge - 1) * sum / 2);
 }
 
-/* Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part entirely,
-   or to 3 if the part is not decided. (ux, uy, uz) is the cube's first voxel. The parts have 8^3 voxels (level 1) or
-   4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if all classes are 0. */
+/* Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part
+   entirely, or to 3 if this class is not determined. (ux, uy, uz) is the cube's first voxel. The parts have 8^3
+   voxels (level 1) or 4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if all classes
+   are 0. */
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level,
                             int classes[8])
 {
@@ -175,7 +175,7 @@ static int ost_window_index(const ost_view *view, int x, int y, int z)
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
 
-/* The window of a brick: the part of the tool that the brick may meet. */
+/* The window of a brick: the part of the tool that the brick may overlap. */
 typedef struct ost_window {
     ulong plane[8];
     uint from[3]; /* the brick's first voxel, relative to the window's first voxel */
@@ -186,7 +186,7 @@ typedef struct ost_window {
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* clamped: all windows entirely outside the grid are equal */
+    for (int a = 0; a < 3; a++) /* the index can be clamped, because all windows entirely outside the grid are equal */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
@@ -257,7 +257,7 @@ static ulong ost_lookup(const ost_view *view, volatile __global const uchar *win
         vstore16((view->along[0] + kx) >> 20u, 0, x);
         vstore16((view->along[1] + ky) >> 20u, 0, y);
         vstore16((view->along[2] + kz) >> 20u, 0, z);
-        for (int v = 0; v < 16; v++) { /* coordinates outside the grid are moved to the void next to the grid */
+        for (int v = 0; v < 16; v++) { /* coordinates outside the grid are moved to the empty space next to the grid */
             x[v] = ost_clamped(x[v], 1023u, 1024u + (uint)view->dims[0]) - 1016u;
             y[v] = ost_clamped(y[v], 1023u, 1024u + (uint)view->dims[1]) - 1016u;
             z[v] = ost_clamped(z[v], 1023u, 1024u + (uint)view->dims[2]) - 1016u;
@@ -288,7 +288,7 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     return open;
 }
 
-/* A list of at most eight bricks that no cell decides, with their open voxels. */
+/* A list of at most eight bricks whose class no cell determines, with their open voxels. */
 typedef struct ost_bricks {
     int count;
     int at[8][3];
@@ -522,7 +522,7 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
 
     /* The sums for c cover the hit voxels whose density is at least border c (for c = 0, all hit voxels). The values of
        a class are the sums for c minus the sums for c + 1. */
-    uint above = 0, above_sum = 0; /* the sums for c + 1 */
+    uint above = 0, above_sum = 0; /* count and sum for c + 1 */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

@@ -58,7 +58,7 @@ typedef int64_t ost_cl_i64;
 typedef uint64_t ost_cl_u64;
 #endif
 
-#define OST_CL_NONE 0xffffffffu /* means no line, no sample or no slot */
+#define OST_CL_NONE 0xffffffffu /* value that means no line, no sample or no slot */
 
 /* ------------------------------------------------- samples to rect grid */
 /*
@@ -76,28 +76,24 @@ typedef uint64_t ost_cl_u64;
  *   seen     uint[ceil(voxels / 32)]      bit v: voxel v was set by an earlier batch; zeros at first
  *   owner    uint[voxels]                 zeros before and after each batch
  *   voxels   short[voxels]                the rect grid
- *   report   ost_cl_scatter_report[1]     of the batch; three lines and the index start as OST_CL_NONE, all else as 0
+ *   report   ost_cl_scatter_report[1]     of the batch; at first, lines and index are OST_CL_NONE, all else is 0
  *
- * claim: every sample that is readable and inside the grid raises the owner of its
- * voxel to the sample's key by atomic_max.  Keys are ordered so that the sample that
- * determines the voxel has the greatest key: the earliest sample (error, first), the
- * latest (last) or the densest (max).  Exactly one sample of a voxel finds that owner
- * is 0.  This sample is not a duplicate if the voxel's bit of seen is 0; all other
- * samples are duplicates.  Which sample finds 0 may vary, but the number of duplicates
- * does not.
- * place: the sample with the greatest key writes its voxel.  Keys are unique except
- * for max: then the first sample that sets a flag writes, and all candidates have the
- * same density.  place also finds the first line with the worst offset.
- * check: updates seen and clears owner.  For error, check also finds the least line
- * whose density differs from the density of its voxel, which has not changed since the
- * voxel was set.
- * report_first_bad: finds the first sample of that line whose density differs.
+ * claim: for every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the sample's
+ * key.  Keys are ordered so that the sample that determines the voxel has the greatest key: the earliest sample
+ * (error, first), the latest (last) or the densest (max).  For exactly one sample of a voxel, the previous owner is
+ * 0.  This sample is not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates.  It may vary
+ * which sample this is, but the number of duplicates does not.
+ * place: the sample with the greatest key writes its voxel.  Keys are unique, except with the max rule: several
+ * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the
+ * voxel.  place also finds the first line with the worst offset.
+ * check: updates seen and clears owner.  With the error rule, check also finds the lowest line whose density differs
+ * from the density of its voxel, which has not changed since the voxel was set.
+ * report_first_bad: finds the first sample on that line whose density differs.
  * had: reads the density of the voxel of that sample.
- * The host combines the report of the batch with that of earlier batches.  Counts are
- * added.  The greater of the two worst offsets is used; if they are equal and above 0,
- * the lower line is used.  Of each other kind of line, the lower line is used.  Before
- * lines are compared, the batch's first_line is added to them.  conflict_has is the
- * density of sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
+ * The host combines the report of the batch with that of earlier batches.  Counts are added.  Of the two worst
+ * offsets, the greater one is used; if they are equal and above 0, the lower line is used.  Of the other line
+ * numbers, the lower one is used.  Before lines are compared, the batch's first_line is added to them.  conflict_has
+ * is the density of sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -147,7 +143,7 @@ typedef struct ost_cl_cubic {
     ost_cl_i32 rect_dims[3], dims[3];
     ost_cl_i32 rule; /* OST_CL_RESAMPLE_*, equal to ost_resample */
     ost_cl_i32 z0, z1;
-    ost_cl_i32 slab; /* 1: out begins with slice z0; 0: out begins with slice 0 */
+    ost_cl_i32 slab; /* 1: `out` begins with slice z0; 0: `out` begins with slice 0 */
 } ost_cl_cubic;
 
 /* ---------------------------------------------------------------- chunks */
@@ -253,17 +249,16 @@ typedef struct ost_cl_tiles {
     ost_cl_i32 count[2];      /* number of tiles along y and along z */
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
-    ost_cl_i32 over; /* 1: this mesh is added to the classes of a first mesh */
+    ost_cl_i32 over; /* 1: this mesh is added to the classes of the first mesh */
     ost_cl_i32 layer; /* number of slices that share a list */
-    ost_cl_i32 pass;  /* greatest number of slices of a tile that are marked and filled together */
+    ost_cl_i32 pass;  /* maximum number of slices of a tile that are marked and filled together */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
 /*
- * A cell contains the class of a tool voxel in bits 0 and 1 and the reach of the voxel in
- * bits 2 to 7.  The reach is the greatest r <= 63 such that all voxels nearer than r on
- * every axis have the same class as the voxel; all space outside the grid is void.  So
- * reach >= 1.
+ * A cell contains the class of a tool voxel in bits 0 and 1 and the reach of the voxel in bits 2 to 7.  The
+ * reach is the greatest r <= 63 such that all voxels nearer than r on every axis have the same class as the
+ * voxel; all space outside the grid is empty.  Therefore reach >= 1.
  *
  *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
  *
@@ -273,10 +268,10 @@ typedef struct ost_cl_tiles {
  *
  * Each item writes its own cell.
  *
- * For ost_remove_blocks, each class c (1, 2) is also stored separately as windows.  A
- * byte contains 8 voxels along x.  There is a byte for every second voxel along x, and
- * the bytes of neighbours along y are adjacent.  Therefore any cube of 8^3 voxels whose
- * first x is even can be read by 8 loads of 8 bytes.  Voxels outside the grid are void.
+ * For ost_remove_blocks, each class c (1, 2) is also stored separately as windows.  A byte contains 8 voxels
+ * along x.  There is a byte for every second voxel along x, and the bytes of neighbours along y are adjacent.
+ * Therefore any cube of 8^3 voxels whose first x is even can be read by 8 loads of 8 bytes.  Voxels outside
+ * the grid are empty.
  *
  *   ost_tool_windows(tool, classes, windows)   OST_CL_WINDOWS_Y(dims.y), _Z(dims.z), tool.axis * _X(dims.x);
  *                                            tool.axis is the number of classes, 1 or 2
@@ -315,31 +310,30 @@ typedef struct ost_cl_tool {
  *                                              little-endian
  *   reports  ost_cl_block_report[event.blocks]  zeros at first (ost_remove_blocks writes all of them)
  *
- * Both kernels compute the same results.  ost_remove is for devices that run many small
- * work items: an item processes OST_ROWS rows of 16 voxels of a block.  Each row has 16
- * bits of occupancy and 16 densities that no other item accesses.  The item adds its
- * counts to the report of the block by atomic_add.  ost_remove_blocks is for devices
- * with few strong cores and vector instructions: an item processes an entire block and
- * halves it until the reach of a tool voxel decides each part.  For each entry of the
- * block, the voxels that the tool hits or touches at the entry's pose are marked.  A
- * voxel is hit if it is hit at any pose, so the order of entries does not matter.  The
- * counts of a block are at most 4096 voxels and its sums of densities at most
- * 2^12 * 2^15, so they fit 32 bits.
+ * Both kernels compute the same results.  ost_remove is for devices that run many small work items: an item
+ * processes OST_ROWS rows of 16 voxels of a block.  Each row has 16 bits of occupancy and 16 densities that no other
+ * item accesses.  The item adds its counts to the report of the block by atomic_add.  ost_remove_blocks is for
+ * devices with few strong cores and vector instructions: an item processes an entire block and divides it until, for
+ * each part, the reach of a tool voxel determines the class of the whole part.  For each entry of the block, the
+ * voxels that the tool hits or touches at the entry's pose are marked.  A voxel is hit if it is hit at one or more
+ * poses, so the order of entries does not matter.  The counts of a block are at most 4096 voxels and its sums of
+ * densities at most 2^12 * 2^15, so they fit 32 bits.
  *
- * The host omits an entry if the pose's box does not meet the block, or if the base is
- * far (AR-MAP-5).  It also omits blocks without entries.  Within a block, the kernels
- * apply the box to each voxel, so that boxes have the same meaning in every backend.
+ * The host omits an entry if the pose's box does not overlap the block, or if the base is far (AR-MAP-5).  It also
+ * omits blocks without entries.  Within a block, the kernels apply the box to each voxel, so that boxes have the
+ * same meaning in every backend.
  * Entries with far bases are not allowed, because the sums of the kernels would
  * overflow.
  */
 #define OST_CL_CLASSES 8
-#define OST_CL_BATCHES 8 /* number of parts of an event; ost_remove_blocks puts adjacent blocks into different parts */
+/* number of parts into which ost_remove_blocks divides an event; adjacent blocks are in different parts */
+#define OST_CL_BATCHES 8
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
     ost_cl_i32 size; /* n */
     ost_cl_u32 blocks;
-    ost_cl_i32 apply; /* 1: removes voxels; 0: only reports */
+    ost_cl_i32 apply; /* 1: voxels are removed; 0: hits are only reported */
     ost_cl_i32 classes;
     ost_cl_i32 touches; /* 0 if the tool has no voxel of class 2 */
     ost_cl_u32 poses_at, blocks_at, entries_at, unused;
@@ -361,9 +355,10 @@ typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* index [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* box of the pose, as in ost_removal_event */
     /* The comment of ost_cl_pose_reach explains complete, planes and skip. complete[] is for cubes of 4, 8 and 16
-       voxels per edge; a value above OST_CL_REACH_MAX means that no reach decides such a cube. */
+       voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
     ost_cl_u8 complete[3];
-    ost_cl_u8 planes;   /* planes of a window that a brick may meet: 6 or 8; 0: a brick may be larger than a window */
+    /* number of planes of a window that a brick may overlap: 6 or 8; 0: a brick may be larger than a window */
+    ost_cl_u8 planes;
     ost_cl_u8 skip[OST_CL_REACH_MAX + 1];
 } ost_cl_pose;
 
@@ -377,9 +372,8 @@ typedef struct ost_cl_block_report {
 
 /* ----------------------------------------------------------- fingerprint */
 /*
- * The fingerprint of a device: integer operations that some drivers compute wrongly.
- * They are tested before a device may decide any voxel.  fingerprint_expect.h in the
- * folder above has the expected results.
+ * The fingerprint of a device: integer operations that some drivers compute wrongly. They are tested before a device
+ * may compute any voxel. fingerprint_expect.h in the folder above has the expected results.
  *
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see
@@ -400,9 +394,8 @@ typedef struct ost_cl_block_report {
 #define OST_CL_FINGERPRINT_COUNTERS 16
 
 /*
- * Limits on the iterations (turns) of all loops of one work item together.  In kernels
- * for CPUs, the number of turns depends on the size of the tile or block.  Kernels for
- * GPUs have at most
+ * Limits on the total number of iterations (turns) of all loops of one work item.  In kernels for CPUs, the number
+ * of turns depends on the size of the tile or block.  Kernels for GPUs have at most
  *
  *   ost_vox_steps   15 turns per row, with one slice per item: 2^12 rows of one turn, at most 13 turns of bisection,
  *                   and one turn that ends the bisection
@@ -438,17 +431,17 @@ _Static_assert(sizeof(ost_cl_pose) == 128, "layout");
 _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 
 /*
- * skip[r]: let the cell of a voxel have the reach r.  The next skip[r] voxels of the
- * row, at most 15, certainly have the class of this cell.  At a distance of j voxels a
- * coordinate differs by at most j m, with m the greatest |step[0][a]|, and its
- * tool voxel by at most floor(j m / 2^20) + 1, which is < r if j m < (r - 1) 2^20.
+ * skip[r]: if the cell of a voxel has the reach r, the next skip[r] voxels of the row, at most 15,
+ * certainly have the class of this cell.  At a distance of j voxels a coordinate differs by at most
+ * j m, with m the greatest |step[0][a]|, and its tool voxel by at most floor(j m / 2^20) + 1, which
+ * is < r if j m < (r - 1) 2^20.
  * m <= 2^24 + 1, so all this is below 2^29.
  *
  * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
- * decides the entire cube. The middle is the first voxel's coordinate plus (e - 1) / 2 of the three
- * steps, rounded to integer units. A coordinate of the cube differs from the middle's by at most d
- * = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|, and its tool voxel by at most
- * floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
+ * per edge determines the class of the entire cube.  The middle is the first voxel's coordinate
+ * plus (e - 1) / 2 of the three steps, rounded to integer units.  A coordinate of the cube differs
+ * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|,
+ * and its tool voxel by at most floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis a brick's coordinates lie within 3 t of their least
  * one, so its tool voxels are the least one's and at most floor(3 t / 2^20) + 1

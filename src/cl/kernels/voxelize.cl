@@ -48,7 +48,7 @@ typedef struct ost_triangle {
     long a[3], b[3], c[3];
     int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in its bounds */
     long nx, ny, nz;
-    int step; /* the value, +1 or -1, that is added at a crossing */
+    int step; /* value that is added at a crossing, +1 or -1 */
     int on0, on1, on2; /* 1 if the triangle owns its edge ab, bc or ca, respectively */
 } ost_triangle;
 
@@ -186,13 +186,13 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
 #endif
 
 /*
- * Computes the reach of each cell along one more axis.  After axis 0, the reach of a cell
- * refers to its row, after axis 1 to its slice, and after axis 2 to the grid.  The square
- * of half-edge r - 1 around a cell is of one class iff the cells at distance d < r along
- * the new axis are of that class and the old reach of each of them is at least r.
- * Therefore the new reach is the least of these numbers: the cell's own old reach; d for
- * each neighbour of another class; and max(d, old reach of the neighbour) for each
- * neighbour of the same class.  Cells outside the grid count as void cells of any reach.
+ * Computes the reach of each cell along one more axis.  After axis 0, the reach of a cell refers to
+ * its row, after axis 1 to its slice, and after axis 2 to the grid.  The cells nearer than r to a
+ * cell, along the axes processed so far and the new axis, have the cell's class iff each cell at
+ * distance d < r along the new axis has this class and an old reach of at least r.  Therefore the
+ * new reach is the least of these numbers: the cell's own old reach; d for each neighbour of a
+ * different class; and max(d, old reach of the neighbour) for each neighbour of the same class.
+ * Cells outside the grid are treated as empty cells with unlimited reach.
  */
 __kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uchar *from, __global uchar *to)
 {

@@ -8,7 +8,7 @@
  *     marks[row]      bit i: the row has crossings between centres i - 1 and i
  *     steps[row][i]   the sum of these crossings, valid if bit i is set
  *                     (eight triangles are processed at once)
- *     fill            fills from one mark to the next; rows that leak stay void
+ *     fill            fills from one mark to the next; rows that leak stay empty
  *
  * The ranges are those of voxelize.cl.  The rows and lists of a tile have 64-bit indices.
  */
@@ -52,8 +52,8 @@ static inline long8 ost_shifted8(long8 v, int f)
     return as_long8(as_ulong8(v) << (ulong)f);
 }
 
-/* Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The result is added to E, so that the sign
-   of the sum alone decides whether a point is owned. */
+/* Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The result is added to E, so that a point
+   is owned if and only if the sum is not negative. */
 static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 {
     return ~((dz < 0) | ((dz == 0) & (dy > 0)));
@@ -112,7 +112,8 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     long8 nx = (by - ay) * (cz - az) - (bz - az) * (cy - ay);
     long8 ny = (bz - az) * acx - abx * (cz - az);
     long8 nz = abx * (cy - ay) - (by - ay) * acx;
-    const long8 turn = nx < 0; /* lanes of -1: the outward normal points to low x, and the line enters the mesh */
+    /* -1 in the lanes in which the outward normal points to low x, so that the line enters the mesh */
+    const long8 turn = nx < 0;
     nx = (nx ^ turn) - turn;
     ny = (ny ^ turn) - turn;
     nz = (nz ^ turn) - turn;
@@ -135,7 +136,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
                 residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* greatest q - 1 */
+    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* maximum of q - 1 */
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], row_at[8], step[8];
     vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);
@@ -198,8 +199,8 @@ static void ost_fill_run(__global uchar *classes, int from, int to, uchar tool_c
         classes[i] = tool_class;
 }
 
-/* Fills a row from its marks and returns the number of its solid voxels. If tiles->over is 1, void voxels keep their
-   class. Increments *leaks if the row leaks. */
+/* Fills a row from its marks and returns the number of its solid voxels. If tiles->over is 1, the class of empty
+   voxels does not change. Increments *leaks if the row leaks. */
 static uint ost_fill_row(__global const ost_cl_tiles *tiles, __global const int *steps, __global const ulong *marks,
                          __global uchar *classes, uint *leaks)
 {
