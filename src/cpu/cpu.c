@@ -73,7 +73,7 @@ typedef struct cpu_options {
     int64_t grain; /* 0: measured thresholds */
     int64_t order; /* 0: none */
     ost_voxelizer voxelizer;
-    unsigned given; /* bit k is set if the option keys[k] was given */
+    unsigned given; /* bit k is set if the option with the name keys[k] was given */
 } cpu_options;
 
 /* Parses one "key=value". */

@@ -14,7 +14,7 @@
  *
  * The structs of this backend begin with those of the reference, so an operation without a fast
  * implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
- * and no two threads write the same data. Results are put in order afterwards.
+ * and no two threads write the same data. The results are sorted afterwards.
  */
 #ifndef OST_CPU_CPU_H
 #define OST_CPU_CPU_H
@@ -31,7 +31,8 @@
 typedef enum ost_voxelizer { OST_VOXELIZER_AUTO, OST_VOXELIZER_TRIANGLES, OST_VOXELIZER_EMBREE } ost_voxelizer;
 
 typedef struct cpu_backend {
-    ref_backend ref; /* first member, because the reference's functions receive a pointer to this struct */
+    /* must be the first member, because a pointer to this struct is passed to the reference's functions */
+    ref_backend ref;
     ost_isa isa;
     int threads; /* >= 1 */
     ost_voxelizer voxelizer;

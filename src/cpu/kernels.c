@@ -70,8 +70,8 @@ static void fill_avx512(ost_cpu_kernels *k)
 
 #if HAVE_NEON_BUILD
 /*
- * gather_row, stretch_row and vox_fill have no NEON variant. They need a load for each lane, or the
- * borrow of the previous word; both take as long with NEON as without NEON.
+ * gather_row, stretch_row and vox_fill have no NEON variant, because NEON would not make them faster: the first two
+ * need one load for each lane, and vox_fill needs the borrow of the previous word.
  */
 static void fill_neon(ost_cpu_kernels *k)
 {

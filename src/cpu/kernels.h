@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loops of the CPU backend. Every slot is filled with its scalar function
- * first. Variants for the available instruction sets then replace scalar functions,
- * so no slot is ever NULL. tests/simd compares every variant with the scalar function.
- * A kernel checks no argument: the comment of its function type is its contract,
- * which the caller must fulfil.
+ * The inner loops of the CPU backend. Every slot is first set to its scalar function. Variants for
+ * the available instruction sets then replace scalar functions, so no slot is ever NULL. tests/simd
+ * compares every variant with the scalar function. A kernel does not check its arguments: the
+ * comment of its function type is a contract that the caller must fulfil.
  *
  * Unless a contract states otherwise: a kernel reads and writes only the
  * elements that its contract mentions; pointers have the alignment of their
@@ -50,9 +49,9 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
 
 /*
  * Computes the sums of a row along x:
- * to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for
- * 0 <= i < width (1 to 64).  minus contains the negated weights, -2^15 to 0, because
- * both ends of this range fit 16 bits.  The two weights of a pair sum to -2^15.
+ * to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for 0 <= i < width (1 to 64).
+ * minus contains the weights negated, so that the full range, -2^15 to 0, fits 16 bits.  The two
+ * weights of a pair sum to -2^15.
  * The elements of `at` are >= 0 and ascending; neighbours may be equal.  Every element
  * of `from` with an index from at[0] to at[width - 1] + 1 may be read.  Let n be width
  * rounded up to a multiple of 16.  `at` and `to` have a capacity of n elements, and
@@ -75,15 +74,14 @@ typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weigh
 /* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
 /*
- * Converts sixteen rows of 4 * bricks voxels into a row of bricks.  rows[y + 4 z] is
- * the row (y, z); several rows may be the same.  bricks is 4, 8 or 16.  Voxels below
- * threshold (>= 1) become 0.  Brick x is written to density + 64 * spread(x) and
- * occupancy[spread(x)], where spread(x) moves the bits 0 to 3 of x to the bits 0, 3, 6
- * and 9 (ost_brick_spread).  density is 64-byte aligned.  The memory between those
- * bricks is not written.  Returns the number of active voxels and the highest density
- * (0 if no voxel is active).
- * If stream is true, stores bypass the caches.  The thread must then call the kernel
- * drain before another thread reads the bricks.
+ * Converts sixteen rows of 4 * bricks voxels into a row of bricks.  rows[y + 4 z] is the row (y,
+ * z); several rows may be the same.  bricks is 4, 8 or 16.  Voxels below threshold (>= 1) become 0.
+ * Brick x is written to density + 64 * spread(x) and occupancy[spread(x)], where spread(x) moves
+ * the bits 0 to 3 of x to the bits 0, 3, 6 and 9 (ost_brick_spread).  density is 64-byte aligned.
+ * The memory between these bricks is not written.  Returns the number of active voxels and the
+ * highest density (0 if no voxel is active).
+ * If stream is true, stores bypass the caches.  The thread must then call the `drain` kernel before
+ * another thread reads the bricks.
  */
 struct cpu_bone;
 typedef struct ost_brick_sums {
@@ -93,18 +91,18 @@ typedef ost_brick_sums ost_brick_row_fn(const int16_t *const rows[16], size_t br
                                         int16_t *density, uint64_t *occupancy);
 
 /*
- * Returns true if any of `count` (>= 1) rows has a voxel whose density is at least threshold (>= 1). Row i begins at
- * base + row[i] and has `width` elements (1 to 64).
+ * Returns true if at least one of `count` (>= 1) rows has a voxel whose density is at least threshold (>= 1). Row i
+ * begins at base + row[i] and has `width` elements (1 to 64).
  */
 typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count, int width, int16_t threshold);
 
 /*
  * Writes the density of voxel (at[0][i], at[1][i], at[2][i]) to densities[i] for each i < count.  The
- * coordinates may be any numbers.  The density is 0 outside the grid and for voxels that are not
- * active.  The kernel reads the chunk table's entries only for voxels in the grid, and occupancy words
- * only for voxels in chunks with memory.  For active voxels it reads the density and the two bytes
- * after the density, which belong to the chunk's allocation.  The only members of *bone that the kernel
- * reads are pointers, dims and chunk_size.
+ * coordinates can have any value.  The density is 0 outside the grid and for voxels that are not
+ * active.  Entries of the chunk table are read only for voxels in the grid, and occupancy words only
+ * for voxels in chunks for which memory is allocated.  For active voxels, the density and the two
+ * bytes after it are read; these bytes are part of the chunk's allocation.  Of *bone, the kernel
+ * reads only pointers, `dims` and `chunk_size`.
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 
@@ -114,12 +112,11 @@ typedef void ost_drain_fn(void);
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
 
 /*
- * Selects the blocks with from <= block < to whose base (ost_block_base) is in
- * reach. The range of blocks must not be empty. It must lie within the range for
- * which `bases` was made, and within first <= block < first + 2. Overwrites *blocks
- * with the selected blocks in the order of ascending numbers, and sets blocks->count:
- * u is the base, and number is x + 2y + 4z for the block first + (x, y, z). Up to
- * eight elements may be written.
+ * Selects the blocks with from <= block < to whose base (ost_block_base) is in the range `reach`.
+ * The range of blocks must not be empty. It must lie within the range for which `bases` was made,
+ * and within first <= block < first + 2. Overwrites *blocks with the selected blocks in ascending
+ * order of their numbers, and sets blocks->count. In *blocks, u is the base, and number is x + 2y +
+ * 4z for the block first + (x, y, z). Up to eight elements may be written.
  */
 typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                            const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
@@ -130,25 +127,23 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  *     v <= -least   outside: the part is dropped
  *     v >=  least   inside: the part's number is appended to `inside`
  *     else          mixed: the part's u and number are appended to `mixed`
- * The order of the appended parts differs among instruction sets, the parts do not.
- * If occupancy is not NULL, it has one word per part, and parts whose word is 0 are
- * dropped.  The cubes' numbers are distinct, and only the words of their parts are
- * read from occupancy.  mixed and inside must not overlap cubes.  Their counts are
- * increased by the appended parts; both have capacity for 8 parts per cube and
- * OST_CUBES_SLACK more elements, which may be overwritten.  u + centre and u + first
- * of every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count may be
- * read; whatever values these elements have, the table entries that are read for them
- * exist.  The values of cells are in [-64, 64].
+ * The set of appended parts is the same for all instruction sets, but their order may differ.  If
+ * occupancy is not NULL, it has one word per part, and parts whose word is 0 are dropped.  The
+ * cubes' numbers are distinct, and only the words of their parts are read from occupancy.  mixed
+ * and inside must not overlap cubes.  Their counts are increased by the appended parts; both have
+ * capacity for 8 parts per cube and OST_CUBES_SLACK more elements, which may be overwritten.  u +
+ * centre and u + first of every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count
+ * may be read.  These elements may have any value: the indices computed from them are clamped to
+ * the table.  The values of cells are in [-64, 64].
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
- * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel
- * (x, y, z) of brick i lies in a tool voxel that is solid in match->shape.  All
- * space outside the tool's grid is void.  If match->windows is set, every brick must
- * be one that the kernel split, with the same shape, has classified as mixed
- * (remove.h: "Match").
+ * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i
+ * lies in a tool voxel that is solid in match->shape.  All space outside the tool's grid is empty.
+ * If match->windows is set, every brick must be one that the `split` kernel has classified as mixed
+ * with the same shape (remove.h: "Match").
  * u + offset of every voxel fits int32.  hits has capacity for OST_CUBES_SLACK more
  * elements than there are bricks, and these may be overwritten.  Up to
  * OST_CUBES_SLACK elements beyond bricks->count may be read and can have any value.
@@ -156,12 +151,11 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 
 /*
- * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose
- * bits are set in hits[i] to the tally, and sets them to 0 if take->apply is true.
- * hits[i] is not 0.  density is 64-byte aligned.  The densities of voxels that are hit
- * are 1..take->highest; other densities can have any value.  The numbers are distinct.
- * Only voxels that are hit change, and only the elements 0 to take->borders of the
- * tally change.
+ * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose bits are set
+ * in hits[i] to the tally, and sets them to 0 if take->apply is true.  No hits[i] is 0.  density is
+ * 64-byte aligned.  The densities of voxels that are hit are 1..take->highest; other densities can
+ * have any value.  The numbers are distinct.  Only voxels that are hit change, and only the
+ * elements 0 to take->borders of the tally change.
  */
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
                          size_t count, ost_tally *tally);
@@ -172,12 +166,11 @@ typedef struct ost_vox_tile ost_vox_tile;
 typedef struct ost_vox_plan ost_vox_plan;
 
 /*
- * Marks the crossings of count triangles with the rows of a tile in the tile's
- * planes and spill. list contains the triangles' numbers; if list is NULL, the
- * numbers are 0 to count - 1. A triangle that is listed several times is counted that
- * many times. Planes and spill may contain earlier crossings. If several crossings of
- * the same sign have the same centre, any one of them may set the bit in the plane,
- * because these crossings are equal.
+ * Marks the crossings of count triangles with the rows of a tile in the tile's planes and spill.
+ * list contains the triangles' numbers; if list is NULL, the numbers are 0 to count - 1. A triangle
+ * that is listed several times is counted that many times. Planes and spill may contain earlier
+ * crossings. If several crossings of the same sign have the same centre, any of them may be the one
+ * that sets the bit in the plane, because they are equivalent.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
@@ -191,20 +184,19 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
                              uint32_t *keys);
 
 /*
- * Fills the proven rows of a tile and returns the number of bits that it has set in
- * them.  In a proven row, crossings that enter and crossings that leave alternate, and
- * the first and the last crossing are of different kinds (fill.c).
+ * Fills the proven rows of a tile and returns the number of bits that it has set in them.  In a
+ * proven row, crossings that enter the mesh and crossings that leave the mesh alternate, and the
+ * first and the last crossing are of opposite sign (fill.c).
  *
  * A block is OST_VOX_BLOCK words of planes.  The rows begin at the start of a
  * block and end at the end of a block or of the tile.  bits is 64-byte aligned and
  * is written in complete blocks.  Planes have no bits after a row's last voxel.
  *
- * For the other rows, sets the flags OST_VOX_UNPROVEN and any_unproven; the bits of these
- * rows are undefined.  All rows of a block may be marked unproven if one of them is
- * unproven, or if some of them enter first and others leave first.  The other flags of
- * row_state do not change.  If any_unproven was set before the call (spilled crossings
- * set it too), the planes do not change.  Otherwise the planes of the proven rows are
- * cleared.
+ * For the other rows, sets OST_VOX_UNPROVEN and the tile's `any_unproven`; the bits of these rows
+ * are undefined.  All rows of a block may be marked unproven if one of them is unproven, or if the
+ * first crossing enters the mesh in some of them and leaves it in others.  The other flags of
+ * row_state do not change.  If any_unproven was set before the call (spilled crossings set it too),
+ * the planes do not change.  Otherwise the planes of the proven rows are cleared.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
@@ -220,7 +212,7 @@ typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutti
                                bool stream, uint8_t *voxels);
 
 typedef struct ost_cpu_kernels {
-    ost_isa isa; /* the instruction set that the slots were filled for */
+    ost_isa isa; /* the instruction set for which the slots were set */
     ost_gather_row_fn *gather_row;
     ost_blend_rows_fn *blend_rows;
     ost_stretch_row_fn *stretch_row;

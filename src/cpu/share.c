@@ -9,9 +9,9 @@
 #endif
 
 /*
- * The measured thresholds of all paths (docs/log/0.1.md). The comment of each row states
- * the unit of its threshold. Starting a second thread takes microseconds, or milliseconds
- * if the thread waits for a core that another process uses.
+ * The measured thresholds of all paths (docs/log/0.1.md). The comment of each row states the unit
+ * of its threshold. Starting a second thread takes microseconds, or milliseconds if the thread has
+ * to wait for a core that another process uses.
  */
 static const struct {
     const char *name;
@@ -88,10 +88,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * The seed determines what the calling member does first. It waits until all members
- * have begun as many blocks as this member, so that all members run at the same time; or
- * it yields its core; or it continues immediately. Then the function returns the block
- * of this turn.
+ * The seed determines what the calling member does first. It waits until all members have begun as
+ * many blocks as this member, so that all members run at the same time; or it yields its core; or
+ * it continues immediately. The function then returns the block of this turn.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thresholds for the size of work. If the size of work is at least a threshold, the CPU backend divides
- * the work among threads, uses stores that bypass the caches, or splits the work into parts. Each of
- * these cases is a path with a counter.
+ * Thresholds for the size of work.  If the size of work is at least a threshold, the CPU backend
+ * divides the work among threads, uses stores that bypass the caches, or splits the work into parts.
+ * Each of these choices is a code path with a counter.
  *
  *   path, size of the work --ost_cpu_enters--> true and counted if size >= the path's threshold
  *
@@ -15,14 +15,14 @@
  *   }
  *   ost_team_end(sharing, &team);
  *
- * A threshold affects the speed of a computation, never its result.  The option
- * grain= replaces all thresholds by one number, so that small grids enter every
- * path. Items are then assigned to the threads in turn, one at a time, so that each
- * thread of a team processes items even if it starts late.
+ * A threshold affects the speed of a computation, never its result.  The `grain` option replaces all
+ * thresholds by one number, so that small grids enter every path.  Items are then assigned to the
+ * threads in turn, one at a time, so that each thread of a team processes items even if it starts
+ * late.
  *
- * With the option order=N, the seed N determines in which order blocks are assigned and where members
- * pause between blocks. The option serves to find races, because a race that one schedule hides can
- * appear in another. The option does not change any result.
+ * With the option order=N, the seed N determines the order in which blocks are assigned, and the
+ * points at which members pause between blocks.  This option is used to find data races: a race that
+ * does not show in one schedule may show in another.  The option does not change any result.
  *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
@@ -59,10 +59,12 @@ typedef enum ost_cpu_path {
 } ost_cpu_path;
 
 typedef struct ost_cpu_sharing {
-    int64_t least[OST_CPU_PATHS]; /* the smallest size of work that enters each path */
-    bool dealt;                   /* true if grain= or order= was given: members get blocks in turn */
-    uint64_t order;               /* seed given by the option order=; 0: none */
-    uint64_t teams;               /* number of teams so far, counted only with order=; determines a team's order */
+    int64_t least[OST_CPU_PATHS]; /* smallest size of work with which each path is entered */
+    /* true if `grain` or `order` was given; blocks are then assigned to the members in turn */
+    bool dealt;
+    uint64_t order;               /* seed given by the `order` option; 0: none */
+    /* number of teams so far, counted only if `order` was given; determines a team's order */
+    uint64_t teams;
     uint64_t entered[OST_CPU_PATHS]; /* how often each path was entered; for shared paths see ost_team_end */
 } ost_cpu_sharing;
 
@@ -71,8 +73,8 @@ void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t orde
 /* Calls visit for each path that a backend with this number of threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
-/* Returns true if work of this size enters the path, and then increments the path's counter.  Called by one thread
-   at a time. */
+/* Returns true if work of this size enters the path; if so, increments the path's counter.  Called by one thread at
+   a time. */
 static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, int64_t size)
 {
     if (size < sharing->least[path])
@@ -85,9 +87,10 @@ static inline bool ost_cpu_enters(ost_cpu_sharing *sharing, ost_cpu_path path, i
 typedef struct ost_team {
     int threads; /* requested from OpenMP */
     ost_cpu_path path;
-    bool dealt;  /* true: member b mod members processes block b; false: the next free member does */
-    int64_t count, block; /* number of all items, and of items per block */
-    _Atomic int64_t next; /* if dealt is false: the next block; with an order: number of blocks begun */
+    /* true if block b is processed by member b mod members; false if it is processed by the next free member */
+    bool dealt;
+    int64_t count, block; /* number of items in total; number of items per block */
+    _Atomic int64_t next; /* if `dealt` is false: the next block; with an order: number of blocks begun */
     uint64_t order;       /* seed of this team's order; 0: none */
     int64_t first, stride; /* with an order, turn t processes block (first + t stride) mod blocks */
     int members;          /* number of threads that OpenMP provided; valid after the parallel region */
@@ -95,7 +98,7 @@ typedef struct ost_team {
 
 typedef struct ost_member {
     int64_t at, end;      /* remaining items of the current block */
-    int64_t next, stride; /* if dealt is true: the member's next block, and the distance between its blocks */
+    int64_t next, stride; /* if `dealt` is true: the member's next block, and the distance between its blocks */
 } ost_member;
 
 /*

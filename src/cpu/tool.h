@@ -10,13 +10,14 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    ost_shape cutting, touching; /* tables of classes 1 and 2; touching is made only if touches is true */
+    /* tables of classes 1 and 2; `touching` is made only if the tool's `touches` is true */
+    ost_shape cutting, touching;
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;
 
 typedef struct cpu_tool {
     ref_tool ref;
-    cpu_shapes *shapes; /* owned; made for the bone voxel of the last call of ost_cpu_tool_prepare */
+    cpu_shapes *shapes; /* owned; made for the bone voxel size of the last call of ost_cpu_tool_prepare */
 } cpu_tool;
 
 /*

@@ -70,7 +70,7 @@ bool ost_any_active_neon(const int16_t *base, const size_t *row, int count, int 
         const int16_t *const from = base + row[r];
         for (int x = 0; x + LANES <= width; x += LANES)
             most = vmaxq_s16(most, vld1q_s16(from + x));
-        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels; some are read twice */
+        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels, some of which are read twice */
     }
     return vmaxvq_s16(most) >= threshold;
 }

@@ -42,7 +42,7 @@ void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, 
         int16_t *const result = to + (size_t)OST_ROW_STRIDE * (size_t)r;
         for (int x = 0; x + LANES <= width; x += LANES)
             blend(ra + x, rb + x, lower, upper, result + x);
-        if (width % LANES) /* the last eight voxels; some of them are computed twice */
+        if (width % LANES) /* the last eight voxels, some of which are computed twice */
             blend(ra + width - LANES, rb + width - LANES, lower, upper, result + width - LANES);
     }
 }

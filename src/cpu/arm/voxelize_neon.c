@@ -17,7 +17,7 @@ typedef uint64x2_t vm;
 typedef int32x2_t vi;
 
 /*
- * The option -ffp-contract=off prevents fused multiply-add. Fusing would not change the results, because
+ * The option -ffp-contract=off prevents fused multiply-add instructions. They would not change the results, because
  * every product that is summed here is exact.
  */
 #define vd_set(x) vdupq_n_f64(x)
@@ -99,7 +99,7 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    /* The counts of shifts are negative, because a negative count shifts to the right. */
+    /* The shift counts are negative, because a negative count shifts to the right. */
     const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);
@@ -145,7 +145,7 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
     return v;
 }
 
-/* The parameter stream is ignored, because the NEON intrinsics have no stores that bypass the caches. */
+/* The `stream` parameter is ignored, because the NEON intrinsics have no stores that bypass the caches. */
 void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                          bool stream, uint8_t *voxels)
 {

@@ -141,7 +141,7 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
 
 typedef struct chunk_position {
     int32_t first[3]; /* the chunk's first voxel */
-    int32_t end[3];   /* end (exclusive) of the chunk's voxels, clipped to the grid */
+    int32_t end[3];   /* voxel after the chunk's last one, clipped to the grid */
 } chunk_position;
 
 static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)
@@ -179,8 +179,8 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
 }
 
 /*
- * Finds the sixteen rows of voxels that form the row of bricks at (y, z). A row that is complete in the
- * slab is used directly; any other row is assembled in `spare`.
+ * Finds the sixteen rows of voxels that form the row of bricks at (y, z). A row that lies entirely in the slab is used
+ * directly; any other row is assembled in `spare`.
  */
 static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s,
                          int32_t y, int32_t z, int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])

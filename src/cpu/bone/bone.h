@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the CPU backend.  The same chunks have memory and the same voxels are
- * active as in the reference, but inside a chunk the voxels are stored as bricks of
- * 4^3 voxels.  The bricks of a chunk are stored in Morton order.
+ * The bone of the CPU backend.  Memory is allocated for the same chunks and the same voxels are
+ * active as in the reference, but inside a chunk the voxels are stored as bricks of 4^3 voxels.
+ * The bricks of a chunk are stored in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
  *     and one occupancy word of 64 bits       6 ---- 7
@@ -11,16 +11,14 @@
  *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
  *                                           0 ---- 1
  *
- * The reason for bricks: removal processes the 64 voxels of a brick at once, as one
- * word, and writes two cache lines instead of sixteen. The occupancy words of 8^3
- * voxels fill one cache line. The bricks of a cube of 8, 16 or 32 voxels per side are
- * contiguous for every chunk size.
+ * Bricks make removal faster: it processes the 64 voxels of a brick at once, as one word, and
+ * writes two cache lines instead of sixteen.  The occupancy words of 8^3 voxels fill one cache
+ * line.  The bricks of a cube of 8, 16 or 32 voxels per side are contiguous for every chunk size.
  *
- * The invariants are those of core/chunk_grid.h.  A voxel is active iff its density is
- * at least the threshold; all other voxels are 0.  A voxel's occupancy bit is set iff
- * the voxel is active.  A chunk has memory iff its field `active` is above 0.  The
- * padding is 0.  In addition, no density of a chunk is above the chunk's field
- * `highest`, which never decreases.
+ * The invariants are those of core/chunk_grid.h.  A voxel is active iff its density is at least the
+ * threshold; all other voxels are 0.  A voxel's occupancy bit is set iff the voxel is active.
+ * Memory is allocated for a chunk iff its `active` field is above 0.  The padding is 0.  In
+ * addition, no density of a chunk is above the chunk's `highest` field, which never decreases.
  */
 #ifndef OST_CPU_BONE_H
 #define OST_CPU_BONE_H
@@ -67,9 +65,9 @@ static inline int32_t ost_brick_gather(int32_t number)
 }
 
 /*
- * Allocates memory of undefined content for a chunk that has none. The memory is a block of the pool if
- * pool is not NULL and has a free block; otherwise it is allocated by malloc. Returns false if there is
- * no memory.
+ * Allocates memory for a chunk that has none. The content of the memory is undefined. The memory is a
+ * block of the pool if pool is not NULL and has a free block; otherwise it is allocated by malloc.
+ * Returns false if memory is exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
 /* Frees the memory of a chunk that has no active voxel. */

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is an atomic
- * number. ost_chunk_pool_take decrements this number, and ost_chunk_pool_give increments
- * it. Only the thread that has changed the number accesses the element of the stack at
- * that index. Because calls of take and give do not overlap, threads need no other
- * synchronisation.
+ * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is atomic.
+ * ost_chunk_pool_take decrements the number, and ost_chunk_pool_give increments it. The thread that
+ * has changed the number is the only one that accesses the stack element with the corresponding
+ * index. Because calls of take and give do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -30,7 +29,7 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    atomic_llong fresh; /* number of blocks that were never taken; these are stack[0, fresh) */
+    atomic_llong fresh; /* number of blocks that were never taken; they are the first elements of the stack */
     int64_t trimmed;    /* the value of `fresh` at the last call of ost_chunk_pool_trim */
     void **stack;       /* owned; total elements */
     atomic_llong available;
@@ -94,7 +93,7 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
         return true;
     if (pool->extent_count == EXTENTS_MAX)
         return false;
-    /* The pool's size at least doubles, so that few extents are needed. count <= 2^24, block_bytes < 2^20. */
+    /* The size of the pool is at least doubled, so that few extents are needed. count <= 2^24, block_bytes < 2^20. */
     int64_t more = count - available > pool->total ? count - available : pool->total;
     size_t bytes = ((size_t)more * pool->block_bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
     void **stack = realloc(pool->stack, (size_t)(pool->total + more) * sizeof *stack);
@@ -154,8 +153,8 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     if (fresh == 0)
         return;
     /*
-     * The first block that was never taken begins where the last used block ends. The rest of the huge
-     * page that contains this position may have memory, which is released.
+     * The first block that was never taken begins where the last used block ends. Memory may be allocated for the rest
+     * of the huge page that contains this position; this memory is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

@@ -6,11 +6,11 @@
  *   stack       fresh ... fresh | returned ... returned <- top
  *               (lowest address last)
  *
- * Blocks are reserved for all chunks of a grid, because every chunk may become active.
- * Reserved blocks use addresses, not memory: the system allocates pages when a block is
- * first written, and uses huge pages if it supports them.  ost_chunk_pool_trim releases
- * the part of a huge page after the last used block.  Returned blocks are taken first,
- * so that a second bone on the same backend causes no page faults.
+ * Blocks are reserved for all chunks of a grid, because every chunk may become active.  Reserved
+ * blocks use address space but no memory: the system allocates pages when a block is first written,
+ * and uses huge pages if it supports them.  ost_chunk_pool_trim releases the part of a huge page
+ * after the last used block.  Returned blocks are reused first, so that a second bone on the same
+ * backend causes no page faults.
  *
  * Threads: several threads may call ost_chunk_pool_take at the same time, and several
  * threads may call ost_chunk_pool_give at the same time.  Calls of take must not overlap
@@ -25,14 +25,14 @@
 
 typedef struct ost_chunk_pool ost_chunk_pool;
 
-/* Creates a pool whose blocks have block_bytes bytes each, a multiple of 64. Returns NULL if there is no memory. */
+/* Creates a pool whose blocks have block_bytes bytes each, a multiple of 64. Returns NULL if memory is exhausted. */
 ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes);
-/* Frees the pool. Every block must have been returned to the pool before. pool may be NULL. */
+/* Frees the pool. Every block must already have been returned to the pool. pool may be NULL. */
 void ost_chunk_pool_close(ost_chunk_pool *pool);
 
 /*
- * Ensures that the next `count` calls of ost_chunk_pool_take succeed. Returns false, without any change
- * of the pool, if there are not enough addresses or not enough memory.
+ * Ensures that the next `count` calls of ost_chunk_pool_take succeed. Returns false, without changing the pool, if
+ * address space or memory is insufficient.
  */
 bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count);
 /*

@@ -17,8 +17,8 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* The occupancy bit is tested before the density is read, because a cache line contains the occupancy bits of
-           16 times as many voxels as densities. */
+        /* The occupancy bit is tested before the density is read, because a cache line contains 16 times as many
+           occupancy bits as densities. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;

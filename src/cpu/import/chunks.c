@@ -9,10 +9,10 @@
  *       for every chunk            does one of its rows have an active voxel?
  *         for every four rows      sixteen rows are written as a row of bricks
  *
- * Memory for a chunk is allocated at the first layer with an active voxel. The chunk's
- * earlier layers have no active voxel, so zeros are then written to them. Therefore a
- * source row is read from memory only once and from the nearest cache afterwards, and
- * a chunk without an active voxel is never written. Tasks write to disjoint chunks.
+ * Memory for a chunk is allocated at the first layer with an active voxel. The chunk's earlier
+ * layers have no active voxel, so zeros are then written to them. Therefore a source row is read
+ * only once from memory and afterwards from the nearest cache, and a chunk without an active voxel
+ * is never written. Tasks write to disjoint chunks.
  *
  * Interpolated rows are computed sixteen at a time, just before they are written. A
  * weighted mean is never greater than the greatest of its voxels. Therefore a layer
@@ -36,8 +36,10 @@ typedef struct filling {
     const ost_cpu_kernels *kernels;
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
-    bool linear; /* the view has weights */
-    bool *run; /* per column of chunks: true if it is full and its source voxels are adjacent in x */
+    bool linear; /* true if the view has weights */
+    /* for each column of chunks: true if the column is not clipped by the grid and its source voxels are adjacent
+       along x */
+    bool *run;
     bool stream;
 } filling;
 
@@ -55,10 +57,10 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
-    /* The number of elements of row[]. For each group of four y: the index in row[] of the first source row that no
-       smaller y uses. */
+    /* rows: number of elements of row[]. first: for each group of four y, the index in row[] of the first source row
+       that is not also used for a smaller y. */
     int rows, first[N_MAX / 4];
-    /* The source slices of the layer, and the source slices of the next layer that this layer does not use. Both
+    /* The source slices of the layer, and those source slices of the next layer that this layer does not use. Both
        lists are in ascending order, without duplicates. */
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
@@ -66,7 +68,7 @@ typedef struct task {
        as offsets in the store. */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
-    /* For each column of chunks: no source slice below this offset has an active voxel in the chunk. */
+    /* For each column of chunks: an offset below which no source slice has an active voxel in the chunk. */
     size_t empty_columns[COLUMNS_MAX];
 } task;
 
@@ -108,7 +110,7 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
     if (!last && t->sources > 0)
         list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* The taps ascend, so these four y and all smaller y have at most two source rows in common. */
+        /* The taps ascend, so at most two of the source rows of these four y are also used for smaller y. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -185,7 +187,7 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
         return false;
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* costs less than interpolation */
+    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* takes less time than interpolation */
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
     return true;
@@ -356,8 +358,8 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
 }
 
 /*
- * Fills the bone in parts. A part consists of several layers of chunks. Addresses for all chunks of a
- * part are reserved first. If the reservation fails, the memory of chunks is allocated by malloc.
+ * Fills the bone in parts. A part consists of several layers of chunks. Addresses for all chunks of a part are reserved
+ * first. If the reservation fails, the chunks' memory is allocated by malloc.
  */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {

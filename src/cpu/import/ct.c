@@ -4,14 +4,15 @@
  * and each batch in two steps:
  *
  *   place    sample -> voxel or -1, and its part of the report      any thread for any sample
- *   put      voxel <- density, duplicates in the file's order       a range of voxels per thread
+ *   put      voxel <- density, duplicates in file order       a range of voxels per thread
  *
  * In the second step, each thread reads the complete batch and processes the samples in
  * its range of voxels. Therefore one thread processes all samples of a voxel, in order.
  *
- * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the
- * floor.  The result does not depend on the estimate, because the floor and the remainder
- * are corrected by steps of s until 0 <= remainder < s.  These integers are then rounded.
+ * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the floor.  The
+ * result does not depend on the estimate, because the floor and the remainder are corrected by
+ * steps of s until 0 <= remainder < s.  The quotient is then rounded RHE, by comparing the
+ * remainder with s / 2.
  */
 #include "core/conditions.h"
 
@@ -22,7 +23,7 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* A full batch has BLOCK_MIN to BLOCK samples. */
+/* The number of samples of a full batch is between BLOCK_MIN and BLOCK. */
 enum { BLOCK = 1 << 16, BLOCK_MIN = 1 << 10 };
 
 typedef struct axis {
@@ -120,8 +121,8 @@ static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_
     return at[0].index + axes[0].dim * (at[1].index + axes[1].dim * at[2].index);
 }
 
-/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are not a
-   conflict, whatever `duplicates` is. */
+/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are never a
+   conflict, regardless of `duplicates`. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
                        ost_scatter_report *report)
 {
@@ -149,8 +150,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread, and the index in the batch of the sample that the report names as a conflict.
- * If two conflicts have the same line, the conflict with the lower index is reported.
+ * The report of one thread, and the index in the batch of the conflicting sample that the report names. If two
+ * conflicting samples have the same line, the one with the lower index is reported.
  */
 typedef struct part_report {
     ost_scatter_report sums;
@@ -158,9 +159,9 @@ typedef struct part_report {
 } part_report;
 
 /*
- * Merges the report of one thread into *to: adds the counts and keeps the lowest line of each kind.
- * *conflict is the index of the sample that *to names as a conflict, or -1 if that sample is in an earlier
- * batch.
+ * Merges the report of one thread into *to: adds the counts, and selects the lower one of each pair of
+ * line numbers. *conflict is the index of the conflicting sample that *to names, or -1 if this sample is
+ * in an earlier batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {

@@ -25,8 +25,8 @@ typedef struct source_position {
 /*
  * Computes the position of cubic voxel i among n rect voxels.
  *
- * Ranges. (2 i + 1) * spacing < 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of
- * the rule thesis is below n, because i < ceil(n rect / cubic).
+ * Ranges. (2 i + 1) * spacing < 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of the
+ * `thesis` rule is below n, because i < ceil(n rect / cubic).
  */
 static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
@@ -93,11 +93,10 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Drops the lists of weights that cpu_view does not need. These are the lists of all
- * axes if no weight is above 0, the lists of x and y if only z is resampled, and
- * otherwise the lists of y or z without a weight above 0. If x has weights, a source at
- * the last voxel is represented as the upper neighbour of the voxel before, so that
- * both neighbours exist.
+ * Frees the lists of weights that cpu_view does not need: the lists of all axes if no weight is
+ * above 0; the lists of x and y if only z is resampled; otherwise, the list of y and the list of z
+ * if they have no weight above 0. If x has weights, a source at the last voxel is represented as
+ * the upper neighbour of the voxel before, so that both neighbours exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -116,7 +115,8 @@ static void finish_weights(lists *l, int32_t width, int32_t last)
 ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err)
 {
-    cpu_grid *rect = (cpu_grid *)(uintptr_t)base; /* not const: may get a store of its own, with the same voxels */
+    /* not const, because its voxels may be copied to a store of its own */
+    cpu_grid *rect = (cpu_grid *)(uintptr_t)base;
     const ost_geometry *r = &base->geometry;
     const int32_t from[3] = {r->dims.x, r->dims.y, r->dims.z},
                   to[3] = {geometry->dims.x, geometry->dims.y, geometry->dims.z};
@@ -136,7 +136,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* the rect grid has lists itself */
+    if (rect->map[0]) /* the rect grid itself has lists */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

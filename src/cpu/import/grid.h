@@ -7,12 +7,11 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid shares the store of the grid from which it was made. It has a
- * list of ascending indices for each axis, and a list of weights for each axis that
- * is interpolated. Chunks are made from the store and the lists. A store with several
- * holders is never written to. A resampled grid gets its own store only if voxels are
- * written to the grid, or if an interpolation needs neighbours that are not adjacent
- * in the shared store.
+ * A resampled grid shares the store of the grid from which it was made. It has a list of ascending
+ * indices for each axis, and a list of weights for each axis that is interpolated. Chunks are made
+ * from the store and the lists. A store that is shared by several grids is never written to. A
+ * resampled grid is copied to a store of its own only if voxels are written to the grid, or if an
+ * interpolation needs neighbours that are not adjacent in the shared store.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -21,7 +20,7 @@
 
 typedef struct cpu_store {
     int holders;
-    bool mapped;     /* true: allocated by mmap; false: by calloc */
+    bool mapped;     /* true if the voxels were allocated by mmap; false if by calloc */
     ost_dims dims;
     size_t bytes;
     int16_t *voxels; /* owned */
@@ -29,26 +28,25 @@ typedef struct cpu_store {
 
 typedef struct cpu_grid {
     ost_grid base;
-    cpu_store *store; /* shared; this grid is one of its holders */
-    int32_t *map[3];  /* owned; on axis a, voxel i is voxel map[a][i] of the store; all NULL: no lists */
+    cpu_store *store; /* the store; may be shared with other grids */
+    int32_t *map[3];  /* owned; on axis a, voxel i is voxel map[a][i] of the store; all NULL if the grid has no lists */
     int16_t *minus[3]; /* owned; see cpu_view */
     uint8_t *seen;    /* owned; one bit per voxel, 1 if the voxel has a sample; NULL before the first batch */
 } cpu_grid;
 
 /*
- * The voxels of a grid, defined on each axis by the voxels of a store.  On an axis
- * without weights, voxel i is voxel map[i] of the store.  On an axis with weights,
- * voxel i is the mean of the voxels map[i] and map[i] + 1 with the weights
- * -minus[2i] / 2^15 and -minus[2i + 1] / 2^15.  A neighbour with weight 0 may lie
- * outside the store, except along x if the store has two voxels or more along x.
- * There are three cases: minus[] is NULL for all axes; it is set only for z, and x and
- * y are then those of the store; or it is set for x and possibly for other axes.  The
- * capacity of lists along x is a multiple of 16.
+ * The voxels of a grid, defined on each axis by the voxels of a store.  On an axis without weights,
+ * voxel i is voxel map[i] of the store.  On an axis with weights, voxel i is the mean of the voxels
+ * map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and -minus[2i + 1] / 2^15.  A neighbour
+ * with weight 0 may lie outside the store.  The exception is the x axis if the store has two or
+ * more voxels along x.  There are three cases: no axis has weights (minus[] is NULL); only z has
+ * weights, and the x and y coordinates are then those of the store; or x and possibly other axes
+ * have weights.  The capacity of lists along x is a multiple of 16.
  */
 typedef struct cpu_view {
     const int16_t *voxels;
     size_t row, slice;     /* number of elements from one row to the next, and from one slice to the next */
-    const int32_t *map[3]; /* indices; all NULL: voxel i is voxel i of the store */
+    const int32_t *map[3]; /* indices; if all are NULL, voxel i is voxel i of the store */
     const int16_t *minus[3];
 } cpu_view;
 
@@ -97,7 +95,7 @@ void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int3
 /* Creates a grid that shares the store of `from`. The function takes ownership of map and minus, also on failure. */
 ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],
                                ost_grid **out, ost_error *err);
-/* Ensures that the grid is the only holder of its store, and that the store contains exactly the voxels of the grid. */
+/* Ensures that the grid does not share its store, and that the store contains exactly the grid's voxels. */
 ost_status ost_cpu_grid_own(cpu_grid *grid, ost_error *err);
 
 ost_status ost_cpu_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);

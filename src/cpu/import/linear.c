@@ -58,7 +58,7 @@ static void stretch(const cpu_view *view, const ost_cpu_kernels *kernels, const 
 {
     if (view->row > 1)
         kernels->stretch_row(row, view->map[0] + x0, view->minus[0] + 2 * (size_t)x0, width, to);
-    for (int32_t i = 0; i < width && view->row == 1; i++) /* a row of one voxel has no neighbours */
+    for (int32_t i = 0; i < width && view->row == 1; i++) /* in a row of one voxel, a voxel has no neighbour */
         to[i] = row[0] * -OST_WEIGHT_ONE;
 }
 

@@ -79,7 +79,7 @@ ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count
 typedef struct lattice {
     int64_t index;
     int64_t off;     /* |p - lattice point| */
-    int64_t spacing; /* distance of neighbouring voxels; off / spacing is the offset in voxels */
+    int64_t spacing; /* distance between neighbouring voxels; off / spacing is the offset in voxels */
 } lattice;
 
 static lattice on_lattice(ost_pm p, ost_pm origin, ost_pm spacing)
@@ -122,8 +122,8 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are not a
-   conflict, whatever `duplicates` is. */
+/* Handles a sample whose voxel already has a sample (AR-CT-6). Two samples with equal densities are never a
+   conflict, regardless of `duplicates`. */
 static void meet_again(int16_t *voxel, int16_t density, int64_t line, ost_duplicates duplicates,
                        ost_scatter_report *report)
 {
@@ -218,7 +218,7 @@ typedef struct tap {
 } tap;
 
 /*
- * Returns the tap of cubic voxel i by the rule linear.
+ * Returns the tap of cubic voxel i by the `linear` rule.
  * AR-CUB-2: t = n / d, n = (2i + 1) c - s, d = 2s, clamped to 0 <= t <= last.
  * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the remainder n - index d < d, so
  * 2^15 * remainder < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.

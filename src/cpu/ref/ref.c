@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The function table of the backend `ref`. This backend has no options and is available on every machine. */
+/* The function table of the `ref` backend, which has no options and is available on every machine. */
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>

@@ -24,8 +24,8 @@
 enum { BLOCK = OST_MAP_BLOCK };
 
 /*
- * For each bone voxel of a block, the class (OST_TOOL_*) of the tool voxel that covers it. If several
- * poses cover the bone voxel, the class `cutting` has priority.
+ * For each bone voxel of a block, the class (OST_TOOL_*) of the tool voxel that covers it. If several poses cover the
+ * bone voxel, the cutting class has priority.
  */
 typedef struct block_marks {
     uint8_t mark[BLOCK][BLOCK][BLOCK]; /* [z][y][x] */

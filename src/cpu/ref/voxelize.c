@@ -9,20 +9,19 @@
  *        enter                 leave
  *   . . . |+1 o   o   o   o   o |-1 .   .        o  winding != 0: solid
  *
- * A line crosses the triangles whose projections on (y, z) own the line. For each
- * crossing, the triangle's step, +1 or -1, is added to a difference array of one slice,
- * at the first centre that is not left of the crossing. A running sum along x gives
- * every winding number. The last sum must be zero, because a line that enters a closed
- * mesh also leaves it. Otherwise the mesh leaks: the row is counted and remains void.
+ * A line crosses the triangles whose projections on (y, z) own the line.  For each crossing, the
+ * triangle's step, +1 or -1, is added to a difference array of one slice, at the first centre that
+ * is not left of the crossing.  A running sum along x gives every winding number.  The last sum
+ * must be zero, because a line that enters a closed mesh also leaves it.  Otherwise the mesh is not
+ * closed in this row: the row is counted as a leak and remains empty.
  *
- * Ownership.  The triangle is oriented so that its projection runs
- * counter-clockwise.  For each edge a -> b,
- * E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive for points (Y, Z) left of the
- * edge.  If E = 0, the point lies on the edge.  It then counts as the point
- * (Y + e, Z + e^2) for a vanishing e > 0, whose E is (by - ay) e^2 - (bz - az) e: owned
- * iff dz < 0, or dz = 0 and dy > 0.  The moved point is the same for all triangles, and
- * it lies on no edge.  Therefore a line through a shared edge or vertex is owned once,
- * however many triangles share it, and a closed mesh never leaks.
+ * Ownership.  The triangle is oriented so that its projection runs counter-clockwise.  For each
+ * edge a -> b, E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive for points (Y, Z) left of the
+ * edge.  If E = 0, the point lies on the edge.  It is then treated as the point (Y + e, Z + e^2)
+ * for an infinitesimal e > 0, whose E is (by - ay) e^2 - (bz - az) e: owned iff dz < 0, or dz = 0
+ * and dy > 0.  The displaced point is the same for all triangles, and it lies on no edge.
+ * Therefore a line through a shared edge or vertex is owned once, however many triangles share it,
+ * and a closed mesh never leaks.
  *
  * Ranges.  L = 2^20; every coordinate is in [0, L], so differences d <= L.
  *   E    two products of differences: |E| <= 2 L^2 = 2^41
@@ -48,7 +47,7 @@ typedef struct slice {
     ost_dims dims;
     int f;
     int32_t k;
-    int32_t *steps; /* (dims.x + 1) * dims.y elements; steps after a row's last centre are at x = dims.x */
+    int32_t *steps; /* (dims.x + 1) * dims.y elements; steps after a row's last centre are stored at x = dims.x */
 } slice;
 
 /* Returns the lattice coordinate of the centre of voxel i on one axis. */
@@ -129,7 +128,7 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        winding += steps[i]; /* the sum began with the row's total, which is 0 (rule parity: even) */
+        winding += steps[i]; /* the sum began with the row's total, which is 0 (with the parity rule: even) */
         if (winding & mask)
             row[i] = tool_class;
     }
@@ -170,7 +169,8 @@ ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_m
         memset(plane, OST_TOOL_VOID, plane_size);
         if (noncutting)
             add_mesh(&s, noncutting, rule, OST_TOOL_NONCUTTING, plane, &sums);
-        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums); /* added last, so that voxels in both meshes cut */
+        /* added last, so that voxels in both meshes are of the cutting class */
+        add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums);
         for (size_t i = 0; i < plane_size; i++) {
             sums.solid_voxels += plane[i] != OST_TOOL_VOID;
             sums.cutting_voxels += plane[i] == OST_TOOL_CUTTING;

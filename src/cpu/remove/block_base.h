@@ -4,11 +4,11 @@
  *
  *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
  *
- * The three parts are tabulated, in units of 2^-16, rounded down with an error below 2: their
- * sum V has V <= exact * 2^16 < V + 6. With W = V + 2^15 the base is floor(W / 2^16) whenever
- * the low 16 bits of W are 1..2^16 - 7, since then exact + 1/2 lies strictly between that
- * integer and the next. Otherwise (once in nearly ten thousand bases) ost_map_block_base
- * computes the base by a division.
+ * The three parts are tabulated, in units of 2^-16, rounded down with an error below 2: their sum V
+ * has V <= exact * 2^16 < V + 6. Let W = V + 2^15. If the low 16 bits of W are 1..2^16 - 7, the
+ * base is floor(W / 2^16), because exact + 1/2 then lies strictly between this integer and the
+ * next. Otherwise (for about one in ten thousand bases), ost_map_block_base computes the base by a
+ * division.
  *
  * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
  * at least 1 um), so the sums stay below 2^63.
@@ -20,7 +20,7 @@
 
 typedef struct ost_block_bases {
     const ost_map *map;
-    int32_t lo[3], count[3]; /* the blocks of the last call of ost_block_bases_make */
+    int32_t lo[3], count[3]; /* first block and number of blocks of the last call of ost_block_bases_make */
     int64_t *part[3];        /* owned; element [bone axis][3 * (block - lo) + tool axis] */
     size_t capacity[3];
 } ost_block_bases;
@@ -49,14 +49,16 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
-    const uint16_t unsure = 0xffff - 6; /* W needs the division if its low 16 bits, minus 1, are >= unsure */
+    /* the base is computed by a division if the low 16 bits of W, minus 1, are >= unsure */
+    const uint16_t unsure = 0xffff - 6;
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
     return (uint64_t)((u >> 16) - low) < span && (uint64_t)((v >> 16) - low) < span &&
            (uint64_t)((w >> 16) - low) < span;
 }
 
-/* The bases at which some voxel of a block can lie in the tool's grid: from <= base < from + width on each axis. */
+/* The range of bases for which at least one voxel of a block can lie in the tool's grid: from <= base < from + width
+   on each axis. */
 typedef struct ost_block_reach {
     int32_t from[3];
     uint32_t width[3];

@@ -7,7 +7,7 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* The tables of one pose. They are computed before the pose is applied to the first chunk. */
+/* The tables of one pose. The tables are computed before the pose is applied to the first chunk. */
 typedef struct ost_pose_plan {
     ost_split split[2]; /* [0]: blocks to cubes of 8^3; [1]: cubes to bricks of 4^3 */
     ost_match match;

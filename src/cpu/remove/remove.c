@@ -22,10 +22,10 @@
  * that at least one pose covers with a tool voxel of class 2.  A second pass, with the
  * shape of class 2, counts the touched voxels on copies of the remaining occupancy.
  *
- * Kernels process complete cubes of a unit, so they also test voxels outside a pose's
- * box, which the reference does not test. If a cube lies partly outside the box, its hits
- * are clipped to the box. Therefore the results are those of the reference even if a box
- * is too small.
+ * Kernels process complete cubes of a unit, so they also test voxels outside a pose's box, which
+ * the reference does not test.  If a cube lies partly outside the box, its hits are clipped to the
+ * box.  Therefore the results are those of the reference even if a box does not contain all voxels
+ * that the tool covers.
  */
 #include "cpu/remove/event.h"
 
@@ -91,7 +91,8 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     return cubes;
 }
 
-/* Returns the set of the cubes of 8^3 voxels in the lists `mixed` and `inside` that do not lie entirely in the box. */
+/* Returns the set of the cubes of 8^3 voxels, of those in the lists `mixed` and `inside`, that do not lie entirely
+   in the box. */
 static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside,
                              const ost_voxel_box *box)
 {
@@ -134,8 +135,7 @@ typedef struct hit_list {
     size_t count;
 } hit_list;
 
-/* Appends a brick to the list with those of its voxels in the set `hits` that are active, and makes these voxels
-   inactive. */
+/* Appends a brick with its active voxels that are in the set `hits` to the list, and makes these voxels inactive. */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
     const uint64_t active = occupancy[number], hit = active & hits;
@@ -146,8 +146,8 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
 }
 
 /*
- * Lists the blocks of the unit that overlap the box and that can have voxels in the tool's grid. The
- * plan has bases for all blocks that overlap the box.
+ * Lists the blocks of the unit that overlap the box and that can have voxels in the tool's grid. The plan contains
+ * bases for all blocks that overlap the box.
  */
 static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3],
                            int32_t edge, ost_cubes *blocks)
@@ -170,7 +170,8 @@ static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uin
                                                              const ost_numbers *inside, const int32_t unit[3],
                                                              const ost_voxel_box *box, uint64_t across)
 {
-    /* Most mixed bricks have no active voxel that is hit, so the bricks with such voxels are selected first. */
+    /* In most mixed bricks, no active voxel is hit, so the bricks in which an active voxel is hit are selected
+       first. */
     int32_t hit[OST_UNIT_BRICKS + 1];
     size_t n = 0;
     for (size_t i = 0; i < bricks->count; i++) {
@@ -312,8 +313,8 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_re
 }
 
 /*
- * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all
- * poses are listed. Reserves memory for the bases of the longest box on each axis.
+ * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all poses are
+ * listed. Reserves memory for the bases of the longest box along each axis.
  */
 static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
                               ost_error *err)
@@ -400,8 +401,8 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
 }
 
 /*
- * Adds a chunk to the report. The chunk's tally counts all densities that are not below a border. The report
- * counts each density class separately, so its values are differences of the tally's values.
+ * Adds a chunk to the report. For each border, the chunk's tally counts all densities that are not below the border.
+ * The report counts each density class separately, so its values are differences between values of the tally.
  */
 static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes,
                                ost_removal_report *report, ost_error *err)

@@ -11,12 +11,12 @@
  * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge.  They are all
  * in the same 16^3 block, so that these sums are exact.
  *
- * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] +
- * step[2]); it is rounded down to a unit (an error below 1 on each axis).  No voxel
- * is farther from it than R, the greatest of the cube's half diagonals
- * (e-1)/2 |step[0] +- step[1] +- step[2]|.  Let `least` be the first v for which
- * v * unit > R + 2 > R + sqrt(3).  If the centre lies in a cell of value <= -least,
- * all voxels of the cube are void by (C1); if the value is >= least, all are solid.
+ * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] + step[2]); it is rounded
+ * down to a unit (an error below 1 on each axis).  No voxel is farther from the centre than R, the
+ * length of the longest half diagonal of the cube, (e-1)/2 |step[0] +- step[1] +- step[2]|. Let
+ * `least` be the first v for which v * unit > R + 2 > R + sqrt(3).  If the centre lies in a cell of
+ * value <= -least, all voxels of the cube are empty by (C1); if the value is >= least, all are
+ * solid.
  *
  * Match.  If windows may be used (ost_match.windows), a brick's least coordinate
  * on an axis is u + lowest, and its voxels are within
@@ -46,9 +46,10 @@
 #include "cpu/remove/shape.h"
 
 enum {
-    OST_UNIT = 32,         /* greatest edge of a unit; a unit is a chunk, or an eighth of a chunk of 64^3 voxels */
+    /* greatest edge of a unit in voxels; a unit is a chunk or, if chunks have 64^3 voxels, an eighth of a chunk */
+    OST_UNIT = 32,
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* number of elements after the last element that a kernel may overwrite */
+    OST_CUBES_SLACK = 16,  /* number of elements after the last one that may be overwritten by a kernel */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };
@@ -68,37 +69,40 @@ typedef struct ost_numbers {
     size_t count;
 } ost_numbers;
 
-/* The constants with which the kernel split divides cubes of one edge into eight parts, for one pose. */
+/* The constants, for one pose, with which the `split` kernel divides cubes of a given size into eight parts. */
 typedef struct ost_split {
-    _Alignas(32) int32_t first[3][8];  /* offset from a cube's u to the u of its part x + 2y + 4z */
+    _Alignas(32) int32_t first[3][8];  /* offset from a cube's u to the u of its part number x + 2y + 4z */
     _Alignas(32) int32_t centre[3][8]; /* offset from a cube's u to the centre of the part, rounded down */
-    int32_t least;                     /* 1..128; if it is 128, every part is mixed */
+    /* least absolute value of a cell with which a part is not mixed, 1..127; 128 if every part is mixed */
+    int32_t least;
 } ost_split;
 
-/* The constants with which the kernel match tests the voxels of bricks, for one pose. In an array of 64 elements,
+/* The constants, for one pose, with which the `match` kernel tests the voxels of bricks. In an array of 64 elements,
    voxel (x, y, z) of a brick has the index x + 4y + 16z. */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
     _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
     int32_t offset[3][64];             /* offset from a brick's u to the u of its voxel */
-    int32_t lowest[3];                 /* the least offset of a voxel on each axis */
-    bool windows;                      /* true: windows may be used, and high, low, tie and near_tie are valid */
-    uint8_t tie[1 << OST_TIE_BITS]; /* bit a of tie[v]: value v is a tie on axis a ("Sixteen bits per lane") */
+    int32_t lowest[3];                 /* the least element of offset[] on each axis */
+    /* true if windows may be used; `high`, `low`, `tie` and `near_tie` are then valid */
+    bool windows;
+    /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
+    uint8_t tie[1 << OST_TIE_BITS];
     /* bit n of near_tie[a] is set if one of the elements tie[8 n] to tie[8 n + 7] has bit a */
     _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32];
     const ost_shape *shape;
 } ost_match;
 
-/* The parameters of the kernel take: the class borders, the highest density, and whether voxels are removed. */
+/* The parameters of the `take` kernel. */
 typedef struct ost_take {
     int borders;        /* number of borders, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */
-    int32_t highest;    /* 1..32767; no density of the chunk is higher */
-    bool apply;         /* true: the voxels that are hit are set to 0 */
+    int32_t highest;    /* upper bound of the densities of the chunk, 1..32767 */
+    bool apply;         /* true if the voxels that are hit are set to 0 */
 } ost_take;
 
-/* The number of hits and the sum of their densities. Element 0 covers all hits, element b > 0 the hits whose density
-   is at least border[b - 1]. */
+/* The number of hits and the sum of their densities. Element 0 is for all hits; element b > 0 is for the hits whose
+   density is at least border[b - 1]. */
 typedef struct ost_tally {
     uint64_t voxels[OST_CLASS_MAX];
     uint64_t density[OST_CLASS_MAX];

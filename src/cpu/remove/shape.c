@@ -8,9 +8,9 @@
  *
  *   D^2(cx, cy, cz) = min over gz, gy, gx of gap(cx, gx)^2 + gap(cy, gy)^2 + gap(cz, gz)^2
  *
- * over the granules (gx, gy, gz) that are not entirely of the cell's kind.  D^2 is
- * computed one axis at a time and only up to OST_CELL_REACH.  All arithmetic is in
- * integers; v = isqrt(64 D^2).
+ * over the granules (gx, gy, gz) that differ from the cell, that is, granules that are not solid if
+ * the cell is solid, or not empty if the cell is empty.  D^2 is computed one axis at a time and
+ * only up to OST_CELL_REACH.  All arithmetic is in integers; v = isqrt(64 D^2).
  */
 #include "cpu/remove/shape.h"
 
@@ -51,8 +51,8 @@ static size_t product(const int32_t d[3])
 }
 
 /*
- * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted, for one
- * line of granules at a time. Returns false if there is no memory.
+ * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted, for one line of
+ * granules at a time. Returns false if memory is exhausted.
  */
 static bool mark_granules(const ost_shape *shape, lattice *l)
 {
@@ -82,8 +82,8 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
 }
 
 /*
- * Computes for every cell of a row the squared gap along x to the nearest granule that is not entirely of
- * the given kind. The result is FAR if no granule of this sort is nearer than REACH.
+ * For every cell of a row, computes the squared gap along x to the nearest granule that is not entirely of the given
+ * kind (solid or empty). The result is FAR if there is no such granule nearer than REACH.
  */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
@@ -109,8 +109,8 @@ static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int 
 }
 
 /*
- * Computes out[c][i] = min(FAR, min over granules g of in[g][i] + gap(c, g)^2) for 0 <= i < width. A strip of
- * STRIP bytes stays in registers while all granules near a cell are processed.
+ * Computes out[c][i] = min(FAR, min over granules g of in[g][i] + gap(c, g)^2) for 0 <= i < width. While all granules
+ * near a cell are processed, a strip of STRIP bytes remains in registers.
  */
 static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int per, size_t width, uint8_t *out)
 {
@@ -144,8 +144,8 @@ static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int pe
 }
 
 /*
- * Writes the values of all cells of one kind. a and b are scratch memory, each with at least as many bytes as
- * there are granules.
+ * Writes the values of all cells of one kind, solid or empty. a and b are scratch memory, each with at least as many
+ * bytes as there are granules.
  */
 static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b, int8_t *value)
 {
@@ -175,8 +175,8 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
 
 /*
  * Makes the table of cells. A cell with a gap of 0 contains or touches a granule that is not of the cell's
- * kind; its v is 0, which is also the value of mixed cells. The margin is a multiple of the edge of a cell.
- * It is so large that cell 0 is at least OST_CELL_REACH granules away from granule 0 of the tool.
+ * kind; its v is 0, which is also the value of mixed cells. The margin is a multiple of a cell's edge, and
+ * is so large that cell 0 is at least OST_CELL_REACH granules away from the tool's granule 0.
  */
 static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 {
@@ -219,10 +219,9 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 enum { EDGE = 8 };
 
 /*
- * The bytes of all windows, in columns. Column i contains the bytes of the windows that
- * begin at the same x, one byte for every row (y, z) of the tool and of the void around
- * the tool. z is fastest, so the eight bytes of a window that have the same y are
- * adjacent.
+ * The bytes of all windows, in columns. Column i contains the bytes of the windows that begin at
+ * the same x, one byte for every row (y, z) of the tool and of the empty space around the tool. z
+ * is fastest, so the eight bytes of a window that have the same y are adjacent.
  *
  *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
  */

@@ -9,29 +9,27 @@
  *   windows   8^3 tool voxels as 64 bytes, one at every third voxel of each axis:
  *             classifies the 64 voxels of a mixed brick by one look-up each
  *
- * Cells.  Space is divided into granules of 2^g tool voxels a side.  A granule is
- * void, solid or of both kinds; all space outside the tool's grid is void.  A cell is
- * a cube of 1 or 2 granules a side.  A cell of one kind has the value +v (solid) or
- * -v (void), and any other cell has the value 0:
+ * Cells.  Space is divided into granules of 2^g tool voxels a side.  A granule is empty, solid or
+ * mixed; all space outside the tool's grid is empty.  A cell is a cube of 1 or 2 granules a side.
+ * A solid cell has the value +v, an empty cell has the value -v, and a mixed cell has the value 0:
  *
  *   (C1)  every point nearer than v / 8 granules to some point of the cell is
- *         of the cell's kind
+ *         solid or empty, like the cell
  *
- * where v = floor(8 * least distance between the cell and a granule that is not
- * entirely of its kind), and v <= 8 OST_CELL_REACH. The table extends so far beyond
- * the tool's grid that its outermost cells are void and have the greatest v. For a
- * point outside the table the nearest cell may be used: moving the point there
- * projects it onto a convex box that contains the tool, which does not increase its
- * distance to any part of the tool, so (C1) holds with the cell's v for the point
+ * where v = floor(8 * least distance between the cell and a granule that differs from the cell),
+ * and v <= 8 OST_CELL_REACH.  The table extends so far beyond the tool's grid that its outermost
+ * cells are empty and have the greatest v.  For a point outside the table the nearest cell may be
+ * used: moving the point there projects it onto a convex box that contains the tool, which does not
+ * increase its distance to any part of the tool, so (C1) holds with the cell's v for the point
  * itself too.
  *
  * Windows.  Window (i, j, k) begins at voxel step * (i, j, k) - OST_WINDOW_MARGIN.
- * Row (y, z) of a window is byte number 8 y + z, and voxel x of the row is bit x of
- * this byte.  On each axis, any 9 - step adjacent voxels lie in one window.  The 64
- * bytes of a window are a line; all windows that are void share line 0, and all windows
- * that are solid share line 1.  The step is the coarsest for which every brick of bone
- * voxels lies in one window: 3 up to 0.962 tool voxels per bone voxel, 2 up to 1.154,
- * 1 up to 1.347.  For larger bone voxels there are no windows (remove.h).
+ * Row (y, z) of a window is byte number 8 y + z, and voxel x of the row is bit x of this byte.  On
+ * each axis, any 9 - step adjacent voxels lie in one window.  The 64 bytes of a window are a line;
+ * all empty windows share line 0, and all windows that are entirely solid share line 1.  The step
+ * is the coarsest for which every brick of bone voxels lies in one window: 3 up to 0.962 tool
+ * voxels per bone voxel, 2 up to 1.154, 1 up to 1.347.  For larger bone voxels there are no windows
+ * (remove.h).
  */
 #ifndef OST_CPU_SHAPE_H
 #define OST_CPU_SHAPE_H
@@ -47,11 +45,12 @@ enum {
 };
 
 typedef struct ost_cells {
-    const int8_t *value; /* x fastest; 64 bytes before the first value and after the last may be read */
+    /* value of each cell, x fastest; 64 bytes before the first value and after the last one may be read */
+    const int8_t *value;
     int32_t dims[3];
-    int32_t margin; /* number of cells before the tool's voxel (0, 0, 0) on every axis */
+    int32_t margin; /* number of cells on every axis that precede the tool's voxel (0, 0, 0) */
     int32_t shift;  /* log2 of a cell's edge in units of 2^-20 tool voxels */
-    int32_t unit;   /* an eighth of a granule, in units of 2^-20 tool voxels */
+    int32_t unit;   /* one eighth of a granule's edge, in units of 2^-20 tool voxels */
 } ost_cells;
 
 typedef struct ost_windows {
@@ -64,7 +63,7 @@ typedef struct ost_windows {
 typedef struct ost_shape {
     ost_cells cells;
     ost_windows windows;
-    const uint8_t *voxels; /* not owned: the tool's voxels, one byte each, x fastest */
+    const uint8_t *voxels; /* the tool's voxels, one byte each, x fastest; not owned */
     int32_t dims[3];
     uint8_t kind; /* the class of tool voxels that this shape describes */
     void *memory[3]; /* owned */
@@ -79,7 +78,7 @@ typedef struct ost_shape {
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
-/* Returns true if ost_shape_make would make the same tables for this ratio. */
+/* Returns true if ost_shape_make would make the same tables as those of *shape for this ratio. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif

@@ -23,9 +23,9 @@
  * the primitive and lists its triangles for all rows of the tile, including rows
  * whose rays have not been cast yet.
  *
- * Embree and its tasks set flush-to-zero and divide by zero.  The caller may have set
- * a rounding mode or traps.  Therefore every use of Embree first sets the floating-point
- * state with which a process starts, and restores the caller's state afterwards.
+ * Embree sets the flush-to-zero mode, also in its tasks, and divides by zero.  The caller may have
+ * set a rounding mode or traps.  Therefore every use of Embree first sets the floating-point state
+ * with which a process starts, and restores the caller's state afterwards.
  */
 #include "config.h"
 
@@ -95,7 +95,7 @@ struct ost_embree {
 };
 
 struct ost_embree_scratch {
-    uint32_t *last_tile; /* for each primitive: number of the last tile whose rays hit it; 0: none */
+    uint32_t *last_tile; /* for each primitive, the number of the last tile whose rays hit it; 0: none */
     uint32_t tiles;      /* number of tiles so far, which is also the number of the current tile */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;

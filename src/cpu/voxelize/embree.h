@@ -21,7 +21,7 @@ typedef struct ost_embree ost_embree;
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err);
 void ost_embree_free(ost_embree *embree);
 
-/* The scratch memory of one thread for casting rays. ost_embree_scratch_new returns NULL if there is no memory;
+/* The scratch memory of one thread for casting rays. ost_embree_scratch_new returns NULL if memory is exhausted;
    ost_embree_scratch_free accepts NULL. */
 typedef struct ost_embree_scratch ost_embree_scratch;
 ost_embree_scratch *ost_embree_scratch_new(const ost_embree *embree);

@@ -17,18 +17,19 @@
  *   X and (Q xor P) = 0            it becomes 1 where one enters, 0 where one leaves
  *   the last bit of Q is 0
  *
- * then W = Q, by induction: W(-1) = Q(-1) = 0, and in each of the cases X(i) = 0
- * (no crossing or both), entering (+1) and leaving (-1), W and Q change by the same.
- * The row is then proven, and does not leak.  The parity rule gives the same solid bits.
+ * then W = Q, by induction: W(-1) = Q(-1) = 0, and at each centre, W and Q change by the same
+ * amount: 0 if X(i) = 0 (no crossing, or one of each sign), +1 at an entering crossing, and -1 at a
+ * leaving crossing.  The row is then proven, and does not leak.  The parity rule gives the same
+ * solid bits.
  *
  * Word by word, the bit before a word is the borrow from the previous word: in a proven
  * word, q + b = m - p + b' 2^64, where b is the bit before the word and b' its last bit,
  * so that b' is the borrow of m - p - b.
  *
- * In a mesh that is inside out a crossing leaves first: Q = P - M, with P and M
- * exchanged in the conditions, and W = -Q.  A kernel first tries the order that held
- * for the previous row, then the other.  A row that satisfies neither is UNPROVEN
- * and is summed crossing by crossing.
+ * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the
+ * conditions, and W = -Q.  A kernel first tries the order that held for the previous row, then the
+ * other.  A row that satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is
+ * summed crossing by crossing.
  */
 #include <string.h>
 
@@ -37,7 +38,8 @@
 
 static int count_bits(uint64_t v)
 {
-    return v ? __builtin_popcountll(v) : 0; /* tested first: most words are 0, and some processors lack POPCNT */
+    /* v is tested first, because most words are 0 and some processors lack POPCNT */
+    return v ? __builtin_popcountll(v) : 0;
 }
 
 /* Computes the solid bits of one row. Returns false if the row is not proven. Otherwise adds the number of the bits

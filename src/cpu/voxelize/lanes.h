@@ -60,7 +60,7 @@
 
 enum { BUFFER = 1024 };
 
-/* The numbers of those bits of the planes that are still to be set. */
+/* The numbers of the plane bits that are still to be set. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;

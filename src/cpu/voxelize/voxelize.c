@@ -22,7 +22,7 @@
 #include "cpu/voxelize/voxelize.h"
 
 enum {
-    PLANE_MIN = 1 << 9, /* least number of bytes of one plane of a tile, enough for one row of any width */
+    PLANE_MIN = 1 << 9, /* minimum size in bytes of one plane of a tile, sufficient for one row of any width */
     HUGE_PAGE = 1 << 21
 };
 
@@ -33,10 +33,12 @@ typedef struct job {
     int threads;
     ost_vox_plan plan;
     ost_vox_bins bins[2];
-    ost_embree *embree[2]; /* if not NULL, Embree finds the candidates, and bins are not used */
+    ost_embree *embree[2]; /* if not NULL, Embree finds the candidate triangles, and bins are not used */
     ost_vox_result result;
-    bool stream; /* classes are written by stores that bypass the caches */
-    bool direct; /* the fill kernel writes to the result: for one mesh, only bits, and complete blocks */
+    bool stream; /* true if classes are written by stores that bypass the caches */
+    /* true if the fill kernel writes directly to the result, which is possible for one mesh if only bits are
+       requested and rows fill complete blocks */
+    bool direct;
 } job;
 
 /* The scratch memory of one thread for voxelizing tiles. */
@@ -48,12 +50,11 @@ typedef struct scratch {
 } scratch;
 
 /*
- * Estimates the time of the work on one thread. Additional threads must be started, and
- * may have to wait for a core that another process uses. They save more time than that
- * costs if the work takes at least about a millisecond (docs/log/0.1.md). The estimate
- * uses times measured on one core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a
- * closed surface crosses at least twice; 0.15 ns per voxel written as a byte, or 0.03 ns
- * per voxel written as a bit.
+ * Estimates the time of the work on one thread. Additional threads must be started, and may have to
+ * wait for a core that another process uses. Additional threads reduce the total time if the work
+ * takes at least about a millisecond (docs/log/0.1.md). The estimate uses times measured on one
+ * core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
+ * 0.15 ns per voxel written as a byte, or 0.03 ns per voxel written as a bit.
  */
 static int64_t estimated_ns(const job *j)
 {
@@ -149,7 +150,7 @@ static bool make_scratch(scratch *d, const job *j)
     return true;
 }
 
-/* Finds the slice that contains row `row` of the tile. Returns the number in the grid of the tile's first row in this
+/* Finds the slice that contains row `row` of the tile. Returns the grid's row number of the tile's first row in this
    slice. */
 static size_t result_row(const job *j, const ost_vox_tile *tile, size_t row)
 {
@@ -347,7 +348,7 @@ static uint8_t *new_voxels(size_t size)
         return NULL;
 #if defined __linux__
     if (size >= HUGE_PAGE)
-        (void)madvise(p, size, MADV_HUGEPAGE); /* only advice: if it fails, only the speed differs */
+        (void)madvise(p, size, MADV_HUGEPAGE); /* only a hint: if the call fails, only the speed differs */
 #endif
     return p;
 }

@@ -2,8 +2,8 @@
 /*
  * The voxelizer of the CPU backend, which implements AR-VOX by tiles of rows.
  *
- * A row is a line of voxels along x.  The grid is divided in (y, z) into tiles of
- * rows.  A tile fits a core's cache, and a thread processes complete tiles.
+ * A row is a line of voxels along x.  The grid is divided along y and z into tiles of rows.  A tile
+ * fits a core's cache, and a thread processes complete tiles.
  *
  *        z  +-----+-----+       a tile's planes have one bit per voxel, with the
  *           |     |  T  |       words of a row together and rows ordered by (k, j):
@@ -15,15 +15,15 @@
  *   fill    centres between crossings become solid bits fill.c, ../x86/
  *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
  *
- * Exact counts from single bits.  A bit can represent only one crossing.  If a second
- * crossing has the same sign and the same centre, its bit is already set.  The crossing
- * is then spilled: it is added to the row's own array of int32 steps.  Crossings after
- * the last centre of a row are spilled too.  Planes and steps together always contain
- * every crossing with its sign, so no crossing is lost and no count saturates.
+ * Exact counts from single bits.  A bit can represent only one crossing.  If a second crossing has
+ * the same sign and the same centre, its bit is already set.  The crossing is then spilled: it is
+ * added to the row's own array of int32 steps.  Crossings after the last centre of a row are
+ * spilled too.  The planes and the steps together always contain every crossing with its sign, so
+ * no crossing is lost and no count saturates.
  *
- * If the crossings of a row enter and leave alternately, the row is filled by the
- * subtraction minus - plus (fill.c); the result of the subtraction proves whether they
- * do.  The other rows, and rows with spilled crossings, are summed crossing by crossing.
+ * If the crossings of a row enter and leave alternately, the row is filled by the subtraction minus
+ * - plus (fill.c); the result also shows whether they do.  All other rows, and rows with spilled
+ * crossings, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
 #define OST_CPU_VOXELIZE_H
@@ -48,7 +48,7 @@ struct ost_vox_tile {
 
 enum {
     OST_VOX_SPILLED = 1,   /* the row has steps in `spill` */
-    OST_VOX_UNPROVEN = 2,  /* not proven that the row's crossings enter and leave alternately */
+    OST_VOX_UNPROVEN = 2,  /* it is not proven that the row's crossings enter and leave alternately */
     OST_VOX_BLOCK = 8      /* words per block; the buffers of planes and bits have complete blocks */
 };
 
@@ -90,7 +90,7 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Processes `rows` rows of a tile, beginning with first_row, after the kernel vox_fill. Fills the unproven
+ * Processes `rows` rows of a tile, beginning with first_row, after the `vox_fill` kernel. Fills the unproven
  * rows and the rows with spilled crossings by summing their crossings one by one. On entry, `bits` contains
  * the kernel's output for all these rows; the bits of the rows that are summed are replaced. Adds the number
  * of leaking rows to *leaking_rows. Returns the number of solid voxels minus the kernel's count.
@@ -125,16 +125,16 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
                              const cpu_backend *backend, int threads, ost_error *err);
 void ost_vox_bins_free(ost_vox_bins *bins);
 
-/* The keys that the kernel vox_keys writes for triangles that are in no tile or in several tiles. */
+/* The keys that the `vox_keys` kernel writes for triangles that are in no tile or in several tiles. */
 #define OST_VOX_KEY_NONE UINT32_MAX        /* the triangle's bounds contain no row centre */
 #define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the bounds overlap several tiles */
 
 /* The output buffers. A buffer that is NULL is not written. Buffers of bits have ost_vox_words words per row, and rows
    are ordered by (k, j). */
 typedef struct ost_vox_result {
-    uint8_t *voxels;      /* one class per voxel, with the reference's values */
-    uint64_t *cutting;    /* one bit per voxel, set if it is solid in the cutting mesh */
-    uint64_t *noncutting; /* one bit per voxel, set if it is solid only in the noncutting mesh */
+    uint8_t *voxels;      /* class of each voxel (OST_TOOL_*), one byte per voxel */
+    uint64_t *cutting;    /* one bit per voxel, set if the voxel is solid in the cutting mesh */
+    uint64_t *noncutting; /* one bit per voxel, set if the voxel is solid only in the noncutting mesh */
 } ost_vox_result;
 
 /* Voxelizes the cutting and the noncutting mesh on one grid, with the same results as ost_ref_voxelize. */
@@ -142,7 +142,7 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
                             const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                             const ost_vox_result *result, ost_error *err);
 
-/* Implements the slot voxelize of the backend's table. */
+/* Implements the `voxelize` slot of the backend's table. */
 ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting,
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);

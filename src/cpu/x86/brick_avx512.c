@@ -9,9 +9,9 @@
  *   words        rows 0, 1 | rows 0, 1 | rows 2, 3 | rows 2, 3   (low or high words of A0, A1)
  *   quarters     of brick x: rows 0, 1 | rows 2, 3 | rows 4, 5 | rows 6, 7
  *
- * The voxels of a half are then in the brick's order.  Comparing the register with the
- * threshold results in half of the brick's occupancy word.  A masked move sets the voxels
- * below the threshold to 0.
+ * The voxels of a half are then in the brick's order.  Comparing the register with the threshold
+ * results in half of the brick's occupancy word.  A masked move sets voxels below the threshold to
+ * 0.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Gathers a row by ascending indices, 32 at a time.  If 32 indices span at most 64
- * elements, all elements to which they refer fit one or two registers.
+ * Gathers a row by ascending indices, 32 at a time.  If 32 indices span at most 64 elements, all elements to which they
+ * refer fit in one or two registers.
  */
 #include "cpu/kernels.h"
 

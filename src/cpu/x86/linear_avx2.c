@@ -46,7 +46,7 @@ static void blend_row(const int16_t *a, const int16_t *b, int width, __m256i wei
     }
     for (int x = 0; x + LANES <= width; x += LANES)
         blend(a + x, b + x, weights, to + x);
-    if (width % LANES) /* the last 16 voxels; some of them are computed twice */
+    if (width % LANES) /* the last 16 voxels, some of which are computed twice */
         blend(a + width - LANES, b + width - LANES, weights, to + width - LANES);
 }
 

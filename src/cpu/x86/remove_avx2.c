@@ -214,7 +214,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* Computes the hits of the tied bricks again, now with the carries of the low bits. */
+/* Recomputes the hits of the tied bricks with the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);
@@ -307,7 +307,7 @@ static inline __attribute__((always_inline)) void take_bricks(const ost_take *ta
     for (int b = 0; b <= borders; b++)
         sum[b] = wide[b] = zero;
     for (int b = 0; b < borders; b++) {
-        /* The densities of hits are at least 1, so a border below 1 has the same effect as 1. */
+        /* The densities of hits are at least 1, so a border below 1 has the same effect as a border of 1. */
         below[b] = _mm256_set1_epi16((int16_t)((take->border[b] > 1 ? take->border[b] : 1) - 1));
         voxels[b] = zero;
     }

@@ -10,8 +10,10 @@
  *   take    a brick is two registers; comparisons with the borders result in masks
  *
  * Indices are stored to memory, and tables are read by scalar loads, because sixteen loads take half the
- * time of a gather and many loads are in flight at once. The file has more than 500 lines, because these
- * four steps share the helpers that are inlined into them.
+ * time of a gather instruction, and many of them are executed at the same time.
+ *
+ * The file has more than 500 lines, because the four kernels share helper functions that are inlined
+ * into them.
  *
  * The 16-bit word 4 y + z / 2 of a window contains the bytes of the rows (y, z) and
  * (y, z + 1), where z is even.  A lane contains a coordinate u with 3 bits of voxel and
@@ -30,13 +32,14 @@
 /* ----------------------------------------------------------------- blocks */
 
 /*
- * Block (x, y, z) of the unit is in lane x + 2y + 4z. The bases are computed as by ost_block_base. If one
- * of the blocks needs the division, the scalar kernel computes all blocks.
+ * Block (x, y, z) of the unit is in lane x + 2y + 4z. The bases are computed as by ost_block_base. If the base of one
+ * of the blocks must be computed by a division, the scalar kernel computes all blocks.
  */
 void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                        const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
-    static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0}; /* lanes of the blocks at first + 1 on each axis */
+    /* for each axis, the lanes of the blocks whose index on this axis is first + 1 */
+    static const __mmask8 second[3] = {0xaa, 0xcc, 0xf0};
     const int64_t *part[3][2];
     unsigned valid = 0xff, unsure = 0;
     for (int b = 0; b < 3; b++) {
@@ -96,12 +99,11 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
 }
 
 /*
- * Cubes are processed in groups of eight, with two parts of each cube per register:
- * lanes 0..7 of register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.
- * If the last group has at most four cubes, a register has four parts of each cube;
- * otherwise half of the lanes would be empty.  This case is frequent, because a unit has
- * few blocks.  The cells of all groups are found first, then the values of the cells are
- * read one by one, and then the parts are sorted.
+ * Cubes are processed in groups of eight, with two parts of each cube per register: lanes 0..7 of
+ * register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.  If the last group has at
+ * most four cubes, a register has four parts of each cube; otherwise half of the lanes would not be
+ * used.  This case is frequent, because a unit has few blocks.  The cells of all groups are found
+ * first, then the values of the cells are read one by one, and then the parts are sorted.
  */
 enum { GROUPS = 8 };
 typedef struct split_piece {
@@ -217,7 +219,8 @@ INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t f
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    const int8_t *const table = cells->value; /* a copy, because stores of bytes could alias the field */
+    /* a local copy, because the compiler must assume that stores of bytes change the field */
+    const int8_t *const table = cells->value;
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
     for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
@@ -264,7 +267,7 @@ typedef struct places {
     _Alignas(64) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
     uint32_t line[PIECE];        /* number of each brick's window, later replaced by the number of its line */
-    uint32_t tied[PIECE + 16];   /* list of the bricks near a tie, which may be matched again with carries */
+    uint32_t tied[PIECE + 16];   /* list of the bricks near a tie, whose hits may be recomputed with carries */
 } places;
 
 /*
@@ -364,7 +367,7 @@ static inline __mmask32 lookup(__m512i line, __m512i x, __m512i y, __m512i z)
     return _mm512_test_epi16_mask(_mm512_permutexvar_epi16(word, line), _mm512_sllv_epi16(_mm512_set1_epi16(1), bit));
 }
 
-/* Tests which of the `count` bricks near a tie are tied, and computes the hits of the tied bricks again, now with the
+/* Determines which of the `count` bricks near a tie are tied, and recomputes the hits of the tied bricks with the
    carries of the low bits. */
 static void match_tied(const ost_match *match, const places *at, size_t count, uint64_t *hits)
 {
@@ -404,7 +407,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
-            /* The masks are stored directly. Otherwise they would be moved to a general register first. */
+            /* The masks are stored directly, so that they are not first moved to general registers. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
             _store_mask32(half,
                           lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));

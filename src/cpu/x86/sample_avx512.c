@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads the densities of sixteen voxels at once.  First gathers the table entries of the
- * chunks, then the occupancy words of voxels whose chunk has memory, and then the
- * densities of voxels whose bit is set.  The result of each gather is the mask of the
- * next one, so that nothing else is read.
+ * Reads the densities of sixteen voxels at once.  First gathers the table entries of the chunks,
+ * then the occupancy words of voxels in chunks with memory, and then the densities of active
+ * voxels.  The mask of each gather is computed from the result of the previous one, so that nothing
+ * else is read.
  */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"

@@ -171,7 +171,7 @@ static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, si
 {
     const __m256i zero = _mm256_setzero_si256(), bit = _mm256_setr_epi64x(1, 2, 4, 8);
     __m256i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside the mesh; bit 4: the next vector does */
+    unsigned before = 0; /* bit i is set if word i begins inside the mesh; bit 4 is for the next vector */
     for (size_t w = 0; w < words; w += WORDS) {
         const __m256i p = _mm256_load_si256((const __m256i *)(enter + w)),
                       m = _mm256_load_si256((const __m256i *)(leave + w));

@@ -150,17 +150,17 @@ static inline __m512i count_bytes(__m512i v)
 }
 
 /*
- * Computes the solid bits of one row of complete blocks, or of one block of complete
- * rows.  Returns false if the rows are not proven (fill.c).  Bit i of `ends` is set if
- * word i of the last block is the first word of a row; bit 8 stands for the word after
- * the block.  The word before the first word of a row must not end inside the mesh.
+ * Computes the solid bits of one row of complete blocks, or of one block of complete rows.  Returns
+ * false if the rows are not proven (fill.c).  Bit i of `ends` is set if word i of the last block is
+ * the first word of a row; bit 8 is for the word after the block.  The word before the first word
+ * of a row must not end inside the mesh.
  */
 static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                uint64_t *bits, bool *marked, __m512i *counts)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi64(-1);
     __m512i wrong = zero, n = *counts;
-    unsigned before = 0; /* bit i: word i begins inside the mesh; bit 8: the next block does */
+    unsigned before = 0; /* bit i is set if word i begins inside the mesh; bit 8 is for the next block */
     for (size_t w = 0; w < words; w += OST_VOX_BLOCK) {
         const __m512i p = _mm512_load_si512(enter + w), m = _mm512_load_si512(leave + w),
                       either = _mm512_or_si512(p, m);
