@@ -37,7 +37,7 @@ enum {
 
 /*
  * Action of a button.  The buttons of each device have default actions.  `osteon devices` lists the default actions,
- * and the option `osteon sim --buttons` changes them.
+ * and the `--buttons` option of `osteon sim` changes them.
  */
 typedef enum ost_action {
     OST_ACTION_NONE,

@@ -50,7 +50,7 @@ typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CP
 
 typedef struct ost_cl_options {
     char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
-    size_t workgroup;                                /* work items per work group; 0: default */
+    size_t workgroup;                                /* number of work items per work group; 0: default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0: the stage's own limit */
     size_t staging;
     unsigned order; /* seed that permutes work items (OST_ORDER of kernels/common.h); 0: no permutation */

@@ -90,7 +90,7 @@ typedef struct cl_backend {
     const ost_cl_api *cl;
     ost_cl_device device;
     bool cpu_set;     /* true if the kernel set for CPUs is used; false for the one for GPUs */
-    size_t workgroup; /* work items per work group; 0: default */
+    size_t workgroup; /* number of work items per work group; 0: default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
     uint32_t turns;   /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */

@@ -3,7 +3,7 @@
  * Voxelization (AR-VOX) on devices that are CPUs, by tiles. A tile consists of several
  * rows along y in several slices.
  *
- *   host    lists for the tiles the triangles whose bounds meet them (a counting sort)
+ *   host    lists for each tile the triangles whose bounds overlap it (a counting sort)
  *   queue   ost_vox_tiles for the noncutting mesh, then for the cutting mesh
  *   host    waits once, for the counts of the tiles
  *

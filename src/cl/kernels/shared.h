@@ -208,7 +208,7 @@ typedef struct ost_cl_bone {
  *   counts     uint[2 * dims.z]                         the numbers of solid and of cutting voxels of slice k are
  *                                                       added to elements 2 k and 2 k + 1
  *
- * ost_vox_steps: item (t, b) processes the slices b, b + bands, ... of the slices that triangle t meets.  It adds the
+ * ost_vox_steps: item (t, b) processes slices b, b + bands, ... of the slices that triangle t overlaps.  It adds the
  * triangle's +1 or -1 in every row that the triangle owns, by atomic_add.  If there are few triangles, bands > 1
  * results in more items.
  * ost_vox_fill: an item sums one row.  It sets the class of solid voxels to tool_class and leaves other voxels
@@ -303,7 +303,7 @@ typedef struct ost_cl_tool {
  *     poses_at     const ost_cl_pose[...]
  *     blocks_at    const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a
  *                                                     slot; no block twice
- *     entries_at   const ost_cl_entry[...]            the poses that may meet a block, with the block's base
+ *     entries_at   const ost_cl_entry[...]            the poses that may reach a block, with the block's base
  *   cells    const uchar[tool voxels]           dims <= 1024 per axis
  *   windows  const uchar[...]                   of class 1, then, if event.touches, of class 2
  *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two per uint,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer for CPUs (AR-VOX).  A work item processes a tile of rows, with lists of
- * the triangles whose bounds meet the slices of the tile (cl/voxelize_tiles.c).  Therefore
- * no atomics are needed.
+ * The voxelizer for CPUs (AR-VOX).  A work item processes a tile of rows, with lists of the
+ * triangles whose bounds overlap the slices of the tile (cl/voxelize_tiles.c).  Therefore no
+ * atomics are needed.
  *
  *   for each group of a few slices of the tile
  *     marks[row]      bit i: the row has crossings between centres i - 1 and i

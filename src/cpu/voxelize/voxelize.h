@@ -49,7 +49,7 @@ struct ost_vox_tile {
 enum {
     OST_VOX_SPILLED = 1,   /* the row has steps in `spill` */
     OST_VOX_UNPROVEN = 2,  /* it is not proven that the row's crossings enter and leave alternately */
-    OST_VOX_BLOCK = 8      /* words per block; the buffers of planes and bits have complete blocks */
+    OST_VOX_BLOCK = 8      /* number of words per block; the buffers of planes and bits consist of complete blocks */
 };
 
 /*

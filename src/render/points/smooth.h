@@ -50,7 +50,7 @@ typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
 typedef struct ost_smooth_kernels {
     /* Writes OST_FIELD_ALL for each set bit and 0 for each other bit, for x = -8 .. 39 of count rows (rows.h). */
     void (*bits)(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);
-    /* Writes the values of one row, computed from the densities. A bone voxel near a cut counts as 100 % bone. */
+    /* Writes the values of one row, computed from the densities. A bone voxel near a cut is treated as 100 % bone. */
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
     /* Computes sums along y for count rows i: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
