@@ -55,7 +55,7 @@ typedef struct ost_dicom_report {
     ost_pm largest_gap;     /* greatest distance between neighbouring slices */
     ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
     ost_pm sheared;         /* distance by which slices were shifted to undo a tilt, which the options must allow */
-    uint64_t padded;        /* number of pixels that had the padding value and were set to air */
+    uint64_t padded;        /* number of pixels that had a padding value and were set to air */
     bool lossy;             /* true if the pixels were compressed with loss */
     bool no_rescale;        /* true if the files contain no rescale slope and intercept */
     char modality[17];      /* "CT" */
