@@ -79,9 +79,8 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_SIDE "side"                   /* "left" or "right" */
 #define OST_META_TRIGONUM "trigonum_mm"       /* point at which the scapular spine meets the medial border */
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* lowest point of the scapula */
-#define OST_META_ORIENTATION                                                                                           \
-    /* orientation, "stated XYZ" or "assumed LPS"; set only if the CT's file contains no orientation (AR-FILE-6) */
-    "orientation"
+/* "stated XYZ" or "assumed LPS"; set only if the file of the CT contains no orientation (AR-FILE-6) */
+#define OST_META_ORIENTATION "orientation"
 #define OST_META_TOOL_CORNER "tool_corner_mm"  /* exact corner of a tool's grid, which is MinVoxelCoords in Alg. 2.1 */
 
 /* A dense grid of densities in host memory. */

@@ -12,7 +12,7 @@ import re
 import sys
 
 LICENCES = {"Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-4-Clause", "BSL-1.0", "CC0-1.0", "ISC", "Libpng", "MIT", "MPL-1.1", "MPL-2.0",
-            "NCSA", "Python-2.0", "X11", "Zlib", "curl", "libpng-2.0", "GPL-1.0-or-later"} | {
+            "NCSA", "Python-2.0", "X11", "Zlib", "curl", "libtiff", "libpng-2.0", "GPL-1.0-or-later"} | {
     "%s-%s" % (name, which) for name in ("GPL-2.0", "GPL-3.0", "LGPL-2.0", "LGPL-2.1", "LGPL-3.0") for which in ("only", "or-later")}
 EXCEPTIONS = {"GCC-exception-3.1", "LLVM-exception"}
 RELATIONS = {"DESCRIBES", "DYNAMIC_LINK", "RUNTIME_DEPENDENCY_OF", "DEPENDS_ON", "CONTAINS"}
