@@ -28,6 +28,7 @@ run 0 info ct.nrrd --set at= --set axis= --set side= --set trigonum= --set infer
 check "angles without landmarks" "$(value version_deg 2>/dev/null)" ""
 
 run 0 import ct.nrrd --landmarks auto --landmarks-out points.mrk.json --out bone.nrrd
+check "warnings of a complete scapula" "$(wc -c <err | tr -d ' ')" 0
 grep -q 'landmarks proposed, not measured' out || fail "the report does not say that the landmarks are proposed"
 run 0 import ct.nrrd --landmarks auto --out bone.nrrd --json
 has landmarks_proposed.rim_share landmarks_proposed.axis_spread_deg version_deg inclination_deg
@@ -52,6 +53,11 @@ check "a landmark that was read is not a proposal" "$(value meta.landmarks_propo
 run 0 import ct.nrrd --landmarks auto --trigonum 1,2,3 --out set.nrrd
 run 0 info set.nrrd --json
 check "trigonum of the option" "$(value meta.trigonum_mm)" "1 2 3"
+
+# A scapula that the CT cuts off 6 mm above its tip: the proposal is made with a warning.
+run 0 import ct.nrrd --crop 0:121,0:110,8:201 --landmarks auto --out short.nrrd
+checks=$((checks + 1))
+grep -q 'lies at the end of the CT' err || fail "no warning about a scapula that is cut off: $(cat err)"
 
 # The picture with the landmarks differs from the one without.
 run 0 render bone.nrrd --view en-face --size 320x240 --out plain.png

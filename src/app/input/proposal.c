@@ -67,6 +67,18 @@ static void print_proposal(const app_state *app, const char *name, const ost_sca
     print_line(app, "  inferior angle %s, stable to %.1f mm", format_point(a, l->inferior), l->inferior_spread_mm);
 }
 
+/* Returns true if a point lies within two voxels of the end of a grid. */
+static bool is_at_end(const ost_geometry *g, ost_pm3 p)
+{
+    const ost_pm at[3] = {p.x - g->origin.x, p.y - g->origin.y, p.z - g->origin.z};
+    const ost_pm step[3] = {g->spacing.x, g->spacing.y, g->spacing.z};
+    const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
+    for (int a = 0; a < 3; a++)
+        if (at[a] < 2 * step[a] || at[a] > (n[a] - 3) * step[a])
+            return true;
+    return false;
+}
+
 ost_status proposal_make(const app_state *app, const ost_bone *bone, const char *name, ost_meta *meta,
                          ost_landmarks *out, ost_error *err)
 {
@@ -97,6 +109,9 @@ ost_status proposal_make(const app_state *app, const ost_bone *bone, const char 
     if (status == OST_OK) {
         put_proposal(app, &found);
         print_proposal(app, name, &found);
+        if (is_at_end(&info.geometry, found.inferior) || is_at_end(&info.geometry, found.trigonum))
+            warn(app, "%s: the inferior angle or the trigonum lies at the end of the CT: the scapula may continue "
+                 "beyond it, so version and inclination are uncertain", name);
     }
     return status;
 }
