@@ -12,7 +12,8 @@
 
 #include "anatomy/scene.h"
 
-enum { VALUES = 8 };
+/* The values of a phantom: errors, and then the processor time, which is printed and has no limit. */
+enum { ERRORS = 7, VALUES = 8 };
 /*
  * Depth of the bone below the centre of the cartilage: 2.4 mm of the mean shape, times the phantom's size.  A voxel at
  * the surface reaches the threshold when it is 14 % bone, so the surface lies about 0.6 mm farther out.
@@ -23,8 +24,8 @@ static const char *const names[VALUES] = {"centre across the face, mm", "centre 
                                           "trigonum, mm", "inferior angle, mm", "version, degrees",
                                           "inclination, degrees", "time, s"};
 /* Greatest errors that are accepted, and greatest medians. */
-static const double worst_allowed[VALUES] = {3, 2.5, 5, 10, 8, 5, 6, 60};
-static const double median_allowed[VALUES] = {1.5, 1, 3, 4, 5, 2.5, 3, 60};
+static const double worst_allowed[ERRORS] = {3, 2.5, 5, 10, 8, 5, 6};
+static const double median_allowed[ERRORS] = {1.5, 1, 3, 4, 5, 2.5, 3};
 
 static int ascending(const void *a, const void *b)
 {
@@ -112,7 +113,7 @@ static void finds_landmarks(void **state)
         printf("# %-28s median %.2f, 95 %% %.2f, worst %.2f\n", names[k], values[k][count / 2],
                values[k][count * 95 / 100], values[k][count - 1]);
     }
-    for (int k = 0; k < VALUES; k++) {
+    for (int k = 0; k < ERRORS; k++) {
         assert_true(values[k][count / 2] <= median_allowed[k]);
         assert_true(values[k][count - 1] <= worst_allowed[k]);
     }
