@@ -67,6 +67,14 @@ checks=$((checks + 1))
 run 0 import ct.nrrd --mask labels.nrrd:1 --out bone.nrrd --preview mask.png
 check "sizes" "$(size s.png) $(size cut.png) $(size mask.png)" "1600 1000 1600 1000 1600 1000"
 
+# The CT may come from a pipe, and one of the two outputs may be standard output.
+run 0 import ct.nrrd --out bone.nrrd --preview p.png
+"$osteon" import - --out -.nrrd --preview q.png <ct.nrrd | cat >piped.nrrd
+check "the bone in a pipe" "$(cksum <piped.nrrd)" "$(cksum <bone.nrrd)"
+"$osteon" import - --out bone.nrrd --preview -.png <ct.nrrd | cat >q.png
+check "the picture in a pipe" "$(cksum <q.png)" "$(cksum <p.png)"
+refuse 2 "another output already" import ct.nrrd --out -.nrrd --preview -.png
+
 # A CT that cannot be read leaves neither file.
 mkdir none && cd none || exit 99
 head -c 2000 ../ct.nrrd >short.nrrd

@@ -43,13 +43,15 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
 {
     struct stat st;
     if (strcmp(path, "-") == 0)
-        return usage_error(app, err, "--out -: expected the format too; -.%.*s writes standard output",
+        return usage_error(app, err, "-: expected the format too; -.%.*s writes standard output",
                            (int)strcspn(ends, "|"), ends);
     if (ost_outfile_is_stdout(path) && app->json)
-        return usage_error(app, err, "--out %s and --json both write standard output", path);
+        return usage_error(app, err, "%s and --json both write standard output", path);
     if (ost_outfile_is_stdout(path) && isatty(STDOUT_FILENO))
-        return usage_error(app, err, "--out %s: standard output is a terminal; expected a pipe or a file", path);
-    app->to_stdout = ost_outfile_is_stdout(path);
+        return usage_error(app, err, "%s: standard output is a terminal; expected a pipe or a file", path);
+    if (ost_outfile_is_stdout(path) && app->to_stdout)
+        return usage_error(app, err, "%s: another output already goes to standard output", path);
+    app->to_stdout |= ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
     /* Without this check, a name that is too long would fail only after all the work. */
     if (!exists && errno == ENAMETOOLONG)
