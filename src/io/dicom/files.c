@@ -113,7 +113,7 @@ ost_status ost_dicom_files_find(const char *path, ost_dicom_files *out, ost_erro
     }
     if (status != OST_OK)
         ost_dicom_files_free(out);
-    else
+    else if (out->count) /* qsort does not accept a null pointer, even for no element */
         qsort(out->path, out->count, sizeof *out->path, by_name);
     return status;
 }

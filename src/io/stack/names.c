@@ -109,9 +109,9 @@ static ost_status list_path(const char *path, ost_stack_names *out, ost_error *e
         status = list(path, (int)strlen(path), NULL, out, err);
     else
         status = append(out, "", 0, path, err);
-    if (status == OST_OK)
+    if (status == OST_OK && out->count) /* qsort does not accept a null pointer, even for no element */
         qsort(out->paths, out->count, sizeof *out->paths, by_text);
-    else
+    if (status != OST_OK)
         ost_stack_names_free(out);
     return status;
 }
