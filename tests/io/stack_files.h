@@ -92,7 +92,7 @@ static inline void put_tiff(bytes *b, bool big, const tiff_page *pages, size_t c
             {282, 5, (uint32_t)rational, t->resolution, 0},
             {283, 5, (uint32_t)rational, t->resolution, 0},
             {296, 3, 3, t->resolution, 0},
-            {320, 3, (uint32_t)colours, palette, 3u << t->bits},
+            {320, 3, (uint32_t)colours, palette, palette ? 3u << t->bits : 0},
             {322, 4, t->tile, t->tile, 0},
             {323, 4, t->tile, t->tile, 0},
             {324, 4, (uint32_t)strip, t->tile, 0},

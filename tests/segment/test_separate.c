@@ -287,7 +287,8 @@ static void pieces_equal_the_oracle(void **state)
         ost_volume_free(&ct);
     }
     printf("# %zu divided, %zu with holes\n", divided, with_holes);
-    assert_true(divided > 150 && with_holes > 10);
+    /* Among 500 draws, about ten have a piece with holes; none would mean that holes are not tried. */
+    assert_true(divided > 150 && with_holes > 0);
 }
 
 /* The example of docs/spec/arithmetic.md: two squares of 3 x 3 voxels of 1 mm with a bridge of one voxel. */
