@@ -287,7 +287,7 @@ static void pieces_equal_the_oracle(void **state)
         ost_volume_free(&ct);
     }
     printf("# %zu divided, %zu with holes\n", divided, with_holes);
-    /* Among 500 draws, about ten have a piece with holes; none would mean that holes are not tried. */
+    /* Among 2,500 draws, about twelve have a piece with holes; none would mean that holes are not tried. */
     assert_true(divided > 150 && with_holes > 0);
 }
 
