@@ -132,11 +132,9 @@ enum { OST_HAPTIC_TEXT = 160 };
  * description may be "". Returns text.
  */
 OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAPTIC_TEXT]);
-/*
- * The force limits that an open device reports, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega".
- * The limit of the safety layer is OST_HAPTIC_LIMIT_SHARE times the reported limit.
- */
+/* The force limit of the safety layer, as a share of the force limit that the device reports. */
 #define OST_HAPTIC_LIMIT_SHARE 0.9
+/* The force limits that an open device reports, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega". */
 typedef struct ost_haptic_limits {
     double force_n;                 /* peak force that the device reports, N; may be NAN */
     /* continuous force, N, and torque, N m; 0 if the device does not report the value */
@@ -147,8 +145,9 @@ typedef struct ost_haptic_limits {
 OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
 /* Returns true if the limits are plausible: a force of 0.1 to 100 N, and a torque of 0 or of 0.001 to 10 N m. */
 OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
-/* A counter of a device. */
+/* The largest number of counters of a device. */
 enum { OST_HAPTIC_COUNTS = 12 };
+/* A counter of a device. */
 typedef struct ost_haptic_tally {
     const char *name; /* "wrong_key" */
     uint64_t value;

@@ -97,6 +97,7 @@ OST_API void ost_operation_rehearse(void *operation);
 /* Records the duration of a tick and publishes the live state. This function is an ost_servo_done. */
 OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns);
 
+/* The counts, peak values and final status of an operation. */
 typedef struct ost_operation_report {
     uint64_t steps;        /* number of ticks of the world */
     uint64_t faults;       /* number of faults */

@@ -195,7 +195,7 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     ost_status status = ost_picture_init(out, total, tallest, err);
     if (status == OST_OK)
         status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
-    if (status == OST_OK && (!(sheet.pixels = malloc((size_t)total * (size_t)tallest * sizeof *sheet.pixels)) ||
+    if (status == OST_OK && (!(sheet.pixels = calloc((size_t)total * (size_t)tallest, sizeof *sheet.pixels)) ||
                              (paint->region &&
                               !(regions = malloc((size_t)total * (size_t)tallest * sizeof *regions)))))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a picture of %d x %d pixels", total, tallest);
