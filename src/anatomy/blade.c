@@ -10,21 +10,21 @@
 #include "core/vector.h"
 
 enum {
-    CELLS_MAX = 1 << 21, /* a scapula has about 40,000 cells of 1.5 mm */
+    CELLS_MAX = 1 << 21, /* limit on the number of cells; a scapula has about 40,000 cells of 1.5 mm */
     BINS = 50,
     ROWS = 60,
-    MIDDLE_LO = 10, /* bins in which the spine is certainly prominent: 30 to 72 mm medial of the face */
+    MIDDLE_LO = 10, /* first and last bin, 30 to 72 mm medial of the face, in which the spine is certainly prominent */
     MIDDLE_HI = 24,
-    STRAY_ROWS = 3  /* greatest change of the crest's row from one bin to the next */
+    STRAY_ROWS = 3  /* greatest change in row between the crest's positions in neighbouring bins */
 };
-#define BIN_MM 3.0       /* width of a bin along the medial direction, and of a row along the superior one */
+#define BIN_MM 3.0       /* width of a bin (medial direction); ROW_MM is the width of a row (superior direction) */
 #define ROW_MM 2.0
 #define VALLEY_MM 24.0
-#define CELL_SHARE 0.3f  /* least share of bone in a cell; plates of 2 mm must not have holes */
+#define CELL_SHARE 0.3f  /* smallest share of bone in a bone cell; a plate 2 mm thick must not appear to have holes */
 #define NONE (-1e9)
-#define PROMINENT_MM 2.0 /* least prominence of the spine */
+#define PROMINENT_MM 2.0 /* smallest prominence that counts as the spine */
 
-/* The frame of the blade, with its origin at the centre of the face. */
+/* The coordinate frame of the blade. Its origin is the centre of the glenoid's face. */
 typedef struct frame {
     double origin[3], medial[3], superior[3], normal[3];
 } frame;
@@ -88,7 +88,10 @@ static void to_frame(const frame *f, const double p[3], double out[3])
     out[2] = ost_vector_dot(d, f->normal);
 }
 
-/* Sets medial and superior across the normal: medial near the inward axis, superior away from `inferior`. */
+/*
+ * Makes the medial and the superior direction perpendicular to the normal. The medial direction is the one
+ * closest to the inward axis; the superior direction points away from `inferior`.
+ */
 static void align(frame *f, const double inward[3], const double inferior[3])
 {
     const double along = ost_vector_dot(inward, f->normal);
@@ -103,8 +106,8 @@ static void align(frame *f, const double inward[3], const double inferior[3])
 }
 
 /*
- * Fits the plane to the infraspinous part of the blade, which has no processes: cells more than 25 mm below the face
- * and 20 mm medial of it.
+ * Fits a plane to the infraspinous part of the blade, which has no processes. This part consists of the cells
+ * more than 25 mm below the face and more than 20 mm medial of the face.
  */
 static bool fit_blade(const anatomy_cells *cells, const double inward[3], const double inferior[3], frame *f)
 {
@@ -131,7 +134,10 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
     return good;
 }
 
-/* Computes the mean of the cells within `within` mm of the extreme one along a direction, moved to the extreme. */
+/*
+ * Finds the extreme point of the bone along the direction `way`. The result is the mean of all cells within
+ * `within` mm of the extreme cell, moved along `way` to the extreme.
+ */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
 {
     double most = -1e30, sum[3] = {0};
@@ -155,15 +161,19 @@ static void extreme(const anatomy_cells *cells, const double way[3], double with
 /* ---------------------------------------------------------------- trigonum */
 
 /*
- * The outline of one side of the blade in bins along the medial direction and rows along the superior one.  The
- * prominence of a position is its height above the higher one of the two valleys within VALLEY_MM below and above it.
+ * Heights of one side of the blade, in bins along the medial direction and rows along the superior direction.
+ * On each side of a position, the lowest height within VALLEY_MM is a valley. The prominence of the position is
+ * its height above the higher of the two valleys.
  */
 typedef struct relief {
-    double height[BINS][ROWS]; /* of the highest cell, across the blade; NONE without bone */
+    double height[BINS][ROWS]; /* height of the highest cell above the blade's plane; NONE without bone */
     double prominence[BINS][ROWS];
 } relief;
 
-/* The crest of the spine: its superior coordinate in each bin in which it was followed. */
+/*
+ * The crest of the spine. seen[b] is true if the crest was followed through bin b; superior[b] is its superior
+ * coordinate in this bin.
+ */
 typedef struct crest {
     bool seen[BINS];
     double superior[BINS];
@@ -203,7 +213,7 @@ static void find_relief(const anatomy_cells *cells, const frame *f, double side,
         }
 }
 
-/* Returns the row with the greatest prominence of a bin among the rows [lo, hi]. */
+/* Returns the row among [lo, hi] that has the greatest prominence in bin b. */
 static int most_prominent(const relief *s, int b, int lo, int hi)
 {
     int best = lo < 0 ? 0 : lo;
@@ -212,7 +222,7 @@ static int most_prominent(const relief *s, int b, int lo, int hi)
     return best;
 }
 
-/* Returns the mean of the greatest prominences 30 to 72 mm medial of the face. */
+/* Returns the mean of the greatest prominences in the bins 30 to 72 mm medial of the face. */
 static double mean_prominence(const relief *s)
 {
     double sum = 0;
@@ -246,7 +256,10 @@ static void follow_crest(const relief *s, crest *out)
     }
 }
 
-/* Returns the medial coordinate of the border at a superior coordinate, and the mean coordinate across the blade. */
+/*
+ * Returns the medial coordinate of the blade's border at a given superior coordinate. Also computes the mean
+ * coordinate across the blade.
+ */
 static double border(const anatomy_cells *cells, const frame *f, double superior, double *across)
 {
     double most = 0, sum = 0;
@@ -268,7 +281,10 @@ static double border(const anatomy_cells *cells, const frame *f, double superior
     return most;
 }
 
-/* Extrapolates the crest to the medial border. Returns false if the spine is too low or too short. */
+/*
+ * Finds the trigonum by extending the crest to the medial border. Returns false if the spine is too low or too
+ * short.
+ */
 static bool find_trigonum(const anatomy_cells *cells, const frame *f, const crest *c, double out[3])
 {
     double across, at = 0, medial = border(cells, f, 0, &across);
@@ -337,7 +353,7 @@ ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3]
     follow_crest(&sides[posterior], &spine);
     if (!find_trigonum(cells, &f, &spine, out->trigonum))
         return ost_fail(err, OST_ERR_INPUT, "the spine does not reach the medial border: the scapula is not complete");
-    /* lateral x superior points to posterior on a right scapula. */
+    /* On a right scapula, lateral x superior points in the posterior direction. */
     double lateral[3], across[3];
     for (int a = 0; a < 3; a++)
         lateral[a] = -f.medial[a];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The trigonum spinae and the inferior angle, from the cells of a scapula and the face of its glenoid.
+ * Finds two landmarks of a scapula, the trigonum spinae and the inferior angle, from its cells and its
+ * glenoid's face.
  *
  *                    acromion                          superior
  *      medial       .--------.                            ^
@@ -36,10 +37,13 @@ typedef struct anatomy_blade {
 ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
 void anatomy_cells_free(anatomy_cells *cells);
 
-/* Returns the distance of the cell that is farthest from a point, and its index. */
+/* Returns the distance from the point `from` to the farthest cell, and stores this cell's index in *index. */
 double anatomy_cells_farthest(const anatomy_cells *cells, const double from[3], size_t *index);
 
-/* Finds the landmarks. `centre` and `inward` describe the face. Returns OST_ERR_INPUT with the reason on failure. */
+/*
+ * Finds the landmarks of the blade. `centre` and `inward` are the centre and the inward axis of the glenoid's
+ * face. Returns OST_ERR_INPUT with the reason if a landmark is not found.
+ */
 ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3], double step,
                               anatomy_blade *out, ost_error *err);
 

@@ -9,22 +9,23 @@
 #include "core/vector.h"
 
 enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
-#define FRONT_MM (-12.0) /* range of a ray along the axis, from the centre */
+#define FRONT_MM (-12.0) /* start of a ray along the axis, relative to the centre; BACK_MM is its end */
 #define BACK_MM 20.0
 #define RAY_MM 0.5
-#define NEAREST_MM 4.0   /* range of the rim's distance from the axis */
+#define NEAREST_MM 4.0   /* smallest distance between the rim and the axis; FARTHEST_MM is the greatest */
 #define FARTHEST_MM 30.0
 #define STEP_MM 0.25
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
-#define CLIMB_MM 8.0     /* a position higher than this above the centre belongs to the coracoid or the acromion */
-#define OUTLIER_MM 4.0   /* a distance that differs by more from the median of its neighbours is not on the rim */
-#define OFF_PLANE_MM 3.0 /* a point farther from the plane does not count in it */
-#define COS_CHORD 0.93969262078590838 /* of 20 degrees */
-#define COS_WAY 0.99619469809174553 /* of 5 degrees, the angle between two directions */
+#define CLIMB_MM 8.0 /* a position more than this distance above the centre belongs to the coracoid or the acromion */
+#define OUTLIER_MM 4.0   /* a rim distance that differs by more than this from the median of its neighbours is not on
+                          * the rim */
+#define OFF_PLANE_MM 3.0 /* a point farther than this from the first plane is excluded from the second fit */
+#define COS_CHORD 0.93969262078590838 /* cosine of 20 degrees */
+#define COS_WAY 0.99619469809174553 /* cosine of 5 degrees, the angle between two neighbouring directions */
 #define SIN_WAY 0.08715574274765817
 
-/* Sets two unit vectors across the inward direction. */
+/* Computes two unit vectors perpendicular to the inward direction and to each other. */
 static void across(const double inward[3], double u[3], double v[3])
 {
     int least = 0;
@@ -36,7 +37,7 @@ static void across(const double inward[3], double u[3], double v[3])
     ost_vector_cross(inward, u, v);
 }
 
-/* Finds the first surface along a ray. Returns its position on the ray; BACK_MM if there is none. */
+/* Returns the position of the first surface along a ray, or BACK_MM if the ray meets no surface. */
 static double surface_along(const anatomy_field *f, double level, const double from[3], const double inward[3])
 {
     double before = 0;
@@ -50,7 +51,10 @@ static double surface_along(const anatomy_field *f, double level, const double f
     return BACK_MM;
 }
 
-/* Follows the surface outward in a direction. Returns the distance of the rim from the axis, or 0. */
+/*
+ * Follows the surface outward in the direction `way`. Returns the distance of the rim from the axis, or 0
+ * without a rim. The distance is negative if the surface continues and climbs to another part of the bone.
+ */
 static double trace(const anatomy_field *f, double level, const anatomy_face *face, const double way[3],
                     double rim[3], double crest[3])
 {
@@ -90,8 +94,8 @@ static double median5(double v[5])
 }
 
 /*
- * Finds the rim. Where the surface climbs to another part of the bone, such as the root of the coracoid, the rim is
- * accepted only if it continues that of the neighbouring directions.
+ * Finds the rim. The surface may climb to another part of the bone, such as the root of the coracoid. In such a
+ * direction, the rim is accepted only if its distance is close to that of the neighbouring directions.
  */
 void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {
@@ -122,7 +126,7 @@ void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, an
     face->seen_share = (double)seen / used;
 }
 
-/* Fits the plane to the crest, twice: the second time without points that are off the first plane. */
+/* Fits the plane to the crest twice. The second fit excludes points that are far from the first plane. */
 static bool fit_plane(anatomy_face *face, double normal[3])
 {
     double points[WAYS][3], mean[3] = {0}, along[3];
@@ -152,7 +156,7 @@ static bool fit_plane(anatomy_face *face, double normal[3])
     return true;
 }
 
-/* Moves a point onto the surface along the axis. */
+/* Moves the point `from` along the axis onto the surface. */
 static bool onto_surface(const anatomy_field *f, double level, const double from[3], anatomy_face *face)
 {
     const double w = surface_along(f, level, from, face->inward);
@@ -187,7 +191,7 @@ bool anatomy_face_find(const anatomy_field *f, const anatomy_variant *variant, a
     return true;
 }
 
-/* Moves the centre to the middle of the rim's extents along two directions, and measures them. */
+/* Measures the extents of the rim along two directions, and moves the centre to the middle of these extents. */
 static bool centre_on_extents(const anatomy_field *f, double level, double way[2][3], anatomy_face *face,
                               double extent[2])
 {
@@ -210,7 +214,7 @@ static bool centre_on_extents(const anatomy_field *f, double level, double way[2
     return onto_surface(f, level, from, face);
 }
 
-/* Computes the mean of the chords from rim to rim through the centre, within 20 degrees of a direction. */
+/* Computes the mean direction of the chords that join opposite crest points and lie within 20 degrees of `way`. */
 static bool mean_chord(const anatomy_face *face, const double way[3], double out[3])
 {
     for (int a = 0; a < 3; a++)
@@ -232,7 +236,10 @@ static bool mean_chord(const anatomy_face *face, const double way[3], double out
     return chords && ost_vector_unit(out, 0) > 0;
 }
 
-/* Sets the residual to the RMS distance of the crest from the plane across the axis through its mean. */
+/*
+ * Computes the residual: the RMS distance of the crest points from the plane that is perpendicular to the axis
+ * and contains their mean.
+ */
 static void measure_plane(anatomy_face *face)
 {
     double sum = 0, squares = 0;
@@ -268,7 +275,7 @@ bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, 
         *width = extent[1];
         if (face->seen_share < 0.5 || !mean_chord(face, way[0], chord[0]) || !mean_chord(face, way[1], chord[1]))
             return false;
-        /* way[0] x way[1] is superior x (superior x inward) = -inward. */
+        /* way[0] x way[1] equals superior x (superior x inward), which is -inward. */
         ost_vector_cross(chord[1], chord[0], face->inward);
         (void)ost_vector_unit(face->inward, 0);
         const double from[3] = {face->centre[0], face->centre[1], face->centre[2]};

@@ -13,32 +13,37 @@
 
 #include "anatomy/field.h"
 
-/* The surface is where the share is `level`; every `every`-th direction of the rim is used. */
+/*
+ * A variation of the measurement: the surface is where the share of bone is `level`, and only every `every`-th
+ * direction of the rim is used.
+ */
 typedef struct anatomy_variant {
     double level;
     int every, first;
 } anatomy_variant;
 
 typedef struct anatomy_face {
-    double centre[3], inward[3];  /* centre on the face; unit vector into the bone */
-    double rim[OST_RIM_MAX][3];   /* positions on the rim; only those with seen */
-    double crest[OST_RIM_MAX][3]; /* highest positions up to the rim, to which the plane is fitted */
+    double centre[3], inward[3];  /* centre of the face; unit vector along the axis into the bone */
+    double rim[OST_RIM_MAX][3];   /* positions on the rim; rim[k] is valid only if seen[k] */
+    double crest[OST_RIM_MAX][3]; /* highest position in each direction up to the rim; the plane is fitted to these */
     bool seen[OST_RIM_MAX];
     double seen_share;            /* share of the directions in which the rim was found */
-    double residual;              /* RMS distance of the rim from its plane, mm */
+    double residual;              /* RMS distance of the crest points from their plane, mm */
 } anatomy_face;
 
 /*
- * Finds the face near face->centre, seen along face->inward, which are both replaced. Returns false if the rim
- * cannot be found in half of the directions.
+ * Finds the face near face->centre, viewed along face->inward, and replaces both by the exact centre and axis.
+ * Returns false if the rim cannot be found in half of the directions.
  */
 bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
-/* Finds the rim around face->centre, which lies on the face, along face->inward; these two are not changed. */
+/* Finds the rim around face->centre, a position on the face. Does not change face->centre and face->inward. */
 void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /*
- * Moves the centre to the middle of the rim's extents along `superior` and across it, and measures these extents.  The
- * axis becomes perpendicular to the mean chord of the rim through the centre along `superior` (inclination) and to the
- * one across it (version).  Returns false if the rim is not found on both sides, or the axis meets no bone.
+ * Moves the centre to the middle of the rim's extents along and across the direction `superior`, and returns
+ * these extents as height and width. Then makes the axis perpendicular to two mean chords of the rim through
+ * the centre. The chord along `superior` determines the inclination, and the chord across it the version.
+ *
+ * Returns false if the rim is not found on both sides, or if the axis meets no bone.
  */
 bool anatomy_face_align(const anatomy_field *field, const anatomy_variant *variant, const double superior[3],
                         anatomy_face *face, double *height, double *width);

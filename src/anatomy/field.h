@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The share of each cell of a coarse grid that is bone, from 0 to 1.
+ * A coarse grid that stores the share of bone in each cell, from 0 to 1.
  *
  *   voxels --blocks of about step mm--> shares --fill, smooth--> field --trilinear--> share at a point
  *
@@ -15,7 +15,7 @@
 typedef struct anatomy_field {
     int32_t n[3];            /* number of cells along each axis */
     double origin[3], step[3]; /* centre of cell (0, 0, 0); size of a cell */
-    float *share;            /* owned; x fastest */
+    float *share;            /* owned; share of bone in each cell, x fastest */
 } anatomy_field;
 
 typedef struct anatomy_box {
@@ -23,17 +23,23 @@ typedef struct anatomy_box {
 } anatomy_box;
 
 /*
- * Makes the field of the part of a bone within a box, or of the complete bone if box is NULL.  Cells are blocks of
- * whole voxels, about `step` mm wide, and wider if there would be more than 2^24.  Returns OST_ERR_INPUT if the box
- * contains no voxel.
+ * Computes the field for the part of a bone within a box, or for the complete bone if box is NULL. A cell is a
+ * block of complete voxels about `step` mm wide. If there would be more than 2^24 cells, they are wider.
+ * Returns OST_ERR_INPUT if the box contains no voxel.
  */
 ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
                               ost_error *err);
 void anatomy_field_free(anatomy_field *field);
 
-/* Sets the share of all cells that are not connected with the border of the field through cells below 0.5 to 1. */
+/*
+ * Fills the cavities of the bone: sets the share to 1 in each cell below 0.5 that no path of such cells
+ * connects with the border of the field.
+ */
 ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
-/* Smooths by weights 1, 2, 1 along the axes whose cells are at most 1.5 times as wide as the narrowest ones. */
+/*
+ * Smooths the field with the weights 1, 2, 1 along an axis. Axes whose cells are more than 1.5 times as wide as
+ * the narrowest cells are skipped.
+ */
 ost_status anatomy_field_smooth(anatomy_field *field, ost_error *err);
 
 static inline size_t anatomy_field_index(const anatomy_field *f, int32_t x, int32_t y, int32_t z)
@@ -41,12 +47,12 @@ static inline size_t anatomy_field_index(const anatomy_field *f, int32_t x, int3
     return (size_t)x + (size_t)f->n[0] * ((size_t)y + (size_t)f->n[1] * (size_t)z);
 }
 
-/* Returns the share at a point by trilinear interpolation; 0 outside the field. */
+/* Returns the share at a point by trilinear interpolation. Outside the field, the share is 0. */
 double anatomy_field_at(const anatomy_field *field, const double at[3]);
 /* Computes the gradient at a point, per mm, by central differences over one cell on each side. */
 void anatomy_field_gradient(const anatomy_field *field, const double at[3], double out[3]);
 
-/* Returns the greatest integer that is at most v. |v| < 2^53. */
+/* Returns floor(v), for |v| < 2^53. */
 static inline int64_t anatomy_floor(double v)
 {
     const int64_t n = (int64_t)v;

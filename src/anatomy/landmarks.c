@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Landmarks of a scapula.
+ * Finds the landmarks of a scapula.
  *
  *   coarse field, filled --> cells, surface --concave spheres--> candidates for the glenoid
  *   candidate --vault behind, free in front, rim, blade--> face, trigonum, inferior angle --> proposal
- *   the same with the surface moved, half of the rim, a coarser grid --> spreads
+ *   the same computation with a moved surface, half of the rim, a coarser grid --> spreads
  */
 #include "core/conditions.h"
 
@@ -16,15 +16,16 @@
 #include "anatomy/spheres.h"
 #include "core/vector.h"
 
-#define STEP_MM 1.5     /* width of the cells of the coarse field, and of the coarser one for the spread */
+#define STEP_MM 1.5     /* cell width of the coarse field; COARSER_MM is the cell width of the second coarse field,
+                         * for the spread */
 #define COARSER_MM 2.0
-#define FINE_MM 0.7     /* width of the cells around the face */
-#define ROUND_MM 36.0   /* half of the width of the fine field */
-#define HEAD_MM 15.0    /* greatest distance between the centres of the humeral head and of the glenoid's curvature */
-#define VAULT_MM 11     /* depth of the bone behind the face that is checked */
-#define FREE_MM 15      /* depth of the space in front of the face that is checked */
+#define FINE_MM 0.7     /* cell width of the fine field around the face */
+#define ROUND_MM 36.0   /* half width of the fine field */
+#define HEAD_MM 15.0 /* greatest distance between the humeral head's centre and the centre of the glenoid's curvature */
+#define VAULT_MM 11     /* depth behind the face, in mm, that is checked for bone */
+#define FREE_MM 15      /* depth in front of the face, in mm, that is checked for free space */
 
-/* A field of the complete bone and what was computed from it. */
+/* A coarse field of the complete bone, and its cells that are bone. */
 typedef struct coarse {
     anatomy_field field;
     anatomy_cells cells;
@@ -60,7 +61,10 @@ static void coarse_free(coarse *c)
 
 /* -------------------------------------------------------------- candidates */
 
-/* Returns the share of `count` positions 1 mm apart, the first 2 mm from a point along a direction, that are bone. */
+/*
+ * Returns the share of bone among `count` positions on a ray. The positions are 1 mm apart and begin 2 mm from
+ * `from`.
+ */
 static double bone_along(const anatomy_field *f, const double from[3], const double way[3], int count)
 {
     int bone = 0;
@@ -71,7 +75,10 @@ static double bone_along(const anatomy_field *f, const double from[3], const dou
     return (double)bone / count;
 }
 
-/* Sets the middle of the sphere's surface and the direction into the bone. Returns false if it cannot be a glenoid. */
+/*
+ * Computes the middle of the sphere's surface and the direction into the bone. Returns false if the sphere
+ * cannot be a glenoid.
+ */
 static bool is_socket(const coarse *c, const ost_sphere *s, double at[3], double inward[3])
 {
     const double centre[3] = {ost_pm_to_mm(s->centre.x), ost_pm_to_mm(s->centre.y), ost_pm_to_mm(s->centre.z)};
@@ -146,7 +153,7 @@ static ost_status fine_make(const ost_anatomy_bone *bone, const double at[3], an
     return status == OST_OK ? anatomy_field_smooth(out, err) : status;
 }
 
-/* Selects the candidate with the greatest area among those that have a rim and a blade. */
+/* Selects, among the candidates for which a rim and a blade are found, the one with the greatest area. */
 static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const ost_sphere *spheres, int count,
                          anatomy_field *fine, proposal *best, int *chosen, ost_error *err)
 {
@@ -192,7 +199,10 @@ static double apart(const double a[3], const double b[3])
     return sqrt(ost_vector_dot(d, d));
 }
 
-/* Returns the angle between two unit vectors in degrees: arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))) and a series. */
+/*
+ * Returns the angle between two unit vectors in degrees. Computes the arctangent by halving the angle, arctan x
+ * = 2 arctan(x / (1 + sqrt(1 + x^2))), followed by a series.
+ */
 static double angle_deg(const double a[3], const double b[3])
 {
     double cross[3];

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Spheres on a surface.
+ * Finds spheres on a surface.
  *
  *   point, normal --a vote every millimetre of radius along the normal--> votes per cell of 2 mm
  *   maxima of the votes --radius with the most points--> sphere --least squares, repeated--> sphere
  *
- * The centre of a convex sphere lies inward along the normals of its points, that of a concave one
- * outward.  The inner surface of a cortical shell has the opposite normals and gives no votes to
- * the centre of the outer surface.
+ * The centre of a convex sphere lies inward along the normals of its points, and the centre of a concave sphere
+ * lies outward. The inner surface of a cortical shell has the opposite normals and gives no votes to the centre
+ * of the outer surface.
  */
 #include "core/conditions.h"
 
@@ -20,26 +20,28 @@
 
 enum {
     VOTE_CELLS_MAX = 1 << 24,
-    MAXIMA = 32,   /* maxima of the votes that are refined */
-    ROUNDS = 8,    /* repetitions of the fit */
-    FACE_BINS = 8, /* the directions from the centre are counted on the faces of a cube, 8 x 8 bins each */
+    MAXIMA = 32,   /* number of vote maxima that are refined */
+    ROUNDS = 8,    /* number of fits per sphere */
+    FACE_BINS = 8, /* bins per cube edge; directions from the sphere's centre are counted in 8 x 8 bins on each face
+                    * of a cube */
     BINS = 6 * FACE_BINS * FACE_BINS
 };
-#define STEP_MM 1.5         /* width of the cells of the field */
-#define VOTE_MM 2.0         /* width of the cells of the votes */
+#define STEP_MM 1.5         /* cell width of the field */
+#define VOTE_MM 2.0         /* cell width of the vote grid */
 #define APART_MM 10.0       /* least distance between the centres of two spheres */
-#define COARSE_MM 3.0       /* greatest distance of a point from the sphere in the first round, and in the last */
+#define COARSE_MM 3.0       /* greatest distance of a point from the sphere in the first fit; FINE_MM applies in the
+                             * last fit */
 #define FINE_MM 1.2
-#define ALIGNED 0.85        /* least cosine of the angle between a point's normal and the sphere's */
+#define ALIGNED 0.85        /* smallest cosine between a point's normal and the normal of the sphere at this point */
 #define COVERAGE_MIN 0.15
 #define AREA_MIN_MM2 200.0
 
 typedef struct search {
     const anatomy_surface *surface;
     const ost_sphere_options *options;
-    double sign;            /* -1: the centre lies inward along the normals; 1: outward */
-    double least, most;     /* radii in mm */
-    double lo[3], cell;     /* corner of the votes; width of a cell */
+    double sign;            /* -1 if the centre lies inward along the normals, 1 if it lies outward */
+    double least, most;     /* limits of the radius in mm */
+    double lo[3], cell;     /* corner of the vote grid; cell width */
     int32_t n[3];
     uint32_t *votes, *copy; /* owned */
 } search;
@@ -61,7 +63,7 @@ static ost_status votes_init(search *s, ost_error *err)
             s->lo[a] = v < s->lo[a] ? v : s->lo[a];
             hi[a] = v > hi[a] ? v : hi[a];
         }
-        /* The centre of a convex sphere lies inside the bone's box. */
+        /* A convex sphere's centre lies inside the bounding box of the bone. */
         s->lo[a] -= s->options->concave ? s->most : VOTE_MM;
         hi[a] += s->options->concave ? s->most : VOTE_MM;
     }
@@ -110,7 +112,7 @@ static void vote(search *s)
     }
 }
 
-/* Replaces each cell by the sum over its neighbours with the weights 1, 2, 1 along each axis. */
+/* Replaces each cell by the weighted sum of its neighbourhood, with the weights 1, 2, 1 along each axis. */
 static void smooth(search *s)
 {
     const size_t stride[3] = {1, (size_t)s->n[0], (size_t)s->n[0] * (size_t)s->n[1]};
@@ -133,7 +135,7 @@ static double distance(const double a[3], const double b[3])
     return sqrt(ost_vector_dot(d, d));
 }
 
-/* Finds the cell with the most votes, and sets all cells near it to 0. Returns false if there are no votes left. */
+/* Finds the cell with the most votes, and sets all cells near it to 0. Returns false if all cells are 0. */
 static bool next_maximum(search *s, double centre[3])
 {
     uint32_t most = 0;
@@ -165,7 +167,10 @@ static bool next_maximum(search *s, double centre[3])
 
 /* --------------------------------------------------------------------- fit */
 
-/* Computes the unit vector from the centre to a point, and their distance. Returns false if the normal differs. */
+/*
+ * Computes the distance from the centre to a point, and the unit vector along it. Returns false if the point's
+ * normal is not aligned with this vector.
+ */
 static bool seen_from(const search *s, const double centre[3], const anatomy_point *p, double along[3], double *far)
 {
     for (int a = 0; a < 3; a++)
@@ -174,7 +179,10 @@ static bool seen_from(const search *s, const double centre[3], const anatomy_poi
     return -s->sign * ost_vector_dot(along, p->normal) >= ALIGNED;
 }
 
-/* Finds the radius, in steps of 0.5 mm, at which the points within COARSE_MM cover the greatest share of the sphere. */
+/*
+ * Returns the radius, in steps of 0.5 mm, at which the points within COARSE_MM of the sphere cover the greatest
+ * share of the sphere.
+ */
 static double best_radius(const search *s, const double centre[3])
 {
     enum { STEPS = 256, WINDOW = (int)(2 * COARSE_MM) };
@@ -197,7 +205,7 @@ static double best_radius(const search *s, const double centre[3])
     return radius;
 }
 
-/* Returns the bin of a direction on the faces of a cube. */
+/* Returns the bin number of a direction, on the faces of a cube. */
 static int bin_of(const double v[3])
 {
     int axis = 0;
@@ -211,7 +219,10 @@ static int bin_of(const double v[3])
     return ((2 * axis + (v[axis] < 0)) * FACE_BINS + at[1]) * FACE_BINS + at[0];
 }
 
-/* Measures a sphere, and stores the points within `within` mm of it. */
+/*
+ * Computes the area, residual, coverage and direction of a sphere from the points within `within` mm. Stores
+ * these points in `inliers` and returns their number.
+ */
 static size_t measure(const search *s, fitted *f, double within, double (*inliers)[3])
 {
     double squares = 0, sum[3] = {0};
@@ -243,7 +254,10 @@ static size_t measure(const search *s, fitted *f, double within, double (*inlier
     return count;
 }
 
-/* Refines a sphere. Returns false if it leaves the range of the radii or too few points remain. */
+/*
+ * Refines a sphere by repeated fits. Returns false if the radius leaves its range, too few points remain, the
+ * sphere is too far from the option `near`, or its area or coverage is too small.
+ */
 static bool refine(const search *s, fitted *f, double (*inliers)[3])
 {
     f->radius = best_radius(s, f->centre);
@@ -264,7 +278,10 @@ static bool refine(const search *s, fitted *f, double (*inliers)[3])
     return s->options->concave ? f->area >= AREA_MIN_MM2 : f->coverage >= COVERAGE_MIN;
 }
 
-/* Inserts a sphere into the list unless a better one is near; worse ones near it are removed. */
+/*
+ * Inserts a sphere into the sorted list, and removes worse spheres near it. If a better sphere is near it, the
+ * list is not changed.
+ */
 static void insert(const search *s, const fitted *f, fitted *list, int *count)
 {
     const double score = s->options->concave ? f->area : f->coverage;

@@ -28,8 +28,10 @@ static ost_status add(anatomy_surface *s, const anatomy_point *point, ost_error 
 }
 
 /*
- * The density of crossings along axis a on a surface with normal n is |n_a| / (area of a cell's face), so the areas
- * (area of a face) |n_a| of all crossings add up to the surface: the sum over the axes is n_x^2 + n_y^2 + n_z^2 = 1.
+ * Each crossing receives an area such that the sum of all areas is the area of the surface. On a surface with
+ * the unit normal n, the number of crossings along axis a per unit of area is |n_a| / A, where A is the area of
+ * a cell's face across axis a. A crossing along axis a therefore receives the area A |n_a|: the sum over the
+ * three axes is then n_x^2 + n_y^2 + n_z^2 = 1 per unit of area.
  */
 ost_status anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, ost_error *err)
 {

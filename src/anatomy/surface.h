@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The surface of a field, where its share is 0.5, as points with outward normals. */
+/* The surface of a field, at which the share of bone is 0.5, as points with outward normals. */
 #ifndef OST_ANATOMY_SURFACE_H
 #define OST_ANATOMY_SURFACE_H
 
@@ -16,8 +16,9 @@ typedef struct anatomy_surface {
 } anatomy_surface;
 
 /*
- * Finds the positions between neighbouring cells at which the share crosses 0.5, by linear interpolation.  Returns
- * OST_ERR_RANGE if there are more than 2^22.  The caller frees *out by anatomy_surface_free, even after a failure.
+ * Finds the surface points. Between two neighbouring cells, a point lies where the share, interpolated
+ * linearly, is 0.5. Returns OST_ERR_RANGE if there are more than 2^22 points. The caller frees *out by
+ * anatomy_surface_free, even after a failure.
  */
 ost_status anatomy_surface_make(const anatomy_field *field, anatomy_surface *out, ost_error *err);
 void anatomy_surface_free(anatomy_surface *surface);

@@ -27,8 +27,8 @@ ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err)
 }
 
 /*
- * A distance is below 2^44 on each axis (AR-GRID-3, AR-LEN-1), so a sum of squares is below 2^90, and a product with a
- * component of a normal is below 2^86.
+ * On each axis, a distance is below 2^44 (AR-GRID-3, AR-LEN-1). A sum of squares is therefore below 2^90, and
+ * the product with a normal is below 2^86.
  */
 void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in)
 {

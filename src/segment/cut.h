@@ -7,7 +7,7 @@
 
 /* Returns OST_ERR_RANGE if a value of a cut is outside the ranges in segment.h. */
 ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err);
-/* Sets in[x] to false for the voxels of row (y, z) whose centres belong to the cut. */
+/* For each voxel of row (y, z) whose centre belongs to the cut, sets in[x] to false. */
 void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in);
 
 #endif

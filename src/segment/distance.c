@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes squared Euclidean distances along one axis after the other:
+ * Computes squared Euclidean distances, one axis after the other:
  *
  *   along x   (distance to the nearest unlabelled voxel of the row)^2
  *   along y   g(j) = min over i of f(i) + (s (j - i))^2, for each column of a slice
  *   along z   the same, for each column of a plane y = constant
  *
- * Only one slice or plane is stored as a dense array.  A column is divided at its unlabelled
- * voxels: for a voxel between two of them, the nearer one gives a value that no voxel beyond
- * it can undercut.  The minimum is found as the lower envelope of the parabolas
- * f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink 2000), in time proportional to the number
- * of voxels.
+ * Only one slice or plane is stored as a dense array. A column is divided at its unlabelled voxels: for a voxel
+ * between two unlabelled voxels, the nearer of the two gives a value that no voxel beyond it can undercut. The
+ * minimum is found as the lower envelope of the parabolas f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink
+ * 2000), in time proportional to the number of voxels.
  *
  * Ranges: s <= 10^5 um (AR-GRID-1) and 0 <= i, j < 2^14, so (s j)^2 < 2^62; f <= FAR < 2^32.
  */
@@ -52,7 +51,7 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
 
 /* ---------------------------------------------------------- along y and z */
 
-/* Scratch of one column: a parabola of the envelope is least from voxel start[q] on. */
+/* Scratch for one column. From voxel start[q] on, the parabola of voxel vertex[q] is the lowest of the envelope. */
 typedef struct envelope {
     uint32_t *f;
     int32_t *vertex, *start;
@@ -64,7 +63,10 @@ static int64_t parabola(const envelope *e, int64_t s, int32_t vertex, int32_t j)
     return e->f[vertex] + d * d;
 }
 
-/* Computes the minimum for n consecutive voxels of a column, which are `stride` elements apart. */
+/*
+ * Computes the minimum over i of f(i) + (s (j - i))^2 for n consecutive voxels j of a column, which are
+ * `stride` elements apart.
+ */
 static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int64_t s)
 {
     int32_t q = -1;
@@ -79,7 +81,7 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
             e->start[q] = 0;
             continue;
         }
-        /* The last voxel for which the parabola of v is not above that of u; v < u. */
+        /* `last` is the last voxel at which the parabola of v is not above that of u. Here, v < u. */
         const int64_t v = e->vertex[q];
         const int64_t last = ost_floor_div((int64_t)e->f[u] - e->f[v] + s * s * ((int64_t)u * u - v * v),
                                            2 * s * s * (u - v));
@@ -96,7 +98,10 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
     }
 }
 
-/* Computes the minimum for each part of a column between unlabelled voxels, including these voxels. */
+/*
+ * Divides a column at its unlabelled voxels, and computes the minimum for each part, including the voxels at
+ * its ends.
+ */
 static void along_column(envelope *e, uint32_t *column, size_t stride, int32_t n, int64_t s)
 {
     for (int32_t j = 0; j < n;) {

@@ -5,7 +5,10 @@
 
 #include "segment/sparse.h"
 
-/* Distances are in micrometres. A greater distance, or a grid without an unlabelled voxel, gives this value. */
+/*
+ * The greatest distance in micrometres. Greater distances are stored as this value, and so are all distances in
+ * a grid that has no unlabelled voxel.
+ */
 enum { SEGMENT_DISTANCE_MAX = 65535 };
 
 /* Stores the distance of voxel i in height[i], for all sparse->count voxels. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A hole is a component of voxels without a label that does not touch the border and contains
- * no air.  The voxel before the first voxel of a hole, along x, has a label, because a hole
- * contains all connected voxels without a label and does not begin at the border.
+ * A hole is a component of voxels without a label. It does not touch the border of the grid and contains no
+ * air. Along x, the voxel before the first voxel of a hole has a label, because the hole contains all connected
+ * voxels without a label and does not begin at the border.
  */
 #include "core/conditions.h"
 
@@ -12,13 +12,13 @@
 
 #include "segment/runs.h"
 
-/* A block of slices in which holes are filled. */
+/* A block of consecutive slices in which holes are filled. */
 typedef struct block {
     const ost_volume *ct;
     ost_volume *labels;
-    int32_t air, z, count; /* slices [z, z + count) */
-    bool is_slice;         /* z has no border */
-    ost_segment *segments; /* NULL: the labels of holes become negative */
+    int32_t air, z, count; /* the block consists of the slices [z, z + count); a voxel below the density `air` is air */
+    bool is_slice;         /* the block is one slice, whose holes are two-dimensional: only x and y have a border */
+    ost_segment *segments; /* if NULL, the voxels of a hole receive the negative of the surrounding label */
 } block;
 
 static int16_t *row_of(const block *b, const ost_volume *v, int32_t y, int32_t z)
@@ -35,7 +35,10 @@ static void has_no_label(void *user, int32_t y, int32_t z, bool *in)
         in[x] = row[x] == 0;
 }
 
-/* Stores the surrounding label of component c in label[c], and true in open[c] if the component is no hole. */
+/*
+ * For each component c that is a hole, stores the surrounding label in label[c]. For any other component, sets
+ * open[c].
+ */
 static void find_holes(const block *b, const segment_runs *runs, int16_t *label, bool *open)
 {
     const ost_dims d = b->ct->geometry.dims;

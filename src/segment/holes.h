@@ -5,10 +5,10 @@
 
 #include <osteon/segment.h>
 
-/* Gives the holes of the volume the surrounding labels, and adds their voxels to segments[label - 1].filled. */
+/* Fills the holes of the volume with the surrounding labels, and adds their voxels to segments[label - 1].filled. */
 ost_status segment_fill_holes(const ost_volume *ct, int32_t air, ost_volume *labels, ost_segment *segments,
                               ost_error *err);
-/* Gives the holes of each slice z = constant the negative of the surrounding label. */
+/* Fills the holes of each slice z = constant with the negative of the surrounding label. */
 ost_status segment_fill_slices(const ost_volume *ct, int32_t air, ost_volume *labels, ost_error *err);
 
 #endif

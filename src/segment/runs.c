@@ -34,7 +34,7 @@ static uint32_t root(segment_run *items, uint32_t i)
     return i;
 }
 
-/* Joins two components. The earlier one of their first runs becomes the root of both. */
+/* Joins two components. The root of the joined component is the earlier of their first runs. */
 static void join(segment_run *items, uint32_t a, uint32_t b)
 {
     a = root(items, a);
@@ -45,7 +45,10 @@ static void join(segment_run *items, uint32_t a, uint32_t b)
         items[a].component = b;
 }
 
-/* Joins the runs [from, to) of a row with the runs [other, end) of a neighbouring row that have an x in common. */
+/*
+ * Joins each run among [from, to) of a row with each run among [other, end) of a neighbouring row if the two
+ * runs have an x in common.
+ */
 static void join_rows(segment_run *items, size_t from, size_t to, size_t other, size_t end)
 {
     while (from < to && other < end) {
@@ -83,7 +86,8 @@ ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segmen
     if (status != OST_OK)
         return status;
     out->rows[rows] = out->count;
-    /* A root is the first run of its component, so its number is assigned before any other run of it is visited. */
+    /* A root is the first run of its component. Its component therefore receives a number before any other run
+     * of the component is visited. */
     for (size_t i = 0; i < out->count; i++) {
         segment_run *run = &out->items[i];
         run->component = run->component == i ? out->components++ : out->items[run->component].component;

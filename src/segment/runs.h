@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Connected components of a grid's voxels, by runs along x.
+ * Connected components of voxels, found from runs along x.
  *
  *   flags of each row --segment_runs_make--> runs --joined with the previous rows--> component of each run
  *
@@ -15,21 +15,22 @@
 
 typedef struct segment_run {
     int32_t begin, end; /* voxels [begin, end) of the row */
-    uint32_t component; /* number; while runs are joined, an earlier run of the same component or the run itself */
+    uint32_t component; /* component's number; while runs are joined, the index of an earlier run of the same
+                         * component or of this run */
 } segment_run;
 
 typedef struct segment_runs {
     segment_run *items; /* owned */
     size_t count, capacity;
-    size_t rows_count;  /* ny nz */
+    size_t rows_count;  /* number of rows, ny nz */
     size_t *rows;       /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
     uint32_t components;
 } segment_runs;
 
-/* Sets in[x] to true for each voxel of row (y, z) that belongs to a component. */
+/* For each voxel x of row (y, z), sets in[x] to true if the voxel belongs to a component. */
 typedef void segment_row(void *user, int32_t y, int32_t z, bool *in);
 
-/* Finds the components. The caller frees *out by segment_runs_free, even after a failure. */
+/* Finds the connected components. The caller frees *out by segment_runs_free, even after a failure. */
 ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err);
 void segment_runs_free(segment_runs *runs);
 

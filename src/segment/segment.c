@@ -17,9 +17,9 @@ enum { THRESHOLD = 120 };
 
 typedef struct job {
     const ost_volume *ct;
-    ost_segment_options options; /* options with the defaults filled in */
+    ost_segment_options options; /* options in which values of 0 are replaced by the defaults */
     ost_volume *labels;
-    ost_segment *segments;       /* all components; after rank(), only those with a label */
+    ost_segment *segments;       /* all components; after the call of rank(), only the components that have a label */
     size_t count;
 } job;
 
@@ -42,7 +42,10 @@ static void is_candidate(void *user, int32_t y, int32_t z, bool *in)
         segment_cut_row(&j->options.cuts[i], &j->ct->geometry, y, z, in);
 }
 
-/* Extends the bounds of a segment by the voxels [begin, end) of row (y, z). Rows are visited in ascending order. */
+/*
+ * Extends the bounding box of a segment by the voxels [begin, end) of row (y, z). Rows must be visited in
+ * ascending order.
+ */
 static void extend(ost_segment *s, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     const int32_t lo[3] = {begin, y, z}, hi[3] = {end, y + 1, z + 1};
@@ -54,7 +57,7 @@ static void extend(ost_segment *s, int32_t begin, int32_t end, int32_t y, int32_
     }
 }
 
-/* Measures each component. A component without a voxel at or above the threshold is given 0 voxels. */
+/* Counts the voxels of each component. The count is 0 if no voxel of the component is at or above the threshold. */
 static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 {
     const ost_dims d = j->ct->geometry.dims;
@@ -83,7 +86,7 @@ static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 }
 
 typedef struct ranked {
-    uint64_t voxels, first; /* number of voxels; position of the first voxel in the grid */
+    uint64_t voxels, first; /* voxels in the component; index of its first voxel in the grid */
     uint32_t component;
 } ranked;
 
@@ -95,8 +98,8 @@ static int by_size(const void *a, const void *b)
     return p->first < q->first ? -1 : p->first > q->first;
 }
 
-/* Numbers the components that are large enough, from 1 in descending order of size, and stores the number of component
-   c in label[c]. The label of all other components remains 0. */
+/* Assigns labels to the components that are large enough, from 1 in descending order of size. Stores the label
+ * of component c in label[c]. A component that is too small keeps the label 0. */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {
     const uint64_t least = j->options.min_voxels ? j->options.min_voxels : 1;
@@ -157,8 +160,8 @@ static ost_status label_components(job *j, ost_error *err)
 /* ------------------------------------------------------------- separation */
 
 /*
- * Measures the pieces, whose numbers are piece[i].  A voxel with a negative label only closed a slice and is not
- * counted.  Any other voxel that is not a candidate belongs to a filled hole.
+ * Measures the pieces, whose numbers are piece[i]. A voxel with a negative label was used only to close a hole
+ * of a slice and is not counted. Any other voxel that is not a candidate belongs to a filled hole.
  */
 static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
                                  ost_error *err)

@@ -24,7 +24,7 @@ int ost_segment_label_at(const ost_volume *labels, ost_pm3 at)
     return x < 0 || y < 0 || z < 0 ? -1 : labels->voxels[x + g->dims.x * (y + g->dims.y * z)];
 }
 
-/* Distances are below 2^45 pm on each axis, so a sum of squares is below 2^92. */
+/* On each axis, a distance is below 2^45 pm, so a sum of squares is below 2^92. */
 int ost_segment_label_near(const ost_volume *labels, ost_pm3 at, ost_pm3 *found)
 {
     const ost_geometry *g = &labels->geometry;

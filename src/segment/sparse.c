@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 /*
- * Visits the runs of all rows.  If out->runs is NULL, only counts them; otherwise stores them.  Returns false if there
- * are more voxels with a label, or more runs, than a 32-bit index can count.
+ * Visits the runs of all rows. If out->runs is NULL, the runs are only counted; otherwise they are stored.
+ * Returns false if the labelled voxels or the runs are too many for a 32-bit index.
  */
 static bool visit(const ost_volume *labels, segment_sparse *out)
 {
@@ -39,7 +39,7 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
     return true;
 }
 
-/* Sets near[a] and past[a] of the runs of row i to the runs of row `other`. */
+/* For each run of row i, sets near[a] and past[a] to the range of the runs of row `other` (see segment_sparse_run). */
 static void find_near(segment_sparse *s, size_t i, int a, size_t other)
 {
     uint32_t k = s->rows[other];

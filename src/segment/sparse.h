@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxels of a label map that have a label, in a compact order.
+ * The labelled voxels of a label map, in a compact order.
  *
  *   row (y, z)   . . 1 1 1 . 2 2 .      runs [2, 5) of label 1 and [6, 8) of label 2
  *   compact          0 1 2   3 4        x fastest, then y, then z
@@ -15,31 +15,31 @@
 #include <osteon/grid.h>
 
 typedef struct segment_sparse_run {
-    int32_t begin, end; /* voxels [begin, end) of the row */
+    int32_t begin, end; /* the run consists of the voxels [begin, end) of its row */
     uint32_t first;     /* compact index of voxel `begin` */
-    uint32_t near[4];   /* in the rows y - 1, y + 1, z - 1, z + 1: the first run whose end is greater than `begin` */
-    uint32_t past[4];   /* the index after the last run of these rows; at most near[] if the row has no such run */
+    uint32_t near[4]; /* first run whose end is greater than `begin`, in each of the rows y - 1, y + 1, z - 1, z + 1 */
+    uint32_t past[4];   /* index after the last run of each of these rows; at most near[] if the row has no such run */
     int16_t label;
 } segment_sparse_run;
 
 typedef struct segment_sparse {
     ost_dims dims;
-    uint32_t count;           /* number of voxels with a label */
+    uint32_t count;           /* number of labelled voxels */
     size_t run_count;
     segment_sparse_run *runs; /* owned */
     uint32_t *rows;           /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
-    uint32_t *run_of;         /* owned; the run of each voxel */
+    uint32_t *run_of;         /* owned; index of the run that contains each voxel */
 } segment_sparse;
 
 enum { SEGMENT_NEIGHBOURS = 6 };
 
-/* The caller frees *out by segment_sparse_free, even after a failure. */
+/* Collects the labelled voxels. The caller frees *out by segment_sparse_free, even after a failure. */
 ost_status segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err);
 void segment_sparse_free(segment_sparse *sparse);
 
 /*
- * Writes the compact indices of the voxels that share a face with voxel i and have the same label, in the order
- * x - 1, x + 1, y - 1, y + 1, z - 1, z + 1.  Returns their number.
+ * Writes the compact indices of the neighbours of voxel i to `out` and returns their number. A neighbour shares
+ * a face with voxel i and has the same label. The order is x - 1, x + 1, y - 1, y + 1, z - 1, z + 1.
  */
 static inline int segment_neighbours(const segment_sparse *s, uint32_t i, uint32_t out[SEGMENT_NEIGHBOURS])
 {

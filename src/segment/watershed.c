@@ -22,8 +22,9 @@ enum { LEVELS = SEGMENT_DISTANCE_MAX + 1 };
 #define NONE UINT32_MAX
 
 typedef struct basin {
-    uint32_t parent; /* number of a basin; the basin itself if it was not joined to another one */
-    uint32_t peak;   /* its first voxel, which is its highest one */
+    uint32_t parent; /* number of the basin to which this basin was joined; the basin's own number if it was not
+                      * joined */
+    uint32_t peak;   /* first voxel of the basin, which is also its highest */
 } basin;
 
 typedef struct basins {
@@ -56,7 +57,7 @@ static ost_status add(basins *all, uint32_t peak, ost_error *err)
     return OST_OK;
 }
 
-/* Sorts the voxels by descending height; voxels of equal height remain in ascending order. */
+/* Sorts the voxels by descending height. Voxels of equal height remain in ascending order. */
 static void sort(const segment_sparse *sparse, const uint32_t *height, uint32_t *count, uint32_t *order)
 {
     for (uint32_t l = 0; l < LEVELS; l++)
@@ -74,8 +75,8 @@ static void sort(const segment_sparse *sparse, const uint32_t *height, uint32_t 
 }
 
 /*
- * Step 1.  Basins are numbered in the order of their peaks, so the basin with the lower number is the higher one, or
- * the earlier one of two that are equally high.
+ * Step 1. Basins are numbered in the order of their peaks. Of two basins, the one with the lower number is
+ * therefore the higher one; if both are equally high, its peak comes first in the grid.
  */
 static ost_status find_basins(const segment_sparse *sparse, const uint32_t *height, uint32_t depth,
                               const uint32_t *order, uint32_t *basin_of, basins *all, ost_error *err)
@@ -105,9 +106,9 @@ static ost_status find_basins(const segment_sparse *sparse, const uint32_t *heig
     return OST_OK;
 }
 
-/* The voxels that were reached and whose neighbours were not yet visited, as a queue for each level. */
+/* The voxels that were reached but whose neighbours were not yet visited, in a queue for each level of height. */
 typedef struct flood {
-    uint32_t *head, *tail; /* owned; LEVELS elements; head[l] is NONE if the queue is empty */
+    uint32_t *head, *tail; /* owned; LEVELS elements each; head[l] is NONE if the queue of level l is empty */
     uint32_t *next;        /* borrowed; one element per voxel */
 } flood;
 
@@ -121,7 +122,10 @@ static void append(flood *f, uint32_t level, uint32_t i)
     f->tail[level] = i;
 }
 
-/* Step 2. A voxel above the current level is appended to the queue of this level, so levels only descend. */
+/*
+ * Step 2. A voxel above the current level is appended to the queue of the current level, so that levels only
+ * descend.
+ */
 static void flood_pieces(const segment_sparse *sparse, const uint32_t *height, const basins *all, flood *f,
                          uint32_t *piece, uint32_t *pieces)
 {
