@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes a bone to a file. Its cubic grid is downloaded in slabs of about SLAB_BYTES. */
+/* Writes a bone to a file. The bone's cubic grid is downloaded in slabs of about SLAB_BYTES. */
 #include <osteon/io.h>
 
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #define SLICER "3D Slicer imports it and saves NRRD"
 #define SIGNATURE(text) text, sizeof(text) - 1
 
-/* The `length` bytes at `offset` of a file identify its format. */
+/* Signatures of formats: the `length` bytes at `offset` of a file identify its format. */
 static const struct {
     size_t offset;
     const char *bytes;

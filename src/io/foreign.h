@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Formats that osteon does not read, and the program that converts each of them. */
+/* Recognises file formats that osteon does not read, and names the program that converts each of them. */
 #ifndef OST_IO_FOREIGN_H
 #define OST_IO_FOREIGN_H
 

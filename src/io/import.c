@@ -9,8 +9,8 @@
  *
  * The file has more than 500 lines because the stages share one job.
  *
- * Each stage is timed and, if the options request it, digested. A grid is
- * freed as soon as the next one is complete.
+ * Each stage is timed. If the options request digests, the result of each stage is digested. A grid is freed as soon
+ * as the next grid is complete.
  */
 #include "core/conditions.h"
 
@@ -31,11 +31,10 @@
 enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 
 /*
- * A text of n samples may span at most max(2^24, 256 n) voxels. A line takes at
- * least 8 bytes and a voxel takes 2, so a grid never takes more than the greater of
- * 32 MiB and 64 times the size of the file. The limit is far above what real files
- * need: a bone without its surroundings fills 5 to 30 % of its bounding box, and a
- * file that contains only the shell of a bone is also far below the limit.
+ * The grid of a text with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a voxel
+ * has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. The limit is far
+ * above what real files need: a bone without its surroundings fills 5 to 30 % of its bounding box, and a file that
+ * contains only the shell of a bone is also far below the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;
@@ -47,10 +46,10 @@ typedef struct job {
     ost_import_result *result;
     ost_grid *rect;
     ost_bone *bone;
-    ost_dims file_dims;  /* of the volume before it is cropped */
+    ost_dims file_dims;  /* dimensions of the volume before it is cropped */
     int16_t *batch;      /* owned; slices that are uploaded together */
-    int32_t batch_first, batch_count, batch_capacity; /* in slices of the rect grid */
-    int64_t stage_start; /* ns */
+    int32_t batch_first, batch_count, batch_capacity; /* unit: slices of the rect grid */
+    int64_t stage_start; /* start time of the current stage in ns */
 } job;
 
 /* --------------------------------------------------------------------- stages */
@@ -68,7 +67,10 @@ static ost_status stage_begin(job *j, const char *name, ost_error *err)
     return progress(j, name, 0, err);
 }
 
-/* Ends a stage. Waits for the backend first, so that the measured time covers this stage alone. */
+/*
+ * Ends a stage. First waits for the backend, so that the measured time includes all work of this stage and no other
+ * work.
+ */
 static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_error *err)
 {
     ost_status status = ost_backend_finish(j->backend, err);
@@ -108,12 +110,10 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 }
 
 /*
- * Refuses a bone that cannot fit into memory, before hours of work are spent on it
- * and before the system kills the process. Backends allocate different amounts of
- * memory: cpu allocates no cubic grid, and stores only the active voxels of a bone.
- * The check therefore counts only the active voxels and scales their number by
- * volume. A grid with too many voxels passes this check and fails later with its
- * own message.
+ * Refuses a bone that is too large for the memory. Otherwise the import could run for hours before the system kills
+ * the process. Backends allocate different amounts of memory: cpu allocates no cubic grid, and stores only the active
+ * voxels of a bone. The check therefore counts only the active voxels and scales their number by volume. A grid with
+ * too many voxels passes this check and fails later with its own message.
  */
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
@@ -134,7 +134,7 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
                     ost_pm_format(cubic, text), (double)active * each * 1e-9, all * 1e-9);
 }
 
-/* Crops a geometry to the voxels with lo <= index < hi. */
+/* Crops a geometry to the voxels with box->lo <= index < box->hi. */
 static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_geometry *g, ost_error *err)
 {
     int32_t *const dims[3] = {&g->dims.x, &g->dims.y, &g->dims.z};
@@ -153,7 +153,7 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
 
 /* ----------------------------------------------------------------------- text */
 
-/* A text file: the summary of its lines, and its voxels if the lines form a raster. */
+/* State of the import of a text file: the summary of its lines and, if the lines form a raster, its voxels. */
 typedef struct text_job {
     ost_text_source source;
     ost_text_summary summary;
@@ -266,11 +266,12 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* --------------------------------------------------------------- other formats */
 
-/* Sets the rect grid to the grid of the file with the spacing that the options state. */
+/* Sets the rect grid to the grid of the file. A spacing that the options state replaces the spacing of the file. */
 static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
 {
     static const ost_pm3 none;
-    /* The spacing of a stack belongs to its columns, rows and slices, which its reader has used. */
+    /* For a stack of slices, the reader has already used the stated spacing, because it refers to columns, rows and
+     * slices. */
     const ost_pm3 stated = j->result->kind == OST_FILE_STACK ? none : j->options->spacing;
     ost_geometry *rect = &j->result->rect;
     *rect = *geometry;
@@ -280,7 +281,7 @@ static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
     return ost_geometry_check(rect, j->path, err);
 }
 
-/* Creates the rect grid for a volume of this geometry. Implements ost_target.begin. */
+/* Creates the rect grid for a volume with the given geometry. Implements ost_target.begin. */
 static ost_status begin_rect(void *user, const ost_geometry *geometry, ost_error *err)
 {
     job *j = user;
@@ -309,9 +310,9 @@ static ost_status upload_batch(job *j, ost_error *err)
 }
 
 /*
- * Adds the part of a slice that the rect grid covers to the batch. Implements ost_target.slice. After an upload, the
- * threads of a backend wait actively for some milliseconds, which a reader in other processes would miss; a batch makes
- * these pauses rare.
+ * Adds to the batch the part of a slice that lies in the rect grid. Implements ost_target.slice. After an upload, the
+ * threads of a backend spin for some milliseconds and take processor time from a reader that runs in other processes.
+ * Uploading batches makes these pauses rare.
  */
 static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_error *err)
 {
@@ -336,10 +337,9 @@ static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_er
 }
 
 /*
- * Determines the threshold: the option; else the threshold stored in the file, if
- * the file is a bone; else the default. A bone cannot be imported with a threshold
- * below its own, because the file does not contain the voxels below its own
- * threshold.
+ * Determines the threshold: the option if it is set, else the stored threshold if the file is a bone, else the
+ * default. A bone cannot be imported with a threshold below its stored threshold, because voxels below the stored
+ * threshold are not in the file.
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
@@ -366,7 +366,10 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
     return OST_OK;
 }
 
-/* Reads a volume, applies the mask and the labels to it, and uploads it. Both need the complete volume. */
+/*
+ * Reads a volume, applies the mask and the labels, and uploads the result. The mask and the labels require the
+ * complete volume.
+ */
 static ost_status rect_from_masked(job *j, ost_error *err)
 {
     ost_import_result *result = j->result;
@@ -411,7 +414,10 @@ static ost_status rect_from_volume(job *j, ost_error *err)
 
 /* ------------------------------------------------------------------ rect to bone */
 
-/* Returns true if the file is a bone whose voxels are not resampled. The facts about its CT then remain valid. */
+/*
+ * Returns true if the file is a bone whose voxels are not resampled, so that the header facts about its CT remain
+ * valid.
+ */
 static bool is_same_lattice(const job *j, ost_pm cubic)
 {
     const ost_pm3 s = j->result->rect.spacing;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Copies one leaf from a slab; voxels beyond the grid are set to 0. */
+/* Copies one leaf from a slab. Voxels of the leaf beyond the grid are set to 0. */
 static void copy_leaf(const int16_t *slab, ost_dims dims, int32_t depth, int32_t x0, int32_t y0, int16_t *leaf)
 {
     int32_t width = dims.x - x0 < OST_LEAF ? dims.x - x0 : OST_LEAF;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the kind of a file from its first bytes or, if these do not identify it, from its name.
+ * Determines the kind of a file from its first bytes. If these bytes do not identify the kind, the file's name is
+ * used.
  *
  *   NRRD0001..5                              NRRD, with attached data or only the header
  *   "ObjectType =", "NDims =" or "Comment =" MetaImage, with attached data or only the header
@@ -105,7 +106,8 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 {
     if (starts(head, size, "ply\n") || starts(head, size, "ply\r"))
         return true;
-    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size) /* 3DS */
+    /* this is the size field of a 3DS main chunk */
+    if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size)
         return true;
     if (starts(head, size, "solid") && (memmem(head, size, "facet", 5) || memmem(head, size, "endsolid", 8)))
         return true;
@@ -113,8 +115,8 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 }
 
 /*
- * Returns the number of columns of the first line that is not a comment; words
- * count as columns too. Returns 0 if the bytes are not text.
+ * Returns the number of columns in the first line that is not a comment. A word counts as a column. Returns 0 if the
+ * bytes are not text.
  */
 static int text_columns(const unsigned char *bytes, size_t size, bool *path_header)
 {
@@ -123,7 +125,8 @@ static int text_columns(const unsigned char *bytes, size_t size, bool *path_head
     if (size >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
         p += 3;
     int columns = 0;
-    /* A file whose lines end with CR alone counts as text too; the text reader reports these line ends as an error. */
+    /* A file whose lines end with CR alone counts as text, too. The text reader later reports such line ends as an
+     * error. */
     const char line_end = memchr(p, '\n', (size_t)(all - p)) ? '\n' : '\r';
     while (p < all) {
         const char *newline = memchr(p, line_end, (size_t)(all - p));

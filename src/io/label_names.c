@@ -15,13 +15,13 @@ enum { FILE_MAX = 1 << 20, FIRST_CAPACITY = 16, LISTED = 300, ALIKE = 4 };
 
 /* ------------------------------------------------------------------ the list */
 
-/* Appends an empty name. *out is NULL if there are OST_LABEL_NAMES_MAX names. */
+/* Appends an empty name. If there are already OST_LABEL_NAMES_MAX names, sets *out to NULL. */
 static ost_status append(ost_label_names *names, ost_label_name **out, ost_error *err)
 {
     *out = NULL;
     if (names->count == OST_LABEL_NAMES_MAX)
         return OST_OK;
-    /* The capacity is the least power of 2 that is at least FIRST_CAPACITY and at least the count. */
+    /* The capacity is the smallest power of 2 that is at least FIRST_CAPACITY and at least the number of names. */
     if (names->count == 0 || (names->count >= FIRST_CAPACITY && (names->count & (names->count - 1)) == 0)) {
         const size_t capacity = names->count ? 2 * (size_t)names->count : FIRST_CAPACITY;
         ost_label_name *grown = realloc(names->items, capacity * sizeof *grown);
@@ -59,7 +59,8 @@ void ost_label_names_free(ost_label_names *names)
 }
 
 /*
- * Reads the integer from 0 to INT16_MAX at *text, and moves *text after it. Returns -1 if there is no such integer.
+ * Reads an integer from 0 to INT16_MAX at *text and moves *text after this integer. Returns -1 if there is no such
+ * integer.
  */
 static int32_t read_value(const char **text)
 {
@@ -87,7 +88,7 @@ ost_status ost_label_names_add_segment(ost_label_names *names, const char *key, 
     if (segment < 0 || (!is_name && strcmp(key, "_LabelValue") != 0))
         return OST_OK;
     ost_label_name *item = NULL;
-    for (int i = names->count - 1; i >= 0 && !item; i--) /* the keys of a segment are usually neighbours */
+    for (int i = names->count - 1; i >= 0 && !item; i--) /* the keys of a segment are usually adjacent */
         item = names->items[i].segment == segment ? &names->items[i] : NULL;
     const ost_status status = item ? OST_OK : append(names, &item, err);
     if (status != OST_OK || !item)
@@ -158,8 +159,8 @@ static ost_status add_json(ost_label_names *names, const char *path, const char 
 }
 
 /*
- * Adds the name of a line "VALUE NAME ..." or "VALUE,NAME,...".  If the line ends in a name in double quotes, as in the
- * tables of ITK-SNAP, this is the name.  Returns false if the line does not begin with a value.
+ * Adds the name of a line "VALUE NAME ..." or "VALUE,NAME,...". If the line ends with a text in double quotes, as in
+ * the tables of ITK-SNAP, this text is the name. Returns false if the line does not begin with a value.
  */
 static bool add_line(ost_label_names *names, char *line, ost_status *status, ost_error *err)
 {
@@ -195,7 +196,7 @@ static ost_status add_table(ost_label_names *names, const char *path, char *text
             has_names = has_names || (*start && *start != '#');
             continue;
         }
-        if (has_names || number > 1) /* the first line may contain the names of the columns */
+        if (has_names || number > 1) /* the first line may contain column names */
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s'; expected the value and the name of a label, such as "
                             "'3 scapula'", path, number, line);
     }
@@ -244,7 +245,7 @@ static ost_status unknown(const ost_label_names *names, const char *mask, const 
     char list[LISTED + OST_LABEL_NAME + 8] = "";
     size_t used = 0;
     int listed = 0;
-    /* Names with the same beginning come first. */
+    /* Lists the names that have the same beginning first. */
     for (int other = 0; other < 2; other++)
         for (int i = 0; i < names->count && used < LISTED; i++) {
             const ost_label_name *item = &names->items[i];

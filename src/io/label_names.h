@@ -7,8 +7,8 @@
  *   a file of names       lines "3 scapula", "3,scapula" (CSV, tables of 3D Slicer and ITK-SNAP),
  *                         or a JSON object {"3": "scapula"} or {"scapula": 3}
  *
- * A name has at most OST_LABEL_NAME - 1 bytes; a longer one is truncated.  Characters that a
- * terminal does not only display become '?'.
+ * A name has at most OST_LABEL_NAME - 1 bytes; a longer one is truncated. Control characters, which could change the
+ * state of a terminal, are replaced by '?'.
  */
 #ifndef OST_IO_LABEL_NAMES_H
 #define OST_IO_LABEL_NAMES_H
@@ -20,7 +20,7 @@ enum { OST_LABEL_NAME = 64, OST_LABEL_NAMES_MAX = 1024 };
 typedef struct ost_label_names ost_label_names;
 
 typedef struct ost_label_name {
-    int32_t segment; /* K of SegmentK; -1 if the name has no such number */
+    int32_t segment; /* number K of the key SegmentK; -1 if the name comes from another source */
     int32_t value;   /* -1 until the value is read */
     char name[OST_LABEL_NAME];
 } ost_label_name;
@@ -28,23 +28,27 @@ typedef struct ost_label_name {
 /* Zero-initialise the struct before use. */
 struct ost_label_names {
     ost_label_name *items; /* owned */
-    int count;             /* names after the first OST_LABEL_NAMES_MAX are ignored */
+    int count;             /* number of names, at most OST_LABEL_NAMES_MAX; further names are ignored */
 };
 
-/* Adds the names in the header of a label map. A MetaImage has no names. */
+/* Adds the names that the header of a label map contains. A MetaImage contains no names. */
 ost_status ost_label_names_read(const char *path, ost_nifti_form form, ost_label_names *names, ost_error *err);
-/* Adds a name of `length` bytes. */
+/* Adds a name of `length` bytes for the label `value`. */
 ost_status ost_label_names_add(ost_label_names *names, int32_t value, const char *name, size_t length, ost_error *err);
-/* Adds the name or the value of a segment from a key and value of a NRRD header; ignores all other keys. */
+/*
+ * Adds the name or the value of a segment, given the key and the value of a line in a NRRD header. Ignores all other
+ * keys.
+ */
 ost_status ost_label_names_add_segment(ost_label_names *names, const char *key, const char *value, ost_error *err);
-/* Adds the names of all elements <Label Key="N"> of a text, which is terminated by NUL. */
+/* Adds the names of all elements <Label Key="N"> in a NUL-terminated text. */
 ost_status ost_label_names_add_xml(ost_label_names *names, const char *text, ost_error *err);
-/* Adds the names in a file of names. */
+/* Adds all names from a file of names. */
 ost_status ost_label_names_add_file(ost_label_names *names, const char *path, ost_error *err);
 
 /*
- * Stores the value of a name, without regard to case.  Returns OST_ERR_INPUT with the existing names if there is no
- * such name, or if two labels have it.  mask is the label map, for messages.
+ * Stores in *value the label with the given name; case is ignored. Returns OST_ERR_INPUT if no label or more than one
+ * label has this name; the message then lists the existing names. `mask` is the path of the label map, for the
+ * message.
  */
 ost_status ost_label_names_find(const ost_label_names *names, const char *mask, const char *name, int16_t *value,
                                 ost_error *err);

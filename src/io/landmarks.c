@@ -124,7 +124,7 @@ static ost_status json_point(const char *path, const json_t *point, size_t numbe
     const char *defined = json_string_value(json_object_get(point, "positionStatus"));
     ost_pm p[3];
     char location[300];
-    /* Slicer also writes points that have not been placed yet. They are skipped. */
+    /* 3D Slicer also writes points that have not been placed yet. Such points are skipped. */
     if ((defined && strcmp(defined, "defined") != 0) || json_is_null(position))
         return OST_OK;
     snprintf(location, sizeof location, "%.240s: control point %zu", path, number);
@@ -163,7 +163,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
 
 /* --------------------------------------------------------------------- CSV */
 
-/* For each value, the index of the field that contains it; -1 if there is none. */
+/* For each value, the index of the field that contains the value; -1 if no field does. */
 typedef struct columns {
     int label, x, y, z;
 } columns;

@@ -14,7 +14,10 @@
     "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/"               \
     "markups-schema-v1.0.3.json#"
 
-/* A number is written with 17 digits; ost_landmarks_read uses its shortest decimal, so positions are exact. */
+/*
+ * A coordinate is written with 17 digits. ost_landmarks_read uses the shortest decimal of the resulting double, so
+ * that positions are read back exactly.
+ */
 static json_t *point_json(const ost_landmark *l, int number)
 {
     char id[16];

@@ -12,10 +12,10 @@
 
 enum { VALUES = 65536, NAMED = 12 };
 
-/* The position of a label map in the grid of a CT: voxel v of the CT is voxel v - at of the label map. */
+/* The position of a label map in the grid of a CT: voxel v of the CT has the index v - at in the label map. */
 typedef struct placed {
     int64_t at[3];
-    bool is_equal; /* the grids have the same voxels */
+    bool is_equal; /* true if both grids consist of the same voxels */
 } placed;
 
 static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
@@ -25,8 +25,8 @@ static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
 }
 
 /*
- * Finds the position of the label map.  On every axis, its first and last voxels are at positions of voxels of the CT's
- * lattice, to a tenth of a voxel.  Its grid contains that of the CT, or is contained in it.
+ * Finds the position of the label map in the grid of the CT. On every axis, its first and last voxels must lie on
+ * voxels of the CT's lattice, to within a tenth of a voxel. One of the two grids must contain the other.
  */
 static ost_status place(const char *path, const char *mask, const ost_geometry *g, const ost_geometry *m, placed *out,
                         ost_error *err)
@@ -55,7 +55,9 @@ static ost_status place(const char *path, const char *mask, const ost_geometry *
                     path);
 }
 
-/* Replaces the label map by one on the grid of the CT; voxels outside the label map have label 0. */
+/*
+ * Replaces the label map by a label map on the grid of the CT. Voxels outside the original label map get the label 0.
+ */
 static ost_status move(const char *mask, const ost_geometry *g, const placed *where, ost_volume *labels, ost_error *err)
 {
     const ost_dims n = g->dims, k = labels->geometry.dims;
@@ -92,7 +94,7 @@ static ost_status none_selected(const char *mask, const bool *present, ost_error
                  : ost_fail(err, OST_ERR_INPUT, "%s: every voxel has label 0, so that no bone is selected", mask);
 }
 
-/* The labels that are selected; none selects all but 0. */
+/* The selected labels. An empty selection selects all labels except 0. */
 typedef struct selection {
     const int16_t *labels;
     int count;
@@ -132,7 +134,7 @@ static ost_status apply(const char *mask, const selection *chosen, const int16_t
     return status;
 }
 
-/* Stores the values of the names in options->mask_names in out. */
+/* Looks up the names in options->mask_names, and stores their label values in `out`. */
 static ost_status find_names(const ost_import_options *options, int16_t *out, ost_error *err)
 {
     ost_label_names names = {.count = 0};
@@ -183,7 +185,7 @@ static ost_status apply_mask(const char *path, const ost_import_options *options
     memcpy(list, options->mask_labels, (size_t)numbers * sizeof *list);
     const selection chosen = {list, numbers + names, options->mask_fill};
     ost_volume_options how = options->volume;
-    how.series = NULL; /* these options select images of the CT */
+    how.series = NULL; /* the options that are reset here select images of the CT, not of the label map */
     how.even_slices = how.untilt = false;
     ost_status status = find_names(options, list + numbers, err);
     if (status == OST_OK)

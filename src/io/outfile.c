@@ -17,10 +17,9 @@
 enum { BUFFER_BYTES = 1 << 16, NAME_BYTES = 64, SLOTS = 64, NAME_TRIES = 1000 };
 
 /*
- * Hidden names of files that exist or are about to be created, stored where a
- * signal handler can find them. The handler reads a slot only in the state
- * LISTED, and the name is complete before that state is set. Unlinking a name
- * that does not exist yet is harmless.
+ * Hidden names of files that exist or are about to be created. They are stored where a signal handler can find and
+ * unlink them. The handler reads a slot only in the state LISTED, and a name is complete before its slot enters this
+ * state. Unlinking a name that does not exist yet is harmless.
  */
 enum { SLOT_FREE, SLOT_TAKEN, SLOT_LISTED };
 static struct {
@@ -32,7 +31,7 @@ static struct {
 bool ost_outfile_named_only;
 
 struct ost_outfile {
-    char *path;       /* the path as the caller passed it */
+    char *path;       /* path as passed by the caller */
     char *target;     /* path with symbolic links resolved; NULL if the file is written in place */
     const char *base; /* last component of target */
     int folder;       /* descriptor of the target's folder; -1 if the file is written in place */
@@ -40,7 +39,7 @@ struct ost_outfile {
     int slot;         /* slot of the hidden name; -1 if there is none */
     ost_status failed;
     int failed_errno;
-    uint64_t flushed; /* bytes that the system has accepted */
+    uint64_t flushed; /* number of bytes that the system has accepted */
     size_t used;
     unsigned char buffer[BUFFER_BYTES];
 };
@@ -85,7 +84,7 @@ void ost_outfile_unlink_pending(void)
     errno = saved;
 }
 
-/* Creates the file under a hidden name. Returns its descriptor, or -1. */
+/* Creates the file under a hidden name. Returns its descriptor, or -1 on failure. */
 static int open_hidden(ost_outfile *file)
 {
     for (int i = 0; i < NAME_TRIES; i++) {
@@ -110,8 +109,8 @@ static void proc_path(int fd, char text[NAME_BYTES])
 }
 
 /*
- * Opens an unnamed file and returns its descriptor, or -1. Naming the file later
- * requires /proc, so the function verifies now that /proc leads to the file.
+ * Opens an unnamed file and returns its descriptor, or -1 on failure. To name the file later, /proc is needed; the
+ * function therefore checks that /proc leads to the file.
  */
 static int open_unnamed(const ost_outfile *file)
 {
@@ -147,8 +146,8 @@ bool ost_outfile_is_stdout(const char *path)
 }
 
 /*
- * Duplicates the process's own stream, because /dev/stdout may be a file to which a shell appends and which must not be
- * replaced. Returns -1 for any other path.
+ * Duplicates the process's own stream if `path` denotes one, such as /dev/stdout. A shell may have opened this stream
+ * to append to a file, which must not be replaced. Returns -1 for any other path.
  */
 static int standard_stream(const char *path)
 {
@@ -165,7 +164,7 @@ static ost_status open_destination(ost_outfile *file, ost_error *err)
     return file->fd < 0 ? cannot_write(file, errno, err) : OST_OK;
 }
 
-/* Opens an unnamed file in the target's folder or, if that fails, a hidden file. */
+/* Opens an unnamed file in the target's folder. If this fails, opens a hidden file instead. */
 static ost_status open_in_folder(ost_outfile *file, ost_error *err)
 {
     char *slash = strrchr(file->target, '/');
@@ -209,7 +208,7 @@ static ost_status open_temporary(ost_outfile *file, ost_error *err)
     return file->target ? open_in_folder(file, err) : no_name(file->path, err);
 }
 
-/* Allocates an ost_outfile that is not open yet. */
+/* Allocates an ost_outfile. The file is not opened. */
 static ost_status allocate(const char *path, ost_outfile **out, ost_error *err)
 {
     *out = NULL;
@@ -246,7 +245,8 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /* A name that is too long for the file system is refused now; otherwise commit would fail. */
+        /* A name that is too long for the file system is refused at once; otherwise the error would occur only at
+         * commit. */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);
@@ -285,7 +285,7 @@ static ost_status write_failed(const ost_outfile *file, ost_error *err)
 static ost_status write_all(ost_outfile *file, const unsigned char *bytes, size_t size, ost_error *err)
 {
     while (size > 0) {
-        /* Linux writes at most 0x7ffff000 bytes at once. */
+        /* Linux writes at most 0x7ffff000 bytes in one call. */
         ssize_t n = write(file->fd, bytes, size < (1u << 30) ? size : (1u << 30));
         if (n < 0 && errno == EINTR)
             continue;
@@ -353,7 +353,10 @@ int ost_outfile_descriptor(const ost_outfile *file)
 
 /* -------------------------------------------------------------------- end */
 
-/* Links the unnamed file to its final name: directly if the name is free, else through a hidden name and a rename. */
+/*
+ * Links the unnamed file to its final name. If the name exists, the file first gets a hidden name and is then
+ * renamed.
+ */
 static int name_unnamed(ost_outfile *file)
 {
     char proc[NAME_BYTES];
@@ -393,7 +396,8 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
             } else {
                 slot_drop(file->slot);
                 file->slot = -1;
-                /* Syncing the folder makes the name durable. A failure is ignored: the file itself is complete. */
+                /* Syncing the folder makes the name durable. A failure is ignored, because the content of the file is
+                 * already complete. */
                 (void)fsync(file->folder);
             }
         }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The output file that all writers use. A file appears complete under its name, or not at all.
+ * The output file that all writers use. Under its final name, a file appears either complete or not at all.
  *
  *   open    creates an unnamed file in the target's folder (O_TMPFILE) or, if the
  *           file system does not support that, a hidden one with a random name: .osteon-*.part
@@ -19,15 +19,13 @@
  *   ost_outfile_discard(out);
  *   return status;
  *
- * A process that is killed before the commit leaves nothing under the final name.
- * With O_TMPFILE it leaves no file at all, except in the instant between linking
- * and renaming when an old file is replaced.
+ * A process that is killed before the commit leaves no file under the final name. With O_TMPFILE, the process also
+ * leaves no other file, unless it is killed between the link and the rename by which an old file is replaced.
  *
- * A target that exists and is not a regular file (/dev/null, a pipe, a terminal)
- * is written in place; /dev/stdout, /dev/stderr and "-.ENDING", in which the ending
- * selects the format, are the process's own streams.  A reader of a stream has
- * received the first bytes when a later one fails.
- * A symbolic link is followed, not replaced.  Permissions follow the umask.
+ * A target that exists and is not a regular file (/dev/null, a pipe, a terminal) is written in place; /dev/stdout,
+ * /dev/stderr and "-.ENDING", in which the ending selects the format, are the process's own streams. If writing to a
+ * stream fails, its reader has already received the bytes before the failure. A symbolic link is followed, not
+ * replaced. Permissions follow the umask.
  *
  * Signals: a process that may be ended by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
  * calls ost_outfile_unlink_pending from its handler.  It should ignore SIGXFSZ
@@ -47,45 +45,54 @@
 typedef struct ost_outfile ost_outfile;
 
 /*
- * Opens an output file for path. Returns OST_ERR_IO with a message that names path if it is a folder, is
- * write-protected or cannot be created. *out is NULL on failure.
+ * Opens an output file for `path`. Returns OST_ERR_IO with a message that names `path` if `path` is a folder, is
+ * write-protected or cannot be created. On failure, *out is NULL.
  */
 ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err);
 
 /*
- * Writes size bytes; small writes are gathered in a buffer. After a failure the caller should call discard: commit
- * would return the same failure again.
+ * Writes `size` bytes. Small writes are collected in a buffer. After a failure, the caller should call
+ * ost_outfile_discard, because ost_outfile_commit would return the same failure again.
  */
 ost_status ost_outfile_write(ost_outfile *file, const void *bytes, size_t size, ost_error *err);
 ost_status ost_outfile_printf(ost_outfile *file, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Returns true for "-.ENDING", such as "-.nrrd", which is standard output ("./-.nrrd" is a file). */
+/*
+ * Returns true if the path is "-.ENDING", such as "-.nrrd", which denotes standard output. The path "./-.nrrd"
+ * denotes a file.
+ */
 bool ost_outfile_is_stdout(const char *path);
 
-/* Returns the name as the caller passed it to open, for messages. */
+/* Returns the path that was passed to ost_outfile_open, for messages. */
 const char *ost_outfile_path(const ost_outfile *file);
 
 /*
- * Returns the descriptor, so that another program can write the file through /dev/fd/N, without a name that another
- * user could replace. The outfile still owns the descriptor. The caller must not write to the outfile in this case.
+ * Returns the file's descriptor. Through /dev/fd/N, another program can write the file without a name that another
+ * user could replace. The outfile still owns the descriptor, and the caller must not write to the outfile itself.
  */
 int ost_outfile_descriptor(const ost_outfile *file);
 
-/* Completes the file under its name and frees the outfile. After an error no file is left; the outfile is freed too. */
+/*
+ * Completes the file under its name and frees the outfile. If an error occurs, no file is left, and the outfile is
+ * also freed.
+ */
 ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
-/* Removes the unfinished file and frees the outfile; NULL is allowed. */
+/* Removes the unfinished file and frees the outfile. `file` may be NULL. */
 void ost_outfile_discard(ost_outfile *file);
 
 /*
- * Creates a complete file under a name that is free, or creates nothing; the file is not synced.  Sets *taken if the
- * name already exists. A symbolic link of that name is not followed.
+ * Creates a complete file if its name is free. The file is not synced. If the name already exists, sets *taken and
+ * creates nothing. An existing symbolic link with this name is not followed.
  */
 ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 
-/* Unlinks the hidden names of all files that are open now. Async-signal-safe; for a handler that ends the process. */
+/*
+ * Unlinks the hidden names of all open files. The function is async-signal-safe, so that a handler that ends the
+ * process can call it.
+ */
 void ost_outfile_unlink_pending(void);
 
-/* For tests: if true, hidden names are used even where O_TMPFILE works. */
+/* For tests: if true, hidden names are used even if O_TMPFILE works. */
 extern bool ost_outfile_named_only;
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Paths as text (docs/spec/arithmetic.md, AR-PATH): each row with a pose is a tick.
+ * Reads and writes paths as text (docs/spec/arithmetic.md, AR-PATH). Each row with a pose is a tick.
  *
  *   t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]      or x_m,y_m,z_m; plain or gzip
  *   0,-12.5,3,40.25,1,0,0,0
@@ -9,10 +9,9 @@
  *
  *   file --lines, gzip--> rows --read_row--> ticks --mark_gaps--> ticks, some of them lifted
  *
- * Decimals are read exactly: time to nanoseconds, positions to picometres,
- * quaternions to 2^-30, each RHE.  Ten decimals identify every multiple of 2^-30
- * (half a unit of the tenth decimal is 0.054 * 2^-30), so a written path is read
- * back as the same integers.
+ * Decimals are read exactly and then rounded (RHE): times to nanoseconds, positions to picometres, quaternions to
+ * multiples of 2^-30. Ten decimals identify every multiple of 2^-30 (half a unit of the tenth decimal is 0.054 *
+ * 2^-30), so a written path is read back as the same integers.
  */
 #include "core/conditions.h"
 
@@ -28,14 +27,14 @@
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
-/* The columns of a pose, followed by the columns that a header may add by name. */
+/* Indices of the columns. The columns of a pose come first; a header may name the further columns. */
 enum { POSE_COLUMNS = 8, TOOL = POSE_COLUMNS, LIFTED, RPM, KINDS, SEEN_COLUMNS = 256, NOT_READ = KINDS };
 static const char *const column_names[2][KINDS] = {
     {"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"},
     {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"}};
 static const char expected_row[] = "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]";
 
-/* Limit for the unpacked bytes of a gzip file, because a small packed file may expand to gigabytes. */
+/* Limit on the unpacked bytes of a gzip file, because a small gzip file may expand to gigabytes. */
 #define UNPACKED_MAX (INT64_C(1) << 30)
 
 #define GAP_LEAST_NS INT64_C(50000000)
@@ -46,11 +45,11 @@ enum { TIMES_MEDIAN = 10 };
 
 typedef struct reader {
     const char *path;
-    int64_t line, bytes, t_ns; /* t_ns: time of the last row, with a pose or without */
-    int columns;       /* columns per row; with a header, the least number of columns; 0 before the first row */
-    uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names or NOT_READ */
+    int64_t line, bytes, t_ns; /* t_ns: time of the last row, with or without a pose */
+    int columns;       /* columns per row, 0 before the first row; with a header, the smallest number */
+    uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
-    bool lost;         /* the last row had no pose */
+    bool lost;         /* true if the last row had no pose */
     size_t capacity;
     ost_path *out;
     ost_path_report report;
@@ -95,8 +94,8 @@ static bool is_name(const char *field, const char *end, const char *name)
 }
 
 /*
- * Reads the header. It must name the first eight columns in order, because columns in another order would be
- * misread; further columns are identified by name (AR-PATH-2).
+ * Reads the header. The first eight columns must have the standard names in the standard order, because columns in
+ * another order would be misread. Further columns are identified by their names (AR-PATH-2).
  */
 static ost_status read_header(reader *r, const char *p, const char *end, ost_error *err)
 {
@@ -159,7 +158,10 @@ static bool is_nan(const char *p, const char *stop)
     return stop - p == 3 && (p[0] | 0x20) == 'n' && (p[1] | 0x20) == 'a' && (p[2] | 0x20) == 'n';
 }
 
-/* The fields of a row by kind of column; missing fields are 0. posed is false if a field of the pose is nan. */
+/*
+ * The fields of a row, indexed by the meaning of their column. A missing field is 0. posed is false if a field of the
+ * pose is nan.
+ */
 typedef struct row {
     ost_decimal value[KINDS];
     const char *field[KINDS];
@@ -267,7 +269,7 @@ static ost_status read_line(reader *r, const char *p, const char *newline, ost_e
 
 /* ----------------------------------------------------------------------- gaps */
 
-/* Returns the squared distance of two ticks in pm^2. |d| of a pair is below 2^45 on each axis. */
+/* Returns the squared distance between two ticks in pm^2. The distance is below 2^45 on each axis. */
 static ost_i128 distance_squared(const ost_tick *a, const ost_tick *b)
 {
     const int64_t d[3] = {b->pose.t.x - a->pose.t.x, b->pose.t.y - a->pose.t.y, b->pose.t.z - a->pose.t.z};
@@ -286,7 +288,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /*
- * Calls the function `of` for all pairs of adjacent ticks and computes the median of the results. There must be at
+ * Calls the function `of` for each pair of adjacent ticks and computes the median of its results. There must be at
  * least one pair.
  */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
@@ -312,8 +314,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Sets *out to `given` unless that is 0. Otherwise, *out becomes the greater of two values: `least`, and `factor` times
- * the median that median_of computes. The median is computed only if `of` exceeds `least` for a pair of ticks.
+ * Sets *out to `given` unless `given` is 0. If it is 0, *out becomes `least` or, if greater, `factor` times the
+ * median of median_of. The median is computed only if `of` exceeds `least` for some pair of ticks.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)
@@ -331,8 +333,8 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 }
 
 /*
- * Marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks (AR-PATH-5).
- * Medians are below 2^93.
+ * Marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks (AR-PATH-5). A
+ * median is below 2^93.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {
@@ -411,7 +413,7 @@ ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err)
 
 enum { NUMBER = 40 };
 
-/* Formats value / 10^places without trailing zeros; 0 <= places <= 18. */
+/* Formats value / 10^places without trailing zeros. Required: 0 <= places <= 18. */
 static const char *format_scaled(int64_t value, int places, char text[NUMBER])
 {
     uint64_t remainder = value < 0 ? -(uint64_t)value : (uint64_t)value;
@@ -437,7 +439,7 @@ static const char *format_scaled(int64_t value, int places, char text[NUMBER])
     return text;
 }
 
-/* Formats a quaternion component with ten decimals. |q| < 2^31, so the product is below 2^65 and needs 128 bits. */
+/* Formats a quaternion component with ten decimals. |q| < 2^31, so the product is below 2^65 and requires 128 bits. */
 static const char *format_component(int32_t q, char text[NUMBER])
 {
     return format_scaled((int64_t)ost_rhe_div128((ost_i128)q * INT64_C(10000000000), OST_Q30_ONE), 10, text);
@@ -466,8 +468,8 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     if (status != OST_OK)
         return status;
     /*
-     * If the column `lifted` exists, a reader does not mark gaps itself. It therefore reads the same ticks as are
-     * written here (AR-PATH-5).
+     * If a path has the column `lifted`, its reader does not mark gaps. The reader thus obtains the ticks that were
+     * written (AR-PATH-5).
      */
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s,lifted,rpm\n", tools ? ",tool" : "");
     for (size_t i = 0; i < in->count && status == OST_OK; i++) {

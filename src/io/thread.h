@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Starts a background thread with all signals blocked, both in this thread and in
- * the threads that it or a library starts from it. Signals are thus delivered to
- * the main thread, which can end the operation.
+ * Starts a background thread in which all signals are blocked. All threads that are started from this thread inherit
+ * the blocked signals. Signals are thus delivered to the main thread, which can end the operation.
  */
 #ifndef OST_IO_THREAD_H
 #define OST_IO_THREAD_H
@@ -10,7 +9,7 @@
 #include <pthread.h>
 #include <signal.h>
 
-/* Returns 0 or an error number, as pthread_create does. */
+/* Starts a thread that calls work(user). Returns 0 or an error number, as pthread_create does. */
 static inline int ost_thread_begin(pthread_t *thread, void *(*work)(void *), void *user)
 {
     sigset_t all, before;

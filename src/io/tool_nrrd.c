@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tool grids as uint8 NRRD: 0 void, 1 cutting, 2 not cutting.
+ * Reads and writes tool grids as uint8 NRRD files: 0 is empty, 1 is cutting, 2 is not cutting.
  *
- * NRRD's origin is the centre of the first voxel; a tool's corner lies half a
- * voxel before it.  Half of an odd number of picometres is not a length here, so
- * the corner itself is stored in osteon_tool_corner_mm. It is used if it agrees
- * with the origin to a picometre; otherwise one of the two has been changed and
- * the file is refused.  A file without it (any uint8 NRRD with cubic voxels, such
- * as a segmentation from 3D Slicer) has corner = origin - RHE(voxel / 2).
+ * The origin of a NRRD file is the centre of the first voxel, and a tool's corner lies half a voxel before this
+ * centre. Half of an odd number of picometres cannot be represented, so the corner itself is stored in the key
+ * osteon_tool_corner_mm. The stored corner is used if it agrees with the origin to a picometre; otherwise one of the
+ * two has been changed, and the file is refused. If the key is missing, as in a segmentation from 3D Slicer or any
+ * other uint8 NRRD file with cubic voxels, corner = origin - RHE(voxel / 2).
  */
 #include <osteon/io.h>
 
@@ -83,7 +82,7 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
     ost_element element;
     ost_tool_geometry tool;
     memset(out, 0, sizeof *out);
-    /* The header is read first, so that a file that is not a tool is refused before its voxels are read. */
+    /* The header is read first, so that a file that is not a tool is refused before any voxel is read. */
     ost_status status = ost_volume_read_any(path, NULL, NULL, &geometry, &meta, &report, &element, err);
     if (status == OST_OK && element != OST_ELEMENT_UINT8)
         status = ost_fail(err, OST_ERR_INPUT, "%s: voxels are %s; expected uint8 (0 void, 1 cutting, 2 not cutting)",

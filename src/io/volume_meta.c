@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Replaces the facts of an existing volume.
+ * Replaces the header facts of an existing volume.
  *
  *   NRRD    header lines --copied except osteon_KEY:=VALUE--> new lines --> an empty line, and every byte after it
  *   NIfTI   written by osteon: read, and written again with the other facts
  *
- * In both formats the result is written through an output file (outfile.h), so the old
- * file remains until the new one is complete.
+ * In both formats, the result is written through an output file (outfile.h), so the old file remains until the new
+ * file is complete.
  */
 #include <osteon/io.h>
 
@@ -20,9 +20,8 @@
 #include "io/volume/input.h"
 
 /*
- * Reads one line with its newline, if it has one. *size is 0 at the end. The header
- * has been checked before, so a line that does not fit means that the file has
- * changed.
+ * Reads one line, including its newline if there is one. At the end, *size is 0. The header has been checked before,
+ * so a line that does not fit means that the file has changed since then.
  */
 static ost_status next_line(ost_input *input, char *line, size_t capacity, size_t *size, ost_error *err)
 {
@@ -66,7 +65,7 @@ static ost_status copy_nrrd(ost_input *input, const ost_meta *meta, ost_outfile 
             status = put_facts(out, meta, err);
         if (status == OST_OK && (strncmp(block, "osteon_", 7) != 0 || !strstr(block, ":=")))
             status = ost_outfile_write(out, block, size, err);
-        /* A detached header may end without a newline. */
+        /* The last line of a detached header may have no newline. */
         if (status == OST_OK && size > 0 && block[size - 1] != '\n')
             status = ost_outfile_write(out, "\n", 1, err);
     }

@@ -20,8 +20,8 @@
 #include "io/volume_read.h"
 
 /*
- * Returns the file to read for path. x.img is the second half of a NIfTI pair
- * whose header is x.hdr: then the header's name is written to out and returned.
+ * Returns the file that must be read for `path`. If `path` is x.img, the second file of a NIfTI pair, this is its
+ * header x.hdr; the header's name is written to `out`.
  */
 static const char *header_of(const char *path, char *out, size_t capacity)
 {
@@ -55,7 +55,7 @@ static ost_status unknown(const char *path, const unsigned char *bytes, size_t s
                     path, start);
 }
 
-/* Returns OST_ERR_USAGE if the options have a member that only DICOM has. */
+/* Returns OST_ERR_USAGE if an option is set that applies only to DICOM. */
 static ost_status check_not_dicom(const char *path, const ost_volume_options *options, ost_error *err)
 {
     const char *name = !options             ? NULL

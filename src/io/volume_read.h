@@ -8,8 +8,8 @@
 #include "io/volume/target.h"
 
 /*
- * The common part of ost_volume_read and ost_volume_read_header. The voxels are not read if target is NULL; options may
- * be NULL; no other pointer may be.
+ * Implements ost_volume_read and ost_volume_read_header. If target is NULL, the voxels are not read. options may be
+ * NULL; no other pointer may be NULL.
  */
 ost_status ost_volume_read_any(const char *path, const ost_volume_options *options, const ost_target *target,
                                ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,

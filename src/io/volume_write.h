@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes volumes. The ending of the name selects the format. */
+/* Writes volumes. The ending of the file name selects the format. */
 #ifndef OST_IO_VOLUME_WRITE_H
 #define OST_IO_VOLUME_WRITE_H
 
@@ -16,16 +16,15 @@ typedef enum ost_volume_format {
     OST_FORMAT_TEXT
 } ost_volume_format;
 
-/* Returns the format for the ending of a name, without regard to case. */
+/* Returns the format that the ending of a file name selects; case is ignored. */
 ost_volume_format ost_volume_format_of(const char *path);
 /* Returns OST_ERR_USAGE with a message that names the supported endings. */
 ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 
 /*
- * Opens a writer for a volume in any format except text.  element is int16 or, for NRRD
- * only, uint8.  odd_voxel (NRRD only): the origin lies half a picometre further on every
- * axis, as a tool requires whose voxel size in picometres is odd (AR-FILE-3).  fields (NRRD
- * only): further lines of the header, or NULL.
+ * Opens a writer for a volume in any format except text. element is int16 or, for NRRD only, uint8. If odd_voxel is
+ * set (NRRD only), the origin lies half a picometre further on every axis; a tool whose voxel size in picometres is
+ * odd requires this (AR-FILE-3). `fields` (NRRD only) contains further lines of the header; it may be NULL.
  */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
                                   const char *fields, ost_element element, bool odd_voxel,

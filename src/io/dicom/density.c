@@ -5,7 +5,10 @@
 
 enum { CELL_PADDED = 1, CELL_ROUNDED = 2, CELL_CLAMPED = 4, CELL_BEYOND = 8 };
 
-/* Returns the value of a cell: its stored bits, which end at the high bit, with the sign of the uppermost one. */
+/*
+ * Returns the value of a pixel cell: the stored bits, whose uppermost bit is the high bit. If pixels are signed, the
+ * sign is extended.
+ */
 static int32_t value_of(const ost_dicom_frame *f, uint16_t cell)
 {
     const int bits = f->bits_stored;
@@ -13,7 +16,10 @@ static int32_t value_of(const ost_dicom_frame *f, uint16_t cell)
     return f->flags & OST_DICOM_IMAGE_SIGNED && value >> (bits - 1) ? value - (1 << bits) : value;
 }
 
-/* Padding may be outside the range of the stored bits; it is then compared with the complete cell. */
+/*
+ * Returns true if a pixel is padding. The padding values are compared with the pixel's value and with the complete
+ * cell, because they may lie outside the range of the stored bits.
+ */
 static bool is_padding(const ost_dicom_frame *f, uint16_t cell, int32_t value)
 {
     const int32_t complete = f->flags & OST_DICOM_IMAGE_SIGNED ? (int16_t)cell : cell;

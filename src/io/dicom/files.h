@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The files that a path to DICOM stands for: all regular files in a folder and its subfolders, in the
- * order of their names; or the file itself. A DICOMDIR stands for its folder. Symbolic links in the
- * folder are not followed, so the files cannot be outside of it.
+ * Lists the DICOM files that a path denotes. For a folder, these are all regular files in the folder and its
+ * subfolders, in the order of their names. For a file, it is this file; but a file named DICOMDIR denotes its folder.
+ * Symbolic links in the folder are not followed, so that no file outside the folder is listed.
  */
 #ifndef OST_IO_DICOM_FILES_H
 #define OST_IO_DICOM_FILES_H
@@ -16,7 +16,7 @@ typedef struct ost_dicom_files {
     char **path; /* owned */
 } ost_dicom_files;
 
-/* *out is initialised here and is empty after a failure. */
+/* Lists the files of `path`. The function initialises *out, which is empty after a failure. */
 ost_status ost_dicom_files_find(const char *path, ost_dicom_files *out, ost_error *err);
 void ost_dicom_files_free(ost_dicom_files *files);
 

@@ -6,7 +6,7 @@
 
 #include <osteon/grid.h>
 
-/* Computes RHE(text * factor) of a text that is one decimal within +-limit. Returns false for any other text. */
+/* Computes RHE(text * factor). Returns false if the text is not exactly one decimal within +-limit. */
 static bool read_decimal(const char *text, int64_t factor, int64_t limit, int64_t *out)
 {
     const char *end = text + strlen(text);
@@ -15,7 +15,10 @@ static bool read_decimal(const char *text, int64_t factor, int64_t limit, int64_
            *out <= limit && *out >= -limit;
 }
 
-/* Reads `count` decimals of an attribute. Records the first one that is missing or bad, unless another is recorded. */
+/*
+ * Reads `count` decimals of an attribute. The first attribute of the image that is missing or bad is recorded as its
+ * defect.
+ */
 static void read_attribute(ost_dicom_frame *frame, ost_dicom_attribute attribute,
                            const char (*texts)[OST_DICOM_DECIMAL], int count, int64_t factor, int64_t limit,
                            int64_t *out)

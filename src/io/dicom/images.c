@@ -7,7 +7,7 @@
 
 #include "io/dicom/request.h"
 
-/* Starts process p, which reads the images p, p + n, p + 2 n, ... of the stack, n being the number of processes. */
+/* Starts process p, which reads the images p, p + n, p + 2 n, ... of the stack. n is the number of processes. */
 static ost_status start(ost_dicom_images *images, const ost_dicom_launch *launch, size_t p, ost_error *err)
 {
     static const uint8_t no_salt[OST_DICOM_SALT];
@@ -91,7 +91,7 @@ static ost_status read_image(ost_dicom_images *images, uint16_t *to, ost_error *
     return status == OST_OK ? ost_dicom_refuse(path, (ost_dicom_result)result, err) : status;
 }
 
-/* Returns true if equal cells of two images have equal densities. */
+/* Returns true if equal cells in the two images represent equal densities. */
 static bool same_meaning(const ost_dicom_frame *a, const ost_dicom_frame *b)
 {
     return a->slope == b->slope && a->intercept == b->intercept && a->bits_stored == b->bits_stored &&

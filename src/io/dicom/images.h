@@ -4,8 +4,9 @@
  *
  *   image 0 from process 0, image 1 from process 1, ..., image n from process 0, ...
  *
- * The processes decode at the same time. Each one waits when its pipe is full, so their memory does not
- * depend on the number of images. Doubled images are compared with their slice and dropped.
+ * The processes decode in parallel. A process waits while its pipe is full, so that its memory does not depend on the
+ * number of images. Several images may have the same position: each further image is compared with the first one and
+ * then dropped.
  */
 #ifndef OST_IO_DICOM_IMAGES_H
 #define OST_IO_DICOM_IMAGES_H
@@ -18,15 +19,18 @@ typedef struct ost_dicom_images {
     ost_dicom_process process[OST_DICOM_PROCESSES_MAX];
     size_t processes;
     size_t next_image, next_slice;
-    size_t bytes;     /* of an image */
-    uint16_t *cells;  /* owned; the last slice that was read */
-    uint16_t *other;  /* owned; a doubled image; NULL if there are none */
+    size_t bytes;     /* size of an image in bytes */
+    uint16_t *cells;  /* owned; cells of the slice that was read last */
+    uint16_t *other;  /* owned; cells of a further image at the slice's position; NULL if there are none */
 } ost_dicom_images;
 
-/* Starts the processes. *out is initialised here, uses the stack, and may be closed after a failure. */
+/*
+ * Starts the processes. The function initialises *out, which refers to the stack and may be closed even after a
+ * failure.
+ */
 ost_status ost_dicom_images_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, ost_dicom_images *out,
                                  ost_error *err);
-/* Reads the next slice into images->cells, and sets *frame to its image. */
+/* Reads the cells of the next slice into images->cells, and sets *frame to the slice's image. */
 ost_status ost_dicom_images_next(ost_dicom_images *images, const ost_dicom_frame **frame, ost_error *err);
 void ost_dicom_images_close(ost_dicom_images *images);
 

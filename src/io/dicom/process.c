@@ -91,7 +91,10 @@ static bool limit(int what, uint64_t value)
     return setrlimit((__rlimit_resource_t)what, &both) == 0;
 }
 
-/* Runs in the new process, so it calls only functions that are safe after a fork of a process with threads. */
+/*
+ * Runs in the new process. Because the process was forked from a process with threads, only async-signal-safe
+ * functions may be called.
+ */
 static void become(const char *program, int request, int output, uint64_t seconds)
 {
     char *argv[] = {(char *)(uintptr_t)program, NULL};
@@ -104,17 +107,17 @@ static void become(const char *program, int request, int output, uint64_t second
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     const int null = open("/dev/null", O_WRONLY);
-    /* The three are moved above 2 first, since they may be 0, 1 or 2 themselves. */
+    /* The three descriptors may themselves be 0, 1 or 2, so they are first duplicated to numbers above 2. */
     const int in = fcntl(request, F_DUPFD, 3), out = fcntl(output, F_DUPFD, 3), errors = fcntl(null, F_DUPFD, 3);
     if (in < 0 || out < 0 || errors < 0 || dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 ||
         dup2(errors, STDERR_FILENO) < 0)
         _exit(CANNOT_START);
     close_range(3, UINT_MAX, 0);
-    /* AddressSanitizer reserves terabytes of address space. */
+    /* With AddressSanitizer, the address space is not limited, because the sanitizer reserves terabytes. */
     if ((!SANITIZED && !limit(RLIMIT_AS, OST_DICOM_MEMORY_MAX)) || !limit(RLIMIT_CPU, seconds) ||
         !limit(RLIMIT_FSIZE, 0) || !limit(RLIMIT_CORE, 0))
         _exit(CANNOT_START);
-    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* valgrind refuses this one */
+    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* under valgrind, this limit cannot be set */
     execve(program, argv, environ);
     _exit(CANNOT_START);
 }
@@ -126,7 +129,7 @@ ost_status ost_dicom_process_start(const ost_dicom_launch *launch, int request, 
     *out = (ost_dicom_process){.pipe = -1, .seconds = launch->seconds ? launch->seconds : OST_DICOM_SECONDS};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot create a pipe: %s", launch->program, strerror(errno));
-    (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* only a matter of speed */
+    (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* only affects speed, so a failure is ignored */
     out->pipe = ends[0];
     const pid_t pid = fork();
     if (pid == 0)
@@ -163,7 +166,7 @@ ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_er
     return ost_fail(err, OST_ERR_INPUT, "%s: the DICOM parser sent an invalid message (%s)", file, what);
 }
 
-/* Reports why the pipe ended. The process has closed it, so it normally has ended, or is about to end. */
+/* Reports why the pipe ended. The process closed the pipe, so it normally has exited or is about to exit. */
 static ost_status explain_end(ost_dicom_process *process, const char *file, ost_error *err)
 {
     int state = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The messages between the library and osteon-dicom, the process that parses DICOM files.
+ * Defines the messages between the library and osteon-dicom, the process that parses DICOM files.
  *
  *   library --request: a file in memory as standard input--> osteon-dicom
  *   library <--messages: a pipe as standard output-- osteon-dicom
@@ -10,15 +10,14 @@
  *                                                    and then the end
  *                                                    after all of them: END
  *
- * A path is a uint32_t with its length in bytes, followed by its bytes without a NUL. Numbers have the
- * byte order of the machine, since both ends are built together; `version` detects an osteon-dicom of
- * another build.
+ * A path is a uint32_t with its length in bytes, followed by its bytes without a NUL. Numbers have the byte order of
+ * the machine, because the library and osteon-dicom are built together. The field `version` detects an osteon-dicom
+ * of another build.
  *
- * The library trusts nothing that it receives: a message has a fixed size for its type, a text is
- * terminated within its field, and an enumeration is below its COUNT. The record of an image contains
- * neither names, identifiers, dates, times nor institutions. The identities of patient, study and frame
- * of reference are SHA-256 digests salted with random bytes of the request, so they can only be compared
- * within one request.
+ * The library checks everything that it receives: a message must have the fixed size of its type, a text must be
+ * terminated within its field, and an enumeration must be below its COUNT. The record of an image contains neither
+ * names, identifiers, dates, times nor institutions. The identities of patient, study and frame of reference are
+ * SHA-256 digests salted with random bytes of the request, so they can only be compared within one request.
  *
  * This header is included from C and C++.
  */
@@ -32,28 +31,31 @@ enum { OST_DICOM_MAGIC = 0x4d43444f, OST_DICOM_VERSION = 1 };
 typedef enum ost_dicom_action { OST_DICOM_SCAN, OST_DICOM_READ } ost_dicom_action;
 
 enum { OST_DICOM_SALT = 16, OST_DICOM_IDENTITY = 32, OST_DICOM_PATH_MAX = 4096 };
-/* Bytes of a text field with its NUL. A DS has at most 16 bytes by the standard; real files have longer ones. */
+/*
+ * Size of a text field in bytes, including its NUL. The standard limits a DS to 16 bytes, but real files contain
+ * longer ones.
+ */
 enum { OST_DICOM_DECIMAL = 40, OST_DICOM_TEXT = 65 };
 
 typedef struct ost_dicom_request {
     uint32_t magic, version;
     uint32_t action; /* ost_dicom_action */
-    uint32_t paths;  /* number of paths that follow */
-    uint32_t images; /* number of ost_dicom_image that follow the paths; 0 for a scan */
+    uint32_t paths;  /* number of paths that follow the request */
+    uint32_t images; /* number of ost_dicom_image structs that follow the paths; 0 for a scan */
     uint8_t salt[OST_DICOM_SALT];
 } ost_dicom_request;
 
-/* An image to read: 2 * columns * rows bytes are expected. */
+/* An image to read. The expected size of its pixels is 2 * columns * rows bytes. */
 typedef struct ost_dicom_image {
-    uint32_t file; /* index of the path */
+    uint32_t file; /* index of the path in the request */
     uint32_t frame;
     uint32_t columns, rows;
 } ost_dicom_image;
 
 typedef enum ost_dicom_type {
-    OST_DICOM_FRAME,  /* payload: ost_dicom_record; index: that of the path */
-    OST_DICOM_FILE,   /* payload: uint32_t, an ost_dicom_result; index: that of the path, or of the image */
-    OST_DICOM_PIXELS, /* payload: rows * columns uint16_t, the stored pixel cells; index: that of the image */
+    OST_DICOM_FRAME,  /* payload: ost_dicom_record; index: index of the path */
+    OST_DICOM_FILE,   /* payload: uint32_t with an ost_dicom_result; index: index of the path or of the image */
+    OST_DICOM_PIXELS, /* payload: the stored pixel cells, rows * columns uint16_t; index: index of the image */
     OST_DICOM_END,    /* no payload */
     OST_DICOM_TYPE_COUNT
 } ost_dicom_type;
@@ -61,68 +63,71 @@ typedef enum ost_dicom_type {
 typedef struct ost_dicom_message {
     uint32_t type; /* ost_dicom_type */
     uint32_t index;
-    uint32_t size; /* bytes of the payload that follows */
+    uint32_t size; /* size of the following payload in bytes */
 } ost_dicom_message;
 
 typedef enum ost_dicom_result {
     OST_DICOM_RESULT_OK,
     OST_DICOM_RESULT_NOT_DICOM,   /* neither the prefix DICM nor a data set that begins with group 0008 */
-    OST_DICOM_RESULT_NO_IMAGE,    /* a report, a structure set, a DICOMDIR and the like */
-    OST_DICOM_RESULT_UNREADABLE,  /* the system refuses to open or read the file */
-    OST_DICOM_RESULT_DAMAGED,     /* truncated, or not well-formed */
-    OST_DICOM_RESULT_UNSUPPORTED, /* a transfer syntax without a decoder here */
-    OST_DICOM_RESULT_NO_JPEG2000, /* a transfer syntax of JPEG 2000, and osteon-dicom was built without OpenJPEG */
-    OST_DICOM_RESULT_UNDECODABLE, /* the decoder refuses the compressed pixels, or gives other dimensions */
-    OST_DICOM_RESULT_MEMORY,      /* out of the memory that osteon-dicom may use */
-    OST_DICOM_RESULT_TOO_LARGE,   /* more bytes, frames or pixels than the limits below */
+    OST_DICOM_RESULT_NO_IMAGE,    /* a DICOM file without an image, such as a report, a structure set or a DICOMDIR */
+    OST_DICOM_RESULT_UNREADABLE,  /* the file cannot be opened or read */
+    OST_DICOM_RESULT_DAMAGED,     /* the file is truncated or not well-formed */
+    OST_DICOM_RESULT_UNSUPPORTED, /* osteon-dicom has no decoder for the transfer syntax */
+    OST_DICOM_RESULT_NO_JPEG2000, /* the transfer syntax is JPEG 2000, but osteon-dicom was built without OpenJPEG */
+    OST_DICOM_RESULT_UNDECODABLE, /* the decoder rejects the pixels, or the decoded image has other dimensions */
+    OST_DICOM_RESULT_MEMORY,      /* decoding needs more memory than osteon-dicom may use */
+    OST_DICOM_RESULT_TOO_LARGE,   /* the file has more bytes, frames or pixels than the limits below */
     OST_DICOM_RESULT_COUNT
 } ost_dicom_result;
 
 enum {
     OST_DICOM_IMAGE_LOCALIZER = 1 << 0, /* ImageType has the value LOCALIZER */
-    OST_DICOM_IMAGE_LOSSY = 1 << 1,     /* LossyImageCompression, or a transfer syntax that is lossy by definition */
+    OST_DICOM_IMAGE_LOSSY = 1 << 1, /* has LossyImageCompression, or a transfer syntax that is lossy by definition */
     OST_DICOM_IMAGE_SIGNED = 1 << 2,
-    OST_DICOM_IMAGE_COLOUR = 1 << 3,    /* more than one sample per pixel, or a palette */
-    OST_DICOM_IMAGE_FLOAT = 1 << 4,     /* FloatPixelData or DoubleFloatPixelData */
-    OST_DICOM_IMAGE_LUT = 1 << 5,       /* a ModalityLUTSequence, which is no straight line */
-    OST_DICOM_IMAGE_PADDED = 1 << 6,    /* padding_first and padding_last are set */
-    OST_DICOM_IMAGE_NUMBERED = 1 << 7,  /* series_number is set */
+    OST_DICOM_IMAGE_COLOUR = 1 << 3,    /* more than one sample per pixel, or a colour palette */
+    OST_DICOM_IMAGE_FLOAT = 1 << 4,     /* has FloatPixelData or DoubleFloatPixelData */
+    OST_DICOM_IMAGE_LUT = 1 << 5,       /* has a ModalityLUTSequence, which is not a linear function */
+    OST_DICOM_IMAGE_PADDED = 1 << 6,    /* padding_first and padding_last are valid */
+    OST_DICOM_IMAGE_NUMBERED = 1 << 7,  /* series_number is valid */
     OST_DICOM_IMAGE_ENCRYPTED = 1 << 8, /* has an EncryptedAttributesSequence */
     OST_DICOM_IMAGE_ALL = (1 << 9) - 1
 };
 
-/* The attributes of an image. A decimal is as written in the file, "" if the attribute is absent or has no value. */
+/*
+ * The attributes of an image. A decimal is stored as the text in the file; the text is "" if the attribute is absent
+ * or empty.
+ */
 typedef struct ost_dicom_record {
-    uint32_t frame;      /* counted from 0 */
-    uint32_t result;     /* ost_dicom_result: OK, or why the pixels of this image cannot be read */
+    uint32_t frame;      /* number of the frame in the file, from 0 */
+    uint32_t result;     /* ost_dicom_result: OK, or the reason why the pixels of this image cannot be read */
     uint32_t flags;      /* OST_DICOM_IMAGE_... */
     uint32_t columns, rows;
     uint32_t bits_allocated, bits_stored, high_bit;
     int32_t series_number;
-    int32_t padding_first, padding_last; /* PixelPaddingValue and PixelPaddingRangeLimit, the smaller one first */
-    uint8_t patient[OST_DICOM_IDENTITY]; /* all 0 if the file does not state it */
+    int32_t padding_first, padding_last; /* PixelPaddingValue and PixelPaddingRangeLimit; the smaller value is first */
+    uint8_t patient[OST_DICOM_IDENTITY]; /* all 0 if the file does not state the patient */
     uint8_t study[OST_DICOM_IDENTITY];
-    uint8_t reference[OST_DICOM_IDENTITY]; /* the frame of reference */
+    uint8_t reference[OST_DICOM_IDENTITY]; /* identity of the frame of reference */
     char position[3][OST_DICOM_DECIMAL];   /* ImagePositionPatient */
     char orientation[6][OST_DICOM_DECIMAL]; /* ImageOrientationPatient */
-    char spacing[2][OST_DICOM_DECIMAL];    /* PixelSpacing: between rows, between columns */
+    char spacing[2][OST_DICOM_DECIMAL];    /* PixelSpacing: distance between rows, distance between columns */
     char thickness[OST_DICOM_DECIMAL];
     char slope[OST_DICOM_DECIMAL], intercept[OST_DICOM_DECIMAL];
-    char syntax[OST_DICOM_TEXT];      /* the UID of the transfer syntax */
+    char syntax[OST_DICOM_TEXT];      /* UID of the transfer syntax */
     char series_uid[OST_DICOM_TEXT];
     char description[OST_DICOM_TEXT]; /* SeriesDescription, truncated */
     char kernel[OST_DICOM_TEXT];      /* ConvolutionKernel, truncated */
     char modality[OST_DICOM_TEXT];
 } ost_dicom_record;
 
-/* Limits, which docs/reference/files.md states. The library and osteon-dicom check them. */
+/* Limits, as documented in docs/reference/files.md. The library and osteon-dicom both check them. */
 enum {
     OST_DICOM_FILES_MAX = 1 << 16,  /* files in a folder */
-    OST_DICOM_IMAGES_MAX = 1 << 16, /* images in these files */
-    OST_DICOM_DEPTH_MAX = 16,       /* folders within folders */
-    OST_DICOM_SIDE_MAX = 16384      /* rows and columns: OST_DIM_MAX */
+    OST_DICOM_IMAGES_MAX = 1 << 16, /* images in all of these files */
+    OST_DICOM_DEPTH_MAX = 16,       /* depth of nested folders */
+    OST_DICOM_SIDE_MAX = 16384      /* greatest number of rows and of columns; equal to OST_DIM_MAX */
 };
 #define OST_DICOM_FILE_BYTES_MAX (INT64_C(1) << 32)
-#define OST_DICOM_MEMORY_MAX (INT64_C(2) << 30) /* address space of osteon-dicom */
+#define OST_DICOM_MEMORY_MAX (INT64_C(2) << 30) /* limit on the address space of osteon-dicom, in bytes */
 
 #endif

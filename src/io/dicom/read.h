@@ -7,11 +7,14 @@
 #include "io/volume/element.h"
 #include "io/volume/target.h"
 
-/* Returns true if a file that starts with these bytes is DICOM. Files without the prefix are found in folders only. */
+/*
+ * Returns true if a file that begins with these bytes is DICOM. A file without the prefix DICM is found only as part
+ * of a folder.
+ */
 bool ost_dicom_sniff(const unsigned char *head, size_t size);
 
 /*
- * Reads a series of a folder, or a file. The parameters are those of ost_volume_read_any (volume_read.h).
+ * Reads one series from a folder, or one file. The parameters are those of ost_volume_read_any (volume_read.h).
  */
 ost_status ost_dicom_read(const char *path, const ost_volume_options *options, const ost_target *target,
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes the request of a process of osteon-dicom into a file in memory. The complete request exists
- * before the process starts, so neither side ever waits for the other to read.
+ * Writes the request of a process of osteon-dicom into a file in memory. The complete request exists before the
+ * process starts, so that neither the library nor the process ever waits for the other to read.
  */
 #ifndef OST_IO_DICOM_REQUEST_H
 #define OST_IO_DICOM_REQUEST_H
@@ -13,8 +13,9 @@
 #include "io/dicom/protocol.h"
 
 /*
- * Creates a request for `paths` and, to read, `images`, whose index `file` counts these paths. salt has
- * OST_DICOM_SALT bytes. Sets *out to a close-on-exec descriptor at position 0, which the caller closes.
+ * Creates a request for `paths` and, to read pixels, for `images`. The field `file` of an image is an index into
+ * `paths`. salt has OST_DICOM_SALT bytes. Sets *out to a close-on-exec descriptor at position 0, which the caller
+ * closes.
  */
 ost_status ost_dicom_request_open(ost_dicom_action action, const uint8_t *salt, const char *const *paths,
                                   size_t path_count, const ost_dicom_image *images, size_t image_count, int *out,

@@ -11,7 +11,10 @@
 #include "core/printable.h"
 #include "io/dicom/request.h"
 
-/* A process starts in about 20 ms, and scans about 3,000 files per second. */
+/*
+ * Smallest number of files for which a process is started. A process starts in about 20 ms and scans about 3,000
+ * files per second.
+ */
 enum { FILES_PER_PROCESS = 64 };
 
 void ost_dicom_scan_free(ost_dicom_scan *scan)
@@ -63,7 +66,7 @@ static bool is_terminated(const char *text, size_t size)
     return memchr(text, '\0', size) != NULL;
 }
 
-/* Checks that every text of a record ends within its field, and that its enumerations exist. */
+/* Returns true if every text of a record ends within its field and every enumeration has a defined value. */
 static bool is_valid(const ost_dicom_record *r)
 {
     bool valid = r->result < OST_DICOM_RESULT_COUNT && (r->flags & ~(uint32_t)OST_DICOM_IMAGE_ALL) == 0 &&
@@ -102,7 +105,10 @@ static ost_status grow(const char *path, void **items, size_t *capacity, size_t 
     return OST_OK;
 }
 
-/* Finds the series of a record, or begins it. The series of the image before it is tried first. */
+/*
+ * Finds the series of a record, and adds a new series if there is none. The series of the previous image is tried
+ * first.
+ */
 static ost_status find_series(ost_dicom_scan *scan, const char *file, const ost_dicom_record *record, uint32_t *out,
                               ost_error *err)
 {
@@ -166,7 +172,7 @@ ost_status ost_dicom_scan_add(ost_dicom_scan *scan, size_t file, const ost_dicom
 
 /* ------------------------------------------------------------------- scan */
 
-/* Receives the messages about files first to end - 1. */
+/* Receives the messages about the files with the indices from `first` to `end` - 1. */
 static ost_status receive(ost_dicom_scan *scan, ost_dicom_process *process, size_t first, size_t end, ost_error *err)
 {
     size_t at = first;

@@ -23,7 +23,10 @@ static bool matches(const ost_dicom_group *group, const char *wanted)
            (group->uid[0] && strcmp(wanted, group->uid) == 0);
 }
 
-/* Returns the error for a series that is not a volume. A damaged file may contain the images that are missing. */
+/*
+ * Returns the error for a series that is not a volume. If an image of the series cannot be read, this is the error of
+ * its file, because the file may contain a missing slice.
+ */
 static ost_status too_few(const ost_dicom_scan *scan, size_t series, ost_error *err)
 {
     char name[OST_DICOM_SERIES_NAME];
@@ -38,7 +41,7 @@ static ost_status too_few(const ost_dicom_scan *scan, size_t series, ost_error *
     return ost_fail(err, OST_ERR_INPUT, "%s: %s has no image that can be a slice of a CT", scan->path, name);
 }
 
-/* Returns the error for a folder with several series that are volumes, with their numbers. */
+/* Returns the error for a folder that contains several volumes. The message lists the numbers of their series. */
 static ost_status several(const ost_dicom_scan *scan, size_t count, ost_error *err)
 {
     char numbers[160] = "";

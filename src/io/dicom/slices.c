@@ -7,7 +7,7 @@
 
 #include "core/integer.h"
 
-/* A slice within 1 um of an even position is taken unchanged. */
+/* A slice that lies within 1 um of the requested position is used unchanged. */
 static const ost_pm SAME = OST_PM_PER_MM / 1000;
 
 /* -------------------------------------------------------------- resampling */
@@ -15,7 +15,8 @@ static const ost_pm SAME = OST_PM_PER_MM / 1000;
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to)
 {
-    /* Pixel 0 of the result lies at -margin * spacing - drift from pixel 0 of the slice: whole pixels and a part. */
+    /* In the slice, pixel 0 of the result lies at -margin * spacing - drift. This position is divided into `whole`
+     * pixels and the part of a pixel `part`; `rest` is the complement of the part. */
     int64_t whole[2], part[2], rest[2];
     for (int a = 0; a < 2; a++) {
         const int64_t at = -margin[a] * spacing[a] - drift[a];
@@ -34,7 +35,8 @@ void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const o
                 *out = OST_DICOM_AIR;
                 continue;
             }
-            /* Spacings are below 2^37, so a sum of two densities is below 2^53, and of two of these below 2^91. */
+            /* A spacing is below 2^37, so the weighted sum of two densities is below 2^53, and the weighted sum of
+             * two such sums is below 2^91. */
             const int16_t *p = from + y * columns + x, *q = part[1] ? p + columns : p;
             const int64_t upper = p[0] * rest[0] + p[part[0] > 0] * part[0];
             const int64_t lower = q[0] * rest[0] + q[part[0] > 0] * part[0];
@@ -57,7 +59,8 @@ static int64_t greatest_divisor(int64_t a, int64_t b)
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to)
 {
     const int64_t common = greatest_divisor(gap, part), p = part / common, g = gap / common, r = g - p;
-    /* Positions in a file are usually multiples of 1 um, so the reduced gap is small, and 64 bits suffice. */
+    /* Positions in a file are usually multiples of 1 um, so the reduced gap is usually small enough for 64-bit
+     * arithmetic. */
     if (g < INT64_C(1) << 46)
         for (size_t i = 0; i < count; i++)
             to[i] = (int16_t)ost_rhe_div(before[i] * r + after[i] * p, g);
@@ -98,7 +101,7 @@ void ost_dicom_slices_close(ost_dicom_slices *slices)
     slices->plain = slices->before = slices->after = slices->mixed = NULL;
 }
 
-/* Converts `count` cells from number `from` of the slice that was read. */
+/* Converts `count` cells of the slice that was read last, beginning with cell `from`. */
 static ost_status convert(ost_dicom_slices *s, size_t from, size_t count, int16_t *out, ost_error *err)
 {
     int32_t value = 0;
@@ -124,7 +127,7 @@ static ost_status read_slice(ost_dicom_slices *s, ost_error *err)
     return status;
 }
 
-/* Reads the next slice, converts it and, if the stack is untilted, shears it. */
+/* Reads the next slice and converts it to densities. If the option to untilt is set, also shears the slice. */
 static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *err)
 {
     const ost_dicom_stack *stack = s->images.stack;
@@ -139,9 +142,9 @@ static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *er
 }
 
 /*
- * Makes slice k of an even result, which lies at k * extent / steps. The two slices that surround it are in
- * memory: `before` is slice index - 2 of the stack, `after` is slice index - 1. All positions are multiplied by
- * steps, which keeps them below 2^46 * 2^14.
+ * Computes slice k of a stack with even distances. The slice lies at k * extent / steps. The two stack slices around
+ * this position are in memory: `before` has the index s->index - 2, and `after` has the index s->index - 1. Positions
+ * are multiplied by steps and are therefore below 2^46 * 2^14.
  */
 static ost_status make_even(ost_dicom_slices *s, int64_t k, ost_error *err)
 {

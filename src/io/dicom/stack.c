@@ -83,7 +83,7 @@ static ost_status check_pixels(const char *path, const ost_dicom_frame *f, ost_e
 
 /* ----------------------------------------------------------- pairs of images */
 
-/* Returns true if two identities are stated and differ. */
+/* Returns true if the two identities differ. An identity that a file does not state differs from no other. */
 static bool differ(const uint8_t a[OST_DICOM_IDENTITY], const uint8_t b[OST_DICOM_IDENTITY])
 {
     static const uint8_t none[OST_DICOM_IDENTITY];
@@ -91,7 +91,7 @@ static bool differ(const uint8_t a[OST_DICOM_IDENTITY], const uint8_t b[OST_DICO
            memcmp(b, none, sizeof none) != 0;
 }
 
-/* Returns true if, over `steps` pixels, a difference of two lengths adds up to more than 1/8 of `spacing`. */
+/* Returns true if the difference between the two lengths, multiplied by `steps` pixels, exceeds 1/8 of `spacing`. */
 static bool is_beyond(int64_t a, int64_t b, int32_t steps, int64_t spacing)
 {
     const int64_t difference = a > b ? a - b : b - a;
@@ -124,13 +124,16 @@ static ost_status check_pair(const char *path, const ost_dicom_frame *f, const c
 
 /* ------------------------------------------------------------------- order */
 
-/* An image and its position along the normal, relative to any one image. */
+/* An image and its position along the stack's normal. Positions are relative to an arbitrary image of the stack. */
 typedef struct placed {
     const ost_dicom_frame *frame;
     ost_pm along;
 } placed;
 
-/* Computes the normal of an image, the product of its directions, as an integer times 10^-9 (RHE). */
+/*
+ * Computes the normal of an image as integers times 10^-9 (RHE). The normal is the vector product of the image's two
+ * directions.
+ */
 static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 {
     const int64_t *r = f->direction[0], *c = f->direction[1];
@@ -141,8 +144,8 @@ static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 }
 
 /*
- * Computes the component of b - a along a direction d, in units of its length: RHE((b - a) d 10^9 / (d d)).
- * |b - a| < 2^45 per component and |d| < 2^31, so the dividend is below 3 * 2^106.
+ * Computes the component of b - a along the direction d, as a multiple of the length of d: RHE((b - a) d 10^9 / (d
+ * d)). Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
  */
 static ost_pm component(const ost_pm a[3], const ost_pm b[3], const int64_t d[3])
 {
@@ -164,7 +167,10 @@ static int by_position(const void *x, const void *y)
     return a->frame->frame < b->frame->frame ? -1 : a->frame->frame > b->frame->frame;
 }
 
-/* Divides the ordered images into slices. Images within 1 um of a slice's first image double it. */
+/*
+ * Divides the ordered images into slices. An image within 1 um of a slice's first image becomes a double of this
+ * slice.
+ */
 static void divide(ost_dicom_stack *stack, const placed *images)
 {
     const ost_dicom_frame *first = images[0].frame;
@@ -183,7 +189,7 @@ static void divide(ost_dicom_stack *stack, const placed *images)
     }
 }
 
-/* Checks every image of the series, and each against the first, and orders them. */
+/* Checks every image of the series, compares each image with the first one, and orders the images. */
 static ost_status order(ost_dicom_stack *stack, size_t series, ost_error *err)
 {
     const ost_dicom_scan *scan = stack->scan;
@@ -238,7 +244,10 @@ static int by_length(const void *x, const void *y)
     return a < b ? -1 : a > b;
 }
 
-/* Computes the median distance of neighbouring slices (the lower of two). Returns 0 if memory is exhausted. */
+/*
+ * Computes the median distance of neighbouring slices; of two middle values, the lower one. Returns 0 if memory is
+ * exhausted.
+ */
 static ost_pm median_gap(const ost_dicom_stack *stack)
 {
     const size_t count = stack->slice_count - 1;
@@ -258,14 +267,14 @@ static ost_pm magnitude(ost_pm a)
     return a < 0 ? -a : a;
 }
 
-/* Finds the slice farthest from its position at equal distances. Returns its distance from there (RHE). */
+/* Finds the slice whose distance from its evenly spaced position is greatest. Returns this distance (RHE). */
 static ost_pm worst_slice(const ost_dicom_stack *stack, size_t *out)
 {
     const int64_t steps = (int64_t)stack->slice_count - 1;
     const ost_pm extent = stack->slices[steps].along;
     ost_pm worst = -1;
     for (int64_t k = 0; k <= steps; k++) {
-        /* along and extent are below 2^46, k and steps below 2^16. */
+        /* `along` and `extent` are below 2^46, and `k` and `steps` are below 2^16. */
         const ost_pm off = magnitude(ost_rhe_div(stack->slices[k].along * steps - k * extent, steps));
         if (off > worst) {
             worst = off;
@@ -280,7 +289,7 @@ static ost_pm tolerance(ost_pm distance)
     return distance / SHARE < EVEN_MOST ? distance / SHARE : EVEN_MOST;
 }
 
-/* Returns the error for slices that are not even. */
+/* Returns the error for slices that are not evenly spaced. */
 static ost_status refuse_uneven(const ost_dicom_stack *stack, size_t worst, ost_pm off, ost_pm median, ost_error *err)
 {
     size_t widest = 1;
@@ -305,7 +314,7 @@ static ost_status refuse_uneven(const ost_dicom_stack *stack, size_t worst, ost_
                     ost_pm_format(ost_rhe_div(stack->slices[steps].along, steps), b));
 }
 
-/* Decides the number of slices of the result. */
+/* Computes the number of slices of the result. */
 static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dicom_report *report, int64_t *steps,
                               ost_error *err)
 {
@@ -326,7 +335,7 @@ static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dico
     return OST_OK;
 }
 
-/* Returns the error for slices that are not above each other, or OST_OK. */
+/* Returns OST_OK if the slices lie straight above each other or may be shifted, otherwise the error. */
 static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing[2], ost_error *err)
 {
     const int64_t steps = (int64_t)stack->slice_count - 1, counted = steps > LEAST_STEPS ? steps : LEAST_STEPS;
@@ -334,7 +343,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     char a[OST_PM_TEXT];
     for (int axis = 0; axis < 2; axis++)
         for (int64_t k = 1; k < steps; k++) {
-            /* The line through the first and the last slice, at this slice's position along the normal. */
+            /* position, at this slice's height, on the line through the first and the last slice */
             const ost_pm line = (ost_pm)ost_rhe_div128((ost_i128)last->drift[axis] * stack->slices[k].along,
                                                        last->along);
             const ost_pm off = magnitude(stack->slices[k].drift[axis] - line);
@@ -369,7 +378,7 @@ static void add_margins(ost_dicom_stack *stack, const ost_pm spacing[2], int64_t
         const int64_t before = -ost_floor_div(least, spacing[axis]), after = ost_ceil_div(greatest, spacing[axis]);
         report->sheared = greatest - least > report->sheared ? greatest - least : report->sheared;
         sizes[axis] += before + after;
-        /* A size beyond OST_DIM_MAX is refused by ost_rows_sizes. */
+        /* A size beyond OST_DIM_MAX is refused later by ost_rows_sizes. */
         stack->margin[axis] = before <= OST_DIM_MAX ? (int32_t)before : OST_DIM_MAX;
         for (int w = 0; w < 3; w++)
             stack->affine.origin[w] -= stack->margin[axis] * stack->affine.column[axis][w];
@@ -377,7 +386,10 @@ static void add_margins(ost_dicom_stack *stack, const ost_pm spacing[2], int64_t
     stack->untilted = report->sheared > 0;
 }
 
-/* Sets the step from slice to slice: along the line through the first and the last, or along the normal if untilted. */
+/*
+ * Computes the vector from one slice to the next. It lies along the line through the first and the last slice or, if
+ * the stack is untilted, along the normal.
+ */
 static void set_slice_axis(ost_dicom_stack *stack, int64_t steps)
 {
     const ost_dicom_frame *first = stack->images[0],

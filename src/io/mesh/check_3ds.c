@@ -19,7 +19,7 @@ enum { MAIN = 0x4d4d, EDITOR = 0x3d3d, OBJECT = 0x4000, MESH = 0x4100, VERTICES 
 
 typedef struct mesh_part {
     uint32_t vertices, faces;
-    uint32_t greatest; /* greatest index used, plus 1 */
+    uint32_t greatest; /* greatest vertex index that a face uses, plus 1 */
     size_t faces_at;
 } mesh_part;
 
@@ -71,7 +71,7 @@ static ost_status faces(mesh_input *in, size_t at, size_t end, mesh_part *part, 
         }
         status = ost_mesh_input_face(in, 3, err);
     }
-    /* The chunks that follow name materials and smoothing groups; each is disabled. */
+    /* The remaining chunks name materials and smoothing groups. Each of them is disabled. */
     for (size_t next = at + 2 + 8 * (size_t)part->faces; status == OST_OK && next < end;) {
         if (end - next < HEAD || get32(in, next + 2) < HEAD || get32(in, next + 2) > end - next)
             return fail_at(in, next, "a chunk whose size does not fit into the one around it", err);
@@ -90,7 +90,10 @@ static ost_status end_mesh(mesh_input *in, const mesh_part *part, ost_error *err
     return OST_OK;
 }
 
-/* Checks the chunks in [at, end) of a chunk of kind `around`; the recursion is at most four levels deep. */
+/*
+ * Checks the chunks in [at, end), which lie inside a chunk of kind `around`. The recursion is at most four levels
+ * deep.
+ */
 static ost_status chunks(mesh_input *in, size_t at, size_t end, uint32_t around, mesh_part *part, ost_error *err)
 {
     ost_status status = OST_OK;

@@ -21,7 +21,7 @@ typedef struct obj {
     mesh_text text;
     mesh_plain plain;
     int64_t vertices;
-    int64_t greatest; /* greatest index used so far, and its line */
+    int64_t greatest; /* greatest vertex index used so far, and the line that uses it */
     long greatest_line;
     bool body_has_faces;
 } obj;
@@ -47,7 +47,7 @@ static ost_status vertex(obj *o, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; expected 1", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
     putc('v', o->plain.out);
-    for (int i = 0; i < 3; i++) /* assimp does not accept a number that begins with the decimal point */
+    for (int i = 0; i < 3; i++) /* a number may begin with the decimal point, which assimp does not accept */
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);
     if (++o->vertices > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)
@@ -88,8 +88,8 @@ static ost_status face(obj *o, ost_error *err)
 }
 
 /*
- * Replaces each backslash and the newline after it by blanks. The joined lines then
- * count as one, so line numbers in messages about later lines are too small.
+ * Replaces each backslash and the newline after it by blanks. The joined lines count as one line, so messages about
+ * later lines state line numbers that are too small.
  */
 static void join_lines(char *at, const char *end)
 {

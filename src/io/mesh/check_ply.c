@@ -41,8 +41,8 @@ static const size_t type_bytes[] = {
 typedef struct property {
     value_type count_type; /* NO_TYPE for a scalar property */
     value_type type;
-    int axis; /* 0 to 2 for a coordinate of a vertex; else -1 */
-    bool corners; /* true for the list of vertices of a face */
+    int axis; /* 0 to 2 if the property is a coordinate of a vertex; otherwise -1 */
+    bool corners; /* true if the property is the list of a face's vertices */
 } property;
 
 typedef struct element {
@@ -54,7 +54,7 @@ typedef struct element {
 
 typedef struct ply {
     mesh_input *in;
-    mesh_text text; /* the header and an ASCII body; text.at is also the position in a binary body */
+    mesh_text text; /* header and ASCII body; in a binary body, text.at is also the current position */
     FILE *out;
     int format;
     int element_count;
@@ -62,11 +62,11 @@ typedef struct ply {
     int64_t vertices;
 } ply;
 
-/* A value, both as its bytes in the file and as a number. */
+/* A value of the file, as bytes and as a number. */
 typedef struct value {
     const char *text;
     size_t size;
-    double number; /* NAN for an ASCII word that is not an integer; only the text of that word is used */
+    double number; /* NAN if an ASCII word is not an integer; then only the text of the word is used */
 } value;
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
@@ -146,8 +146,8 @@ static ost_status read_property(ply *p, ost_error *err)
 }
 
 /*
- * Checks that a vertex has exactly one x, one y and one z, all of float types, that
- * the vertices come before the faces, and that a face has exactly one list of vertices.
+ * Checks the layout: a vertex has exactly one x, one y and one z, all of float types; the vertices precede the faces;
+ * and a face has exactly one list of vertices.
  */
 static ost_status check_layout(const ply *p, ost_error *err)
 {
@@ -261,7 +261,7 @@ static ost_status bad_value(const ply *p, int64_t index, const char *what, const
                     (size_t)(p->text.at - (char *)p->in->bytes), what, (long long)index, expected);
 }
 
-/* Writes an index in the file's own byte order. */
+/* Writes an index in the byte order of the file. */
 static void put_index(const ply *p, uint32_t index)
 {
     if (p->format == ASCII) {
@@ -290,7 +290,7 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    const uint64_t count = (uint64_t)v.number; /* a value takes at least 1 byte: the file's size limits the loop */
+    const uint64_t count = (uint64_t)v.number; /* a value takes at least 1 byte, so the file's size limits the loop */
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {
         status = next_value(p, q->type, &v, err);
@@ -340,7 +340,7 @@ static ost_status read_body(ply *p, ost_error *err)
     ost_status status = OST_OK;
     for (int i = 0; status == OST_OK && i < p->element_count; i++) {
         const element *e = &p->elements[i];
-        /* An element without properties has no data for any count, so it is skipped. */
+        /* An element without properties is skipped, because it has no data, whatever its count is. */
         for (int64_t n = 0; status == OST_OK && e->property_count && n < e->count; n++)
             status = read_body_element(p, e, n, err);
     }
@@ -349,7 +349,7 @@ static ost_status read_body(ply *p, ost_error *err)
     return status;
 }
 
-/* Writes the plain header. Called after the triangles have been counted. */
+/* Writes the plain header. The triangles must have been counted before. */
 static void put_header(const ply *p, FILE *out)
 {
     static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loads a mesh file, determines its kind, and splits the text formats into words. */
+/* Loads a mesh file, determines its kind, and splits text into words. */
 #include "io/mesh/input.h"
 
 #include <errno.h>
@@ -11,7 +11,10 @@
 
 #include "core/file.h"
 
-/* Twice the size of a binary STL with OST_MESH_FILE_TRIANGLES_MAX triangles; for text, 128 bytes per triangle. */
+/*
+ * Largest size of a mesh file in bytes: twice the size of a binary STL file with OST_MESH_FILE_TRIANGLES_MAX
+ * triangles, or 128 bytes per triangle in a text file.
+ */
 #define FILE_MAX (INT64_C(1) << 30)
 
 enum { STL_HEADER = 84, STL_RECORD = 50, STL_SNIFF = 4096 };
@@ -29,9 +32,8 @@ static uint64_t stl_count(const mesh_input *in)
 }
 
 /*
- * Returns the kind of an STL file. A binary STL may begin with "solid", so it is
- * recognized by its size. A text contains no zero byte. file_size may be greater
- * than in->size, the number of bytes in memory.
+ * Returns the kind of an STL file. A binary STL file may begin with "solid" and is therefore recognised by its size.
+ * A text file contains no zero byte. file_size may be greater than in->size, which is the number of bytes in memory.
  */
 static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
 {
@@ -50,7 +52,10 @@ static const char *extension_of(const char *path)
     return dot ? dot + 1 : "";
 }
 
-/* Refuses a binary STL by its first bytes and its size, before the remaining bytes are read. */
+/*
+ * Checks the first bytes and the size of a binary STL file, and refuses a wrong file before its remaining bytes are
+ * read.
+ */
 static ost_status check_stl_header(const ost_file *file, const char *path, ost_error *err)
 {
     uint8_t sniffed[STL_SNIFF + 1] = {0};
@@ -196,10 +201,9 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 }
 
 /*
- * Accepts only magnitudes below 10^38, because the greatest float32 is 3.4 * 10^38.
- * A magnitude is less than 10^(digits of the mantissa + exponent). A value that
- * nevertheless becomes infinite is detected after assimp has converted it. A word of
- * more than 64 bytes is not a coordinate.
+ * Returns true if the word is a decimal whose magnitude is below 10^38; the greatest float32 is 3.4 * 10^38. A
+ * magnitude is less than 10^(digits of the mantissa + exponent). A value that nevertheless becomes infinite is
+ * detected after assimp has converted it. A word of more than 64 bytes is not a coordinate.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

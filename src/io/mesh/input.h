@@ -27,18 +27,21 @@ typedef struct mesh_input {
     mesh_kind kind;
     uint8_t *bytes; /* owned; followed by one zero byte */
     size_t size;
-    uint64_t faces;     /* number of primitives of any kind, counted by the check */
-    uint64_t triangles; /* number of triangles into which the polygons are divided */
+    uint64_t faces;     /* number of primitives (points, lines and polygons) that the check counted */
+    uint64_t triangles; /* number of triangles that the polygons are divided into */
     size_t bodies;
 } mesh_input;
 
-/* Reads the file and determines its kind, by its content if the kind has a signature, else by its name. */
+/*
+ * Reads the file and determines its kind. If the kind has a signature, it is recognised by the content, otherwise by
+ * the name.
+ */
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err);
 void ost_mesh_input_free(mesh_input *in);
 
 /*
- * Check a file, with one function per kind. Return OST_ERR_INPUT, with a line number or an offset, if the file has an
- * error.
+ * Functions that check a file; there is one for each kind. They return OST_ERR_INPUT, with a line number or an
+ * offset, if the file has an error.
  */
 ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_stl_ascii(mesh_input *in, ost_error *err);
@@ -46,16 +49,19 @@ ost_status ost_mesh_check_obj(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err);
 
-/* Checks that the count of triangles in the header of a binary STL matches the file's size and is within the limit. */
+/*
+ * Checks the triangle count in the header of a binary STL file: it must match the file's size and be within the
+ * limit.
+ */
 ost_status ost_mesh_check_stl_count(const char *path, uint64_t file_size, uint64_t count, ost_error *err);
 
 /*
- * Counts a face with this many corners. Returns OST_ERR_RANGE if the file then has more than
+ * Counts a face with the given number of corners. Returns OST_ERR_RANGE if the file then has more than
  * OST_MESH_FILE_TRIANGLES_MAX triangles.
  */
 ost_status ost_mesh_input_face(mesh_input *in, uint64_t corners, ost_error *err);
 
-/* The plain form of a file while it is written; it will replace in->bytes. */
+/* The plain form of a file while it is being written. When it is complete, it replaces in->bytes. */
 typedef struct mesh_plain {
     FILE *out;
     ost_memory_stream made;
@@ -63,12 +69,13 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Completes the plain form. status is the result of writing it. If status is OST_OK, replaces in->bytes by the
- * plain form, otherwise leaves in->bytes unchanged. Returns status, or an error that occurs in this function.
+ * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the function
+ * replaces in->bytes by the plain form; otherwise, in->bytes remains unchanged. Returns status, or an error that
+ * occurs in this function.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 
-/* Joins vertices with equal positions. The remaining vertices are in the order of their first occurrence. */
+/* Joins vertices with equal positions. The remaining vertices keep the order of their first occurrence. */
 ost_status ost_mesh_weld(ost_mesh *mesh, ost_error *err);
 
 /* ------------------------------------------------------------------ text */
@@ -85,21 +92,24 @@ typedef struct mesh_word {
     size_t size;
 } mesh_word;
 
-/* Returns the next word on this line; size is 0 at the line's end. Blanks are space, tab, CR, VT, FF. */
+/*
+ * Returns the next word of the current line, or a word of size 0 at the end of the line. Space, tab, CR, VT and FF
+ * count as blanks.
+ */
 mesh_word ost_mesh_text_word(mesh_text *text);
-/* Returns the next word on this or a later line; size is 0 at the text's end. */
+/* Returns the next word on the current or a later line, or a word of size 0 at the end of the text. */
 mesh_word ost_mesh_text_any_word(mesh_text *text);
-/* Moves to the position after the next newline. Returns false at the text's end. */
+/* Moves to the position after the next newline. Returns false at the end of the text. */
 bool ost_mesh_text_next_line(mesh_text *text);
-/* Returns true if word is this keyword, without regard to case. */
+/* Returns true if the word equals the keyword; case is ignored. */
 bool ost_mesh_word_is(mesh_word word, const char *keyword);
 /* Returns true if the complete word is a decimal whose magnitude fits into a float32. */
 bool ost_mesh_word_number(mesh_word word);
-/* Reads the complete word as an integer. Returns false if it is not one. */
+/* Reads the complete word as an integer. Returns false if the word is not an integer. */
 bool ost_mesh_word_integer(mesh_word word, int64_t *out);
 /*
- * Returns at most 40 bytes of the word in quotes for a message, or "the end" if the word is empty. The text is valid
- * until the next call in this thread.
+ * Returns at most 40 bytes of the word, in quotes, for a message. Returns "the end" if the word is empty. The text
+ * remains valid until the next call in the same thread.
  */
 const char *ost_mesh_word_show(mesh_word word);
 

@@ -40,8 +40,8 @@ static const struct {
 };
 
 static const struct {
-    const char *label; /* name of the format in the report */
-    const char *name;  /* assimp selects its reader by this name; no such file exists */
+    const char *label; /* name of the format in reports */
+    const char *name;  /* file name by which assimp selects its reader; no file with this name exists */
     ost_status (*check)(mesh_input *in, ost_error *err);
 } kinds[] = {
     [MESH_STL_BINARY] = {"STL (binary)", "mesh.stl", ost_mesh_check_stl_binary},
@@ -53,7 +53,7 @@ static const struct {
 
 /* --------------------------------------------------- assimp's view of files */
 
-/* An open file; handle.UserData points back to this struct. */
+/* A file that assimp has opened; handle.UserData points back to this struct. */
 typedef struct memory_file {
     struct aiFile handle;
     const mesh_input *in;
@@ -102,7 +102,7 @@ static enum aiReturn memory_seek(struct aiFile *handle, size_t offset, enum aiOr
     memory_file *file = file_of(handle);
     const size_t size = file->in->size;
     size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? file->at : size;
-    size_t to = base + offset; /* a negative offset arrives wrapped modulo 2^64 */
+    size_t to = base + offset; /* a negative offset arrives as an unsigned number modulo 2^64 */
     if (to > size)
         return aiReturn_FAILURE;
     file->at = to;
@@ -150,10 +150,10 @@ static ost_status count_parts(const mesh_input *in, const struct aiScene *scene,
 }
 
 /*
- * Computes RHE(value * unit). Returns false for NaN, infinity and results beyond +-OST_LENGTH_MAX.
- * value = m 2^e with |m| < 2^24, and unit < 2^40, so |m unit| < 2^64.  A value of
- * 2^31 units or more (2147 m in micrometres) is out of range; below that, e < 8.
- * For e < -100 the product is less than 2^-36 pm, which rounds to 0.
+ * Computes RHE(value * unit) in picometres. Returns false for NaN, infinity and results beyond +-OST_LENGTH_MAX.
+ * Write value = m 2^e with |m| < 2^24. Because unit < 2^40, |m unit| < 2^64. A value of 2^31 units or more (2147 m in
+ * micrometres) is out of range; for smaller values, e < 8. For e < -100, the product is less than 2^-36 pm, which
+ * rounds to 0.
  */
 static bool to_pm(float value, int64_t unit, ost_pm *out)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks the number of triangles stated in a binary STL file. */
+/* Checks the triangle count in the header of a binary STL file. */
 #include "io/mesh/input.h"
 
 enum { HEADER = 84, RECORD = 50 };

@@ -6,10 +6,13 @@
 
 #include "io/mesh/frame.h"
 
-/* Writes a mesh in the format of the name's ending, without regard to case: .ply, .obj, otherwise binary STL. */
+/*
+ * Writes a mesh in the format that the ending of `path` selects: .ply, .obj, or otherwise binary STL. Case is
+ * ignored.
+ */
 ost_status ost_mesh_write_any(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
-/* Writes a binary STL as ost_mesh_write_stl does, whose header also states the frame if it is LPS. */
+/* Writes a binary STL file like ost_mesh_write_stl. If the frame is LPS, the header also states the frame. */
 ost_status ost_mesh_write_stl_framed(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "io/mesh/frame.h"
 
-/* Writes an OBJ with vertices and triangles alone. Lengths are exact decimals in millimetres. */
+/* Writes an OBJ file that contains only vertices and triangles. Lengths are exact decimals in millimetres. */
 ost_status ost_mesh_write_obj(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
 #endif

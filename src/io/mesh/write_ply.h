@@ -6,7 +6,7 @@
 
 #include "io/mesh/frame.h"
 
-/* Writes a binary little-endian PLY with vertices as float32 in millimetres. */
+/* Writes a binary little-endian PLY file. Vertices are float32, in millimetres. */
 ost_status ost_mesh_write_ply(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
 #endif

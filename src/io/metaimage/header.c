@@ -91,8 +91,8 @@ static bool is_blank(char c)
 }
 
 /*
- * Returns the key of a line, or KEY_COUNT if the reader does not use the key. *length is the length of the
- * key's name. *equals points to the line's '=', or is NULL if there is none.
+ * Returns the key of a line, or KEY_COUNT if the reader does not use this key. Sets *length to the length of the
+ * key's name. Sets *equals to the '=' of the line, or to NULL if the line has none.
  */
 static key key_of(char *line, size_t *length, char **equals)
 {
@@ -103,7 +103,7 @@ static key key_of(char *line, size_t *length, char **equals)
     return find_key(line, *length);
 }
 
-/* Stores the line of a fact. `length` is that of its key, which begins with osteon_. */
+/* Stores a header fact. `line` begins with its key, osteon_..., which has `length` bytes. */
 static ost_status take_fact(reader *r, const char *line, size_t length, char *value, long number)
 {
     char name[OST_META_KEY];
@@ -116,7 +116,7 @@ static ost_status take_fact(reader *r, const char *line, size_t length, char *va
     return status == OST_OK ? status : ost_fail_context(r->err, "%s:%ld", r->path, number);
 }
 
-/* Stores the value of one line, which is not empty. */
+/* Stores the value of one nonempty line. */
 static ost_status take_line(reader *r, char *line, long number)
 {
     size_t length;
@@ -138,8 +138,8 @@ static ost_status take_line(reader *r, char *line, long number)
 }
 
 /*
- * Reads the lines up to ElementDataFile and, if its value is LIST, the names after it. *count is the
- * number of lines up to ElementDataFile.
+ * Reads the lines up to ElementDataFile. If the value of ElementDataFile is LIST, also reads the file names after it.
+ * Sets *count to the number of lines up to ElementDataFile.
  */
 static ost_status read_lines(reader *r, ost_input *input, size_t *count)
 {
@@ -164,8 +164,8 @@ static ost_status read_lines(reader *r, ost_input *input, size_t *count)
                     r->path, (unsigned long long)ost_input_offset(input));
 }
 
-/* Splits the lines into fields. Pointers into the lines are stored only after all lines have been read, because reading
-   a line may move the buffer. */
+/* Splits the lines into fields. Reading a line may move the buffer, so pointers into the lines are stored only after
+ * all lines have been read. */
 static ost_status read_fields(reader *r, ost_input *input, ost_data_names *names)
 {
     size_t count;
@@ -181,7 +181,7 @@ static ost_status read_fields(reader *r, ost_input *input, ost_data_names *names
     const field *data = &r->fields[KEY_DATA];
     *names = (ost_data_names){.value = data->value, .line = data->line};
     if (ost_data_is_list(names->value)) {
-        /* The number of axes may be written as 2D or 3D. */
+        /* The number of axes may be followed by the letter D, as in 2D or 3D. */
         char *last = data->value + strlen(data->value) - 1;
         if (*last == 'D' && last[-1] >= '1' && last[-1] <= '3')
             *last = 0;
@@ -199,7 +199,10 @@ static const char *value_of(const reader *r, key k)
     return r->fields[k].value;
 }
 
-/* Returns the error for a key, with the message "file:line: Key = 'value'; " followed by the text `expected`. */
+/*
+ * Returns the error for the value of a key. The message is "file:line: Key = 'value'; ", followed by the text
+ * `expected`.
+ */
 static ost_status wrong(const reader *r, key k, const char *expected)
 {
     return ost_fail(r->err, OST_ERR_INPUT, "%s:%ld: %.*s = '%.100s'; %s", r->path, r->fields[k].line,
@@ -212,8 +215,8 @@ static ost_status missing(const reader *r, const char *what)
 }
 
 /*
- * Reads `count` decimals and multiplies each by a factor (by 1 if factor is NULL). Returns false if the value
- * does not consist of `count` decimals, or if `exactly` is true and a result had to be rounded.
+ * Reads `count` decimals and multiplies each by its factor; factor NULL means 1. Returns false if the value does not
+ * consist of `count` decimals. If `exactly` is true, also returns false if a result had to be rounded.
  */
 static bool read_decimals(const char *value, int count, const uint64_t *factor, bool exactly, int64_t *out)
 {

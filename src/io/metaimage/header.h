@@ -23,7 +23,7 @@
 #include "io/volume/orient.h"
 
 typedef struct ost_metaimage_header {
-    ost_header_lines lines; /* owned; contains the strings of `names` */
+    ost_header_lines lines; /* owned; contains the strings to which `names` refers */
     ost_data_names names;
     ost_element element;
     ost_data_form form;     /* OST_DATA_RAW or OST_DATA_ZLIB */
@@ -39,8 +39,8 @@ typedef struct ost_metaimage_header {
 bool ost_metaimage_sniff(const unsigned char *head, size_t size);
 
 /*
- * Reads the header from the start of the input, which is then at the first byte after it. *out is
- * initialised here, and ost_metaimage_header_free may be called even after a failure.
+ * Reads the header from the start of the input and leaves the input at the first byte after the header. The function
+ * initialises *out; the caller may call ost_metaimage_header_free even after a failure.
  */
 ost_status ost_metaimage_header_read(ost_input *input, ost_metaimage_header *out, ost_error *err);
 void ost_metaimage_header_free(ost_metaimage_header *header);

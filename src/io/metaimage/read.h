@@ -9,7 +9,7 @@
 #include "io/volume/target.h"
 
 /*
- * Reads a MetaImage file from an input at its start. The parameters are those of ost_volume_read_any
+ * Reads a MetaImage file. The input must be at the start of the file. The parameters are those of ost_volume_read_any
  * (volume_read.h).
  */
 ost_status ost_metaimage_read(ost_input *input, const ost_volume_options *options, const ost_target *target,

@@ -78,7 +78,7 @@ ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, 
     return OST_OK;
 }
 
-/* Appends a formatted line; the caller's buffer is large enough (see EXTENSION_CAPACITY in write.c). */
+/* Appends a formatted line. The caller's buffer must be large enough (see EXTENSION_CAPACITY in write.c). */
 static size_t put(unsigned char *out, size_t capacity, size_t used, const char *key, const char *value)
 {
     int n = snprintf((char *)out + used, capacity - used, "%s%s: %s\n", prefix, key, value);

@@ -23,7 +23,7 @@
 static const struct {
     int code, bits;
     ost_element element;
-    const char *name; /* name of a type that is refused */
+    const char *name; /* name of the type in the error message, if the type is refused */
 } types[] = {
     {DT_UINT8, 8, OST_ELEMENT_UINT8, NULL},      {DT_INT8, 8, OST_ELEMENT_INT8, NULL},
     {DT_INT16, 16, OST_ELEMENT_INT16, NULL},     {DT_UINT16, 16, OST_ELEMENT_UINT16, NULL},
@@ -68,7 +68,7 @@ static ost_status check_dims(const char *path, const int64_t dim[8], int32_t siz
     return ost_rows_sizes(path, dim + 1, sizes, err);
 }
 
-/* Checks vox_offset. In a single file, the voxels begin after the header's struct. */
+/* Checks vox_offset. In a file that contains both header and voxels, the voxels begin after the header's struct. */
 static ost_status check_offset(const char *path, double offset, bool pair, int struct_bytes, uint64_t *out,
                                ost_error *err)
 {
@@ -82,16 +82,16 @@ static ost_status check_offset(const char *path, double offset, bool pair, int s
 
 /* ----------------------------------------------------------------- lengths */
 
-/* The precision of the header's numbers, and its unit of length. */
+/* Precision and unit of length of the numbers in a header. */
 typedef struct scale {
     bool single;
-    uint64_t unit; /* picometres */
+    uint64_t unit; /* unit of length in picometres */
 } scale;
 
 /*
- * Computes the length of the shortest decimal that reads back as the float, in the
- * header's unit. For mm, core has a function. For m and um the decimal must be
- * found before it is scaled, because 0.000488281 m times 1000 is another float.
+ * Computes the length whose shortest decimal, in the header's unit, reads back as the given float. For mm, core has
+ * such a function. For m and um, the decimal must be found before scaling, because 0.000488281 m times 1000 is a
+ * different float.
  */
 static bool to_pm(const scale *s, double value, ost_pm *out)
 {
@@ -118,13 +118,14 @@ static ost_status find_scale(const char *path, int version, int units, scale *ou
 
 /* -------------------------------------------------------------- orientation */
 
-/* Computes the matrix of the quaternion in RAS, with its columns multiplied by pixdim (NIfTI-1, method 2). */
+/* Computes the matrix of the quaternion in RAS. Each column is multiplied by its pixdim (NIfTI-1, method 2). */
 static void from_quaternion(const nifti_image *nim, const double pixdim[3], double out[3][4])
 {
     double b = nim->quatern_b, c = nim->quatern_c, d = nim->quatern_d;
     double squares = b * b + c * c + d * d, a = 0;
     if (1.0 - squares < 1e-7) {
-        /* In a rotation by 180 degrees, the component a is 0; the computed value would only be noise. */
+        /* For a rotation by 180 degrees, the quaternion's component a is exactly 0. Computing it would yield only
+         * rounding noise. */
         double length = sqrt(squares);
         b /= length;
         c /= length;
@@ -147,8 +148,8 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /*
- * Replaces the spacing in a column of the affine by pixdim. This requires that the column deviates from its axis only
- * by noise, and that its spacing agrees with pixdim.
+ * Replaces the spacing in a column of the affine transform by pixdim. The spacing is replaced only if the column
+ * deviates from its axis by no more than noise and if the spacing agrees with pixdim.
  */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
@@ -168,8 +169,8 @@ static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 typedef enum form { FORM_SFORM, FORM_QFORM, FORM_NONE } form;
 
 /*
- * Reads one of the two transforms and converts it to LPS. spacing contains the spacings of pixdim, 0 where pixdim is
- * not a valid length.
+ * Reads the sform or the qform and converts it to LPS. spacing[] contains the spacings from pixdim; an element is 0
+ * if its pixdim is not a valid length.
  */
 static ost_status read_form(const char *path, const nifti_image *nim, form which, const double pixdim[3],
                             const ost_pm spacing[3], const scale *s, ost_affine *out, ost_error *err)
@@ -190,7 +191,7 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
     }
     for (int w = 0; w < 3; w++) {
         for (int c = 0; c < 4; c++) {
-            /* From RAS to LPS, x and y change sign. */
+            /* From RAS to LPS, x and y change their signs. */
             double value = w < 2 ? -ras[w][c] : ras[w][c];
             ost_pm *to = c < 3 ? &out->column[c][w] : &out->origin[w];
             if (!to_pm(s, value, to))
@@ -206,9 +207,9 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
 }
 
 /*
- * Returns an error if the two forms place some voxel centre more than a voxel (the
- * least of pixdim) apart along an axis. Their difference is affine, so it is
- * greatest at a corner of the grid.  |sum| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
+ * Returns an error if the two transforms place a voxel centre more than one voxel apart along an axis; one voxel is
+ * the smallest pixdim. The difference of the transforms is affine, so it is greatest at a corner of the grid. |sum|
+ * <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
  */
 static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3],
                                   const ost_pm spacing[3], ost_error *err)
@@ -239,7 +240,7 @@ static bool leads_to_patient(int code)
     return code == NIFTI_XFORM_SCANNER_ANAT || code == NIFTI_XFORM_ALIGNED_ANAT;
 }
 
-/* Determines the affine. pixdim is taken from the header itself, because libnifti would replace 0 by 1. */
+/* Determines the affine transform. pixdim is read from the raw header, because libnifti would replace 0 by 1. */
 static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s,
                               ost_nifti_form chosen, ost_nifti_header *out, ost_error *err)
 {
@@ -300,9 +301,8 @@ static bool same_float(ost_pm a, ost_pm b)
 }
 
 /*
- * Replaces the header's lengths by the exact ones from osteon's own comment, unless
- * another program has changed the header since then. The comment's lengths are then
- * removed from the facts.
+ * Replaces the header's lengths by the exact lengths from osteon's own comment, unless another program has changed
+ * the header after osteon wrote it. Then removes the comment's lengths from the header facts.
  */
 static void take_exact(ost_nifti_header *h)
 {
@@ -330,7 +330,7 @@ static void take_exact(ost_nifti_header *h)
 
 /* ------------------------------------------------------------------ reading */
 
-/* The header in native byte order, after libnifti's own swapping. */
+/* The raw header in native byte order, after libnifti has swapped its bytes. */
 typedef union raw_header {
     unsigned char bytes[540];
     nifti_1_header one;
@@ -368,9 +368,8 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
 }
 
 /*
- * Refuses NaN and infinity, which libnifti would silently replace by 0. srow is not
- * changed by libnifti and is checked where it is used; a slope that is not finite
- * means that there is no scaling.
+ * Refuses NaN and infinity, which libnifti would silently replace by 0. libnifti does not change srow, which is
+ * checked where it is used. A slope that is not finite means that there is no scaling.
  */
 static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)
 {

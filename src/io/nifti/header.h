@@ -38,28 +38,28 @@
 typedef struct ost_nifti_header {
     int version;
     bool swap;
-    bool pair;           /* true if header and image are in two files */
-    uint64_t image_at;   /* offset in the image's file at which the voxels start */
+    bool pair;           /* true if the header and the image are in two files */
+    uint64_t image_at;   /* offset of the first voxel in the file that contains the image */
     ost_element element;
     int32_t sizes[3];
     bool scaled;
     ost_binary slope, intercept;
-    bool labels;       /* true if the file's intent is NIFTI_INTENT_LABEL */
+    bool labels;       /* true if the file's intent is NIFTI_INTENT_LABEL, that is, if the voxels are labels */
     bool oriented;
     ost_affine affine; /* transform from voxels to LPS */
-    ost_meta meta;     /* facts from "osteon KEY: VALUE" lines in comments (extension code 6) */
+    ost_meta meta;     /* header facts from "osteon KEY: VALUE" lines in comments (extension code 6) */
 } ost_nifti_header;
 
 /*
- * Reads the header from an input at its (unpacked) start, including the extensions. Names of labels are added to
- * *names, unless names is NULL.
+ * Reads the header and its extensions from an input at its (unpacked) start. Label names are added to *names unless
+ * names is NULL.
  */
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_label_names *names, ost_nifti_header *out,
                                  ost_error *err);
 
 /*
- * Keys of the lines in which osteon's writer stores exact lengths. The exact lengths are used only if they equal the
- * header's floats after rounding.
+ * Keys of the lines in which osteon's writer stores exact lengths. The reader uses the exact lengths only if, rounded
+ * to float, they equal the lengths in the header.
  */
 #define OST_NIFTI_SPACING "spacing_mm"
 #define OST_NIFTI_ORIGIN "origin_mm"

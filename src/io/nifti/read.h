@@ -8,14 +8,14 @@
 #include "io/volume/input.h"
 #include "io/volume/target.h"
 
-/* Number of bytes from the file's start (after unpacking) that identify the format. */
+/* Number of bytes from the start of the (unpacked) file that identify the format. */
 enum { OST_NIFTI_SNIFF = 348 };
-/* Returns 1 or 2 for NIfTI of that version, 7 for ANALYZE 7.5, the format before NIfTI, and 0 for anything else. */
+/* Returns 1 or 2 for NIfTI of version 1 or 2, 7 for ANALYZE 7.5, the format before NIfTI, and 0 for any other file. */
 int ost_nifti_sniff(const unsigned char *bytes, size_t size);
 
 /*
- * Reads a NIfTI from an input at the (unpacked) start of the header, with the parameters of ost_nrrd_read. Returns
- * OST_ERR_UNAVAILABLE if osteon was built without libnifti.
+ * Reads a NIfTI file. The input must be at the (unpacked) start of the header. The parameters are those of
+ * ost_nrrd_read. Returns OST_ERR_UNAVAILABLE if osteon was built without libnifti.
  */
 ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Recognizes a NIfTI header by its size, stored in the first four bytes, and its magic. */
+/* Recognises a NIfTI header by two fields: its size, in the first four bytes, and its magic string. */
 #include "io/nifti/read.h"
 
 #include <string.h>

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The NIfTI-1 that osteon writes: one file, int16, little-endian; sform and qform
- * are the same transform, from LPS+ voxels to RAS millimetres.
+ * Writes a NIfTI-1 file: one file with int16 voxels, little-endian. The sform and the qform are the same transform,
+ * from LPS+ voxels to RAS millimetres.
  *
  *   x = -(origin.x + i * spacing.x)      quaternion (0; 0, 0, 1): half a turn about z
  *   y = -(origin.y + j * spacing.y)
  *   z =   origin.z + k * spacing.z
  *
- * Its lengths are float32; a comment in the header therefore contains the exact
- * lengths, together with the facts (nifti/extension.h).
+ * The lengths in a NIfTI header are float32. A comment in the header therefore contains the exact lengths, together
+ * with the header facts (nifti/extension.h).
  */
 #include "config.h"
 
@@ -26,7 +26,7 @@
 
 /*
  * Greatest size of the extension in bytes: OST_META_MAX lines of the greatest possible size, the lines with the exact
- * spacing and origin, and the extension's own fields.
+ * spacing and origin, and the fields of the extension itself.
  */
 enum { EXTENSION_CAPACITY = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };
 
@@ -54,7 +54,7 @@ static void fill_header(const ost_geometry *geometry, size_t extension, bool lab
     h->xyzt_units = NIFTI_UNITS_MM;
     h->qform_code = h->sform_code = NIFTI_XFORM_SCANNER_ANAT;
     h->quatern_d = 1;
-    /* Written as 0 - x instead of -x, which could be a negative zero. */
+    /* 0 - x is used instead of -x, because -x could be a negative zero. */
     h->qoffset_x = h->srow_x[3] = (float)ost_pm_to_mm(0 - o.x);
     h->qoffset_y = h->srow_y[3] = (float)ost_pm_to_mm(0 - o.y);
     h->qoffset_z = h->srow_z[3] = (float)ost_pm_to_mm(o.z);

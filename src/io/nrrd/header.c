@@ -10,7 +10,7 @@ static const char *const spellings[] = {
 #undef OST_NRRD_FIELD_ROW
 };
 
-/* Returns the field with this name, without regard to case; OST_NRRD_FIELD_COUNT if there is no such field. */
+/* Returns the field with the given name; case is ignored. Returns OST_NRRD_FIELD_COUNT if there is no such field. */
 static ost_nrrd_field find_field(const char *name)
 {
     size_t length = strlen(name);
@@ -27,7 +27,10 @@ static ost_nrrd_field find_field(const char *name)
 
 /* ------------------------------------------------------------------ lines */
 
-/* Undoes the format's escapes "\\" and "\n"; a newline becomes a space, because a value here is one line. */
+/*
+ * Replaces the format's escapes: "\\" becomes a backslash, and "\n" becomes a space, because a value in this program
+ * is one line.
+ */
 static void unescape(char *value)
 {
     char *to = value;
@@ -50,7 +53,7 @@ static ost_status take_line(const char *path, ost_nrrd_text *text, ost_label_nam
         return OST_OK;
     char *colon = strchr(line, ':');
     while (colon && colon[1] != ' ' && colon[1] != '\t' && colon[1] != '=' && colon[1] != 0)
-        colon = strchr(colon + 1, ':'); /* keys may contain colons */
+        colon = strchr(colon + 1, ':'); /* a key may contain colons */
     if (!colon)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s' is neither 'field: value' nor 'key:=value'", path, number,
                         line);
@@ -98,8 +101,8 @@ static ost_status check_magic(const char *path, const char *line, ost_error *err
 }
 
 /*
- * Reads the lines of the header and, after `data file: LIST`, the file names. *listed is the index of the
- * line with the first file name, or 0 if there is no list.
+ * Reads the lines of the header. If the header contains `data file: LIST`, also reads the file names after the
+ * header. Sets *listed to the index of the line with the first file name, or to 0 if there is no list.
  */
 static ost_status read_lines(ost_input *input, ost_header_lines *lines, size_t *listed, bool *ended, ost_error *err)
 {

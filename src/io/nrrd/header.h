@@ -59,15 +59,16 @@ typedef struct ost_nrrd_text {
         char *value; /* NULL if absent */
         long line;
     } field[OST_NRRD_FIELD_COUNT];
-    const char *list; /* for `data file: LIST`: the names, one per line, each terminated by NUL */
+    const char *list; /* file names of `data file: LIST`, one per line, each terminated by NUL */
     size_t list_bytes;
-    ost_meta meta; /* osteon_KEY:=VALUE */
-    bool labels;   /* true if there is a key Segment0_...: a segmentation of 3D Slicer */
+    ost_meta meta; /* header facts from lines osteon_KEY:=VALUE */
+    bool labels;   /* true if there is a key Segment0_..., which marks a segmentation of 3D Slicer */
 } ost_nrrd_text;
 
 /*
- * Reads a header from the start of the file. The input is then at the first byte after it. *out is initialised here
- * and can always be freed. The names of the labels of a segmentation are added to *names, unless names is NULL.
+ * Reads a header from the start of the file and leaves the input at the first byte after the header. The function
+ * initialises *out, which the caller can always free. The label names of a segmentation are added to *names unless
+ * names is NULL.
  */
 ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);
@@ -79,7 +80,7 @@ typedef struct ost_nrrd_header {
     bool swap;
     int32_t sizes[3];
     ost_affine affine; /* transform from voxels to LPS */
-    bool oriented;     /* the space is that of a patient: RAS, LAS or LPS */
+    bool oriented;     /* true if the space is a patient's space: RAS, LAS or LPS */
     uint64_t line_skip;
     int64_t byte_skip; /* bytes to skip before the data; -1 if the data end at the end of the file */
 } ost_nrrd_header;

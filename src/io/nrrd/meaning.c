@@ -26,7 +26,9 @@ static const char *value_of(const meaning *m, ost_nrrd_field field)
     return m->text->field[field].value;
 }
 
-/* Returns the error for a field, with the message "file:line: 'value': " followed by the text `expected`. */
+/*
+ * Returns the error for the value of a field. The message is "file:line: 'value': ", followed by the text `expected`.
+ */
 static ost_status wrong(const meaning *m, ost_nrrd_field field, const char *expected)
 {
     return ost_fail(m->err, OST_ERR_INPUT, "%s:%ld: '%.100s': %s", m->path, m->text->field[field].line,
@@ -46,11 +48,11 @@ static const char *blanks(const char *p)
 /* --------------------------------------------------------- names and numbers */
 
 typedef struct name_value {
-    const char *names; /* separated by | */
+    const char *names; /* spellings of the name, separated by | */
     int value;
 } name_value;
 
-/* Returns the value of the row whose names include `name`, without regard to case; -1 if there is no such row. */
+/* Returns the value of the row whose names include `name`, or -1 if there is no such row. Case is ignored. */
 static int lookup(const name_value *table, size_t rows, const char *name, size_t length)
 {
     for (size_t r = 0; r < rows; r++) {
@@ -66,7 +68,7 @@ static int lookup(const name_value *table, size_t rows, const char *name, size_t
 
 #define LOOKUP(table, text) lookup(table, sizeof table / sizeof table[0], text, strlen(text))
 
-/* Reads an integer that ends at a blank or at the end of the text. Returns false if there is none. */
+/* Reads an integer that ends at a blank or at the end of the text. Returns false if there is no such integer. */
 static bool read_integer(const char **p, int64_t *out)
 {
     ost_decimal d;
@@ -203,7 +205,7 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
 
 /* ------------------------------------------------------------------- units */
 
-/* Returns the unit of length with this name in picometres; 0 if it is unknown. */
+/* Returns the unit of length with the given name, in picometres. Returns 0 if the name is unknown. */
 static uint64_t unit_of(const char *name, size_t length)
 {
     static const name_value units[] = {
@@ -222,7 +224,7 @@ static uint64_t unit_of(const char *name, size_t length)
     return pm;
 }
 
-/* Reads three quoted names of units; all are mm if the field is absent. */
+/* Reads three quoted names of units. If the field is absent, all three units are mm. */
 static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t out[3])
 {
     const char *p = value_of(m, field);
@@ -245,7 +247,7 @@ static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t ou
 
 /* ------------------------------------------------------------------- space */
 
-/* Reads one length in units of `unit` pm. */
+/* Reads one length that is given in units of `unit` pm. */
 static bool read_length(const char **p, uint64_t unit, ost_pm *out)
 {
     ost_decimal d;
@@ -270,7 +272,7 @@ static bool read_vector(const char **p, const uint64_t unit[3], ost_pm out[3])
     return true;
 }
 
-/* The kinds of space; each determines the signs that convert its coordinates to LPS. */
+/* Types of space. The type determines the signs by which coordinates are converted to LPS. */
 typedef enum space_kind { SPACE_UNSPECIFIED, SPACE_LPS, SPACE_RAS, SPACE_LAS, SPACE_TIME } space_kind;
 
 static const name_value spaces[] = {
@@ -304,7 +306,10 @@ static ost_status mean_spacings(const meaning *m, const uint64_t units[3], ost_n
     return *p ? wrong(m, OST_NRRD_SPACINGS, "three lengths were expected, since there are three axes") : OST_OK;
 }
 
-/* Returns true if `spacings` contains a spacing; nan for every axis means that no spacing is given. */
+/*
+ * Returns true if the field `spacings` contains a spacing. The value nan for every axis means that no spacing is
+ * given.
+ */
 static bool has_spacings(const meaning *m)
 {
     const char *p = value_of(m, OST_NRRD_SPACINGS);

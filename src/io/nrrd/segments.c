@@ -8,10 +8,13 @@
 
 #include "io/nrrd/write.h"
 
-/* The greatest size of the fields of one segment, and of the fields before them. */
+/* Upper limits in bytes: FIELDS for the fields of one segment, COMMON for the fields before all segments. */
 enum { FIELDS = 2 * OST_META_VALUE + 500, COMMON = 300 };
 
-/* Returns one of 256 colours that are far apart for neighbouring labels: 97 is odd, so the steps reach all of them. */
+/*
+ * Returns one of 256 colours. Neighbouring labels have very different colours: the step of 97 is odd and therefore
+ * reaches all colours.
+ */
 static void colour_of(int label, double rgb[3])
 {
     const int hue = label * 97 % 256;

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The header fields by which 3D Slicer opens a NRRD as a segmentation instead of a CT: one group
- * SegmentN_... for each label (vtkMRMLSegmentationStorageNode). A name is Label N, unless the fact
- * segment_name_N states another one.
+ * Formats the header fields that make 3D Slicer open a NRRD file as a segmentation instead of a CT: a group of fields
+ * SegmentN_... for each label (vtkMRMLSegmentationStorageNode). The name of label N is "Label N", unless the header
+ * fact segment_name_N states another name.
  */
 #ifndef OST_IO_NRRD_SEGMENTS_H
 #define OST_IO_NRRD_SEGMENTS_H
 
 #include <osteon/grid.h>
 
-/* The greatest number of segments that are described. A reader opens further labels without a name. */
+/* Greatest number of segments for which fields are written. Programs open any further labels without a name. */
 enum { OST_NRRD_SEGMENTS_MAX = 255 };
 
 /*
- * Returns the fields of the labels above 0 that occur in the volume, as lines that end with LF. The caller frees the
- * text; it is NULL if memory is lacking.
+ * Returns the fields for all labels above 0 that occur in the volume, as lines that end with LF. The caller frees the
+ * text. Returns NULL if memory is exhausted.
  */
 char *ost_nrrd_segments(const ost_volume *volume);
 

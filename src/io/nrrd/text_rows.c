@@ -14,7 +14,7 @@ static bool is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\n' || byte == '\r' || byte == '\v' || byte == '\f';
 }
 
-/* Reads the next word; it is "" at the end of the file. */
+/* Reads the next word. At the end of the file, the word is "". */
 static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *length, ost_error *err)
 {
     int byte;
@@ -36,13 +36,13 @@ static ost_status read_word(ost_input *input, char word[WORD_MAX + 1], size_t *l
     return status;
 }
 
-/* Returns true if a word is NaN as programs print it: nan with any sign and in any case. */
+/* Returns true if a word is NaN as programs print it: nan in any case, with or without a sign. */
 static bool is_nan(const char *word)
 {
     return strcasecmp(word + (*word == '-' || *word == '+'), "nan") == 0;
 }
 
-/* Returns true if the decimal's value is an integer within the range of the type (AR-FILE-4). */
+/* Returns true if the value of the decimal is an integer within the range of the type (AR-FILE-4). */
 static bool type_holds(ost_element element, const ost_decimal *d)
 {
     uint64_t magnitude;
@@ -65,7 +65,7 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_status status = read_word(input, word, &length, err);
     if (status != OST_OK)
         return status;
-    /* The byte after the word has been consumed too, except at the end of the file. */
+    /* The byte after the word has also been consumed, unless the word ends at the end of the file. */
     ost_input_location(input, length + (ost_input_file_left(input) > 0 || length == 0), location);
     if (length == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need",
@@ -136,6 +136,6 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
             return status;
         own->left--;
     }
-    /* Ends the last part here, because ost_parts_end would refuse a line end after the last value. */
+    /* Ends the last part, because ost_parts_end would refuse a line end after the last value. */
     return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The NRRD that osteon writes.  It is read by 3D Slicer, ITK and pynrrd:
+ * Writes a NRRD file that 3D Slicer, ITK and pynrrd can read:
  *
  *   NRRD0005
  *   type: int16
@@ -50,8 +50,8 @@ void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
 }
 
 /*
- * Formats value + 1/2 pm in mm with ten decimals: the number of units of 10^-10 mm
- * is value * 10 + 5. |value| <= 8 * 10^12.
+ * Formats value + 1/2 pm as millimetres with ten decimals, that is, as value * 10 + 5 units of 10^-10 mm. Required:
+ * |value| <= 8 * 10^12.
  */
 static void format_half(ost_pm value, char text[OST_PM_TEXT])
 {

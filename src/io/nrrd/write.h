@@ -5,19 +5,19 @@
 #include "io/volume/writer.h"
 
 /*
- * Writes the header. The writer is then ready for voxels. fields: further lines of the header, each of which ends with
- * LF, or NULL.
+ * Writes the header; the writer is then ready for voxels. `fields` contains further lines of the header, each of
+ * which ends with LF; it may be NULL.
  */
 ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *geometry, const ost_meta *meta,
                                  const char *fields, ost_element element, bool odd_voxel, bool compress,
                                  ost_error *err);
 
-/* Escapes backslashes, which begin an escape in the value of a field. */
+/* Doubles each backslash, because a single backslash begins an escape sequence in the value of a field. */
 void ost_nrrd_escape(const char *value, char out[2 * OST_META_VALUE]);
 
 /*
- * Formats the line of a fact, "osteon_KEY:=VALUE\n", with backslashes escaped. The text is "" for the keys that
- * describe a grid's own geometry.
+ * Formats the line of a header fact, "osteon_KEY:=VALUE\n", with escaped backslashes. For a key that describes the
+ * geometry of a grid, the text is "".
  */
 enum { OST_NRRD_FACT = OST_META_KEY + 2 * OST_META_VALUE + 16 };
 void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT]);

@@ -22,7 +22,7 @@ static ost_status put_tick_line(ost_outfile *out, const ost_session_tick *t, ost
         t->tick.lifted, t->tick.rpm);
 }
 
-/* Writes a note as a comment line; control characters, which could end the line, become blanks. */
+/* Writes a note as a comment line. Control characters, which could end the line, are replaced by blanks. */
 static ost_status put_note(ost_outfile *out, const ost_session_note *note, ost_error *err)
 {
     char text[OST_SESSION_TEXT];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A session's header: lines "key: value".  In a value, a backslash and every byte
- * below 32 or equal to 127 is written as \xHH, so that each entry is one line and
- * every file name fits.  The text is padded with zeros to a multiple of 64 bytes.
+ * Encodes and decodes a session's header, which consists of lines "key: value". In a value, a backslash and every
+ * byte that is below 32 or equal to 127 are written as \xHH. Each entry is therefore one line, and a value can
+ * contain any file name. The text is padded with zeros to a multiple of 64 bytes.
  */
 #include "io/session/layout.h"
 
@@ -135,7 +135,7 @@ static int hex(unsigned char c)
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* Removes the escapes of a value. Returns false if an escape is malformed or the value is too long. */
+/* Replaces the escapes in a value. Returns false if an escape is malformed or the value is too long. */
 static bool unescape(const unsigned char *p, const unsigned char *end, char value[OST_SESSION_VALUE + 1])
 {
     size_t n = 0;

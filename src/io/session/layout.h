@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bytes of a session (docs/spec/session.md is the normative text).
+ * The binary format of a session; docs/spec/session.md is the normative text.
  *
  *   | block | block | block | ...        a block: a block header of 64 bytes, then a payload whose size
  *     head    head    records            is a multiple of 64, so all offsets are multiples of 64
@@ -23,7 +23,7 @@
 #include <osteon/session.h>
 
 enum {
-    SESSION_VERSION = 2, /* the version that is written; version 1, whose ticks have no motor speed, is read too */
+    SESSION_VERSION = 2, /* version of files that are written; version 1, without motor speeds, can also be read */
     SESSION_VERSION_MIN = 1,
     SESSION_ALIGN = 64,
     SESSION_BLOCK = 64,   /* size of the block header */
@@ -81,21 +81,21 @@ static inline uint64_t get64(const unsigned char *p)
 
 uint32_t ost_session_crc(const void *bytes, size_t size);
 void ost_session_block_encode(const session_block *block, unsigned char out[SESSION_BLOCK]);
-/* Decodes a block header. Returns false unless magic, checksum, version and sizes are valid. */
+/* Decodes a block header. Returns false if its magic, checksum, version or sizes are not valid. */
 bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_block *out);
 
 /* --------------------------------------------------------------- record.c */
 
 void ost_session_record_encode(const ost_record *record, unsigned char out[SESSION_RECORD]);
 /*
- * Decodes a record. Returns false if the kind of the record is unknown, because a newer osteon has written it. The
+ * Decodes a record. Returns false if the record's kind is unknown because a newer osteon wrote the session. The
  * caller then skips the record.
  */
 bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_record *out);
 
 /* --------------------------------------------------------------- header.c */
 
-/* Encodes the header's payload, including its padding. The caller frees *out. */
+/* Encodes the payload of the header, including its padding. The caller frees *out. */
 ost_status ost_session_header_encode(const ost_session_header *header, unsigned char **out, uint32_t *size,
                                      ost_error *err);
 ost_status ost_session_header_decode(const unsigned char *in, size_t size, ost_session_header **out, ost_error *err);

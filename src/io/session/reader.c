@@ -6,10 +6,9 @@
  *                  all other bytes are counted
  *   next           reads the list, block by block
  *
- * After damage, reading continues at the next offset at which a valid block begins.
- * Offsets are multiples of 64; a block header has a checksum, the session's
- * identity and a sequence number that must increase.  A file of N bytes needs at
- * most N / 192 entries of 32 bytes, and memory for one block.
+ * After damage, reading continues at the next offset at which a valid block begins. Such offsets are multiples of 64.
+ * A block header contains a checksum, the session's identity and a sequence number, which must increase. A file of N
+ * bytes needs at most N / 192 entries of 32 bytes, and memory for one block.
  */
 #include "io/session/reader.h"
 
@@ -27,13 +26,13 @@ typedef struct scan {
     ost_session *session;
     uint64_t at, size;
     uint64_t next_sequence;
-    uint64_t next_record;   /* number of the record with which the next block should begin */
-    uint64_t damage_from;   /* start of the damaged bytes that reach up to `at`; size if there are none */
-    bool gap;               /* ticks are missing before `at`; not set if only notes are missing */
+    uint64_t next_record;   /* record number with which the next block should begin */
+    uint64_t damage_from;   /* start of the damaged bytes before `at`; the file size if there are none */
+    bool gap;               /* true if ticks are missing before `at`; missing notes do not count */
     bool have_header;
 } scan;
 
-/* Reads up to count bytes at `offset`; *got is less than count only at the end of the file. */
+/* Reads up to `count` bytes at `offset`. *got is less than `count` only at the end of the file. */
 static ost_status read_at(const ost_session *s, uint64_t offset, void *out, size_t count, size_t *got, ost_error *err)
 {
     *got = 0;
@@ -99,7 +98,7 @@ static void end_damage(scan *c)
     }
 }
 
-/* Processes a valid block, whose payload is in session->payload. */
+/* Processes a valid block whose payload has been read into session->payload. */
 static ost_status take_block(scan *c, const session_block *block, ost_error *err)
 {
     ost_session *s = c->session;
@@ -119,7 +118,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
         s->header_copies++;
         return OST_OK;
     }
-    /* Records that the recorder lost have no number and are not counted here. */
+    /* Records that were lost by the recorder have no number, so they are not counted here. */
     if (block->first_record > c->next_record)
         s->summary.missing_records += block->first_record - c->next_record;
     c->next_record = block->first_record + block->records;
@@ -129,7 +128,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     return store_block(s, block, c->at, err);
 }
 
-/* Returns true if this block, whose block header is valid, can follow the blocks before it. */
+/* Returns true if the block can follow the previous blocks. Its header must be valid. */
 static bool may_follow(const scan *c, const session_block *block)
 {
     if (block->sequence < c->next_sequence)
@@ -164,7 +163,8 @@ static ost_status scan_one(scan *c, bool *done, ost_error *err)
             c->at += SESSION_BLOCK + block.payload;
             return status;
         }
-        /* The block header, and with it the length, has a valid checksum, so no block begins within the payload. */
+        /* The block header has a valid checksum, so the payload's length is correct and no block begins within the
+         * payload. */
         if (got == block.payload)
             step = SESSION_BLOCK + block.payload;
     }
@@ -179,7 +179,7 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
     scan c = {.session = s, .size = size, .damage_from = size};
     bool done = false;
     ost_status status = OST_OK;
-    /* The scan ends at the size at which the file was opened, even if the file is still being written. */
+    /* The file may still grow. The scan ends at the size that the file had when it was opened. */
     while (!done && c.at < c.size && status == OST_OK)
         status = scan_one(&c, &done, err);
     if (status != OST_OK)

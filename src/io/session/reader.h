@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* An open session, for the source files that read it; reader.c fills it. */
+/* An open session, shared by the source files that read sessions. reader.c fills the struct. */
 #ifndef OST_IO_SESSION_READER_H
 #define OST_IO_SESSION_READER_H
 
@@ -17,15 +17,15 @@ struct ost_session {
     int header_copies;
     uint32_t identity;
     ost_session_summary summary;
-    session_block_place *blocks; /* owned; the valid blocks that contain records */
+    session_block_place *blocks; /* owned; list of the valid blocks that contain records */
     size_t block_count, block_capacity;
-    unsigned char *payload;     /* owned; the payload of one block */
-    /* The position of ost_session_next. */
+    unsigned char *payload;     /* owned; payload of the block that was read last */
+    /* Position of the next record that ost_session_next returns. */
     size_t next_block;
     uint32_t record, records;
 };
 
-/* Reads the records of a block into payload and checks them again. */
+/* Reads the records of a block into session->payload and checks them again. */
 ost_status ost_session_load(ost_session *session, size_t block, ost_error *err);
 
 #endif

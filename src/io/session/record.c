@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Records of 128 bytes: the kind is in the first two, followed by
+ * Encodes and decodes records of 128 bytes. The first two bytes contain the kind; they are followed by
  *
  *   tick   2 u16 fault       4 u32 flags      8 u64 number    16 i64 t_ns
  *         24 i64 x, y, z    48 i32 qw, qx, qy, qz             64 i32 tool
@@ -53,7 +53,7 @@ static void decode_tick(const unsigned char *in, ost_session_tick *out)
         .number = get64(in + 8),
         .tick = {.t_ns = (int64_t)get64(in + 16),
                  .tool = (int32_t)get32(in + 64),
-                 .rpm = get16(in + 90) - 1, /* version 1 stores 0 in these bytes, which is decoded as OST_RPM_ON */
+                 .rpm = get16(in + 90) - 1, /* 0 in a session of version 1, which decodes as OST_RPM_ON */
                  .pose = {.t = {(int64_t)get64(in + 24), (int64_t)get64(in + 32), (int64_t)get64(in + 40)},
                           .qw = (int32_t)get32(in + 48),
                           .qx = (int32_t)get32(in + 52),

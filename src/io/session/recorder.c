@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The recorder: a ring buffer, and a writer thread that empties it into the file.
+ * The recorder consists of a ring buffer and a writer thread that writes the records from the ring to the file.
  *
  *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
- * The writer thread wakes up periodically, because waking it from put would be a
- * system call within the tick. A power cut may lose at most 100 ms of records: 25
- * ms plus the time of a write and a sync are less than that, unless the disk is
- * slow. A kill loses at most 25 ms.
+ * The writer thread wakes up periodically, because waking it from put would require a system call within the tick.
+ * Unless the disk is slow, 25 ms and the time of a write and a sync are together less than 100 ms. A power cut then
+ * loses at most 100 ms of records, and a kill loses at most 25 ms.
  *
  * A failed write is undone (the file is cut to its last complete block) and
  * repeated every 250 ms, while the ring accepts further records. Records that do
@@ -30,8 +29,8 @@
 #include "io/thread.h"
 
 /*
- * Greatest number of records in a block: one second of ticks. Damage to a block thus loses at most one second, however
- * many records were waiting.
+ * Greatest number of records in a block, which are one second of ticks. A damaged block thus loses at most one
+ * second, even if more records were waiting when it was written.
  */
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
@@ -41,23 +40,23 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    /* Used by the producer: after a long failure of the disk, ost_recorder_put_waiting no longer waits. */
+    /* Used by the producer: true if the disk has failed for so long that ost_recorder_put_waiting no longer waits. */
     bool impatient;
 
     char *name;  /* owned */
     int fd;      /* descriptor of the file; -1 if the caller provided the sink */
     bool sync;
     session_writer writer;       /* used only by the writer thread */
-    unsigned char *block;        /* owned; a block header, then records; used only by the writer thread */
-    uint64_t in_block;           /* records in block that have not been written yet */
-    uint64_t lost_in_block;      /* the value of lost when the records in block were taken from the ring */
+    unsigned char *block;        /* owned; space for a block header and records; used only by the writer thread */
+    uint64_t in_block;           /* number of records in `block` that have not been written yet */
+    uint64_t lost_in_block;      /* value of `lost` at the time when the records in `block` were taken from the ring */
     pthread_t thread;
     bool running;
 
     _Atomic uint64_t put, written, bytes;
-    _Atomic int failing; /* errno of the last attempt; 0 after success */
+    _Atomic int failing; /* errno of the last write; 0 if it succeeded */
     _Atomic bool stop;
-    pthread_mutex_t wake_lock; /* protects stop; the functions that put records never lock it */
+    pthread_mutex_t wake_lock; /* protects the field stop; functions that put records never lock it */
     pthread_cond_t wake;
 };
 
@@ -90,7 +89,7 @@ static int file_cut(void *user, uint64_t size)
 static int file_sync(void *user)
 {
     const ost_recorder *r = user;
-    /* Targets that cannot be synced, such as /dev/null, need not be durable. */
+    /* A target that cannot be synced, such as /dev/null, does not need to be durable. */
     return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
@@ -108,7 +107,7 @@ static const char *reason_of(int error, char text[160])
 
 /* -------------------------------------------------------- the writer thread */
 
-/* Writes one block. Returns false if no records are waiting or the disk fails. */
+/* Writes one block. Returns false if no records are waiting or if the disk fails. */
 static bool write_block(ost_recorder *r)
 {
     if (r->in_block == 0) {
@@ -123,7 +122,7 @@ static bool write_block(ost_recorder *r)
     unsigned char *records = r->block + SESSION_BLOCK;
     uint64_t count = r->in_block;
     int error;
-    /* A disk that is nearly full may have space for some of the records. */
+    /* Tries fewer records, because a nearly full disk may have space for some of them. */
     while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 &&
            count > 1)
         count /= 2;
@@ -221,7 +220,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
                         (unsigned)capacity, CAPACITY_MAX);
-    /* Uses aligned_alloc instead of calloc, because the ring's head and tail must each begin at a cache line. */
+    /* aligned_alloc is used instead of calloc, because the ring's head and tail must each begin at a cache line. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)
@@ -280,8 +279,8 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
 }
 
 /*
- * Creates the file, or truncates it if it exists, unless another recorder has it locked. A recording exists under its
- * own name from the beginning. A symbolic link of that name is therefore refused, because its target would be
+ * Creates the file or, if it exists, truncates it. Fails if another recorder has locked the file. Because a recording
+ * has its final name from the beginning, a symbolic link with this name is refused; otherwise its target would be
  * truncated.
  */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
@@ -365,7 +364,7 @@ ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end
     pthread_mutex_unlock(&recorder->wake_lock);
     pthread_join(recorder->thread, NULL);
     if (end && !atomic_load(&recorder->failing)) {
-        /* The ring is empty and the writer thread has ended, so there is a free slot for the end record. */
+        /* The writer thread has ended and the ring is empty, so the ring has a free slot for the end record. */
         const ost_record record = {.kind = OST_RECORD_END, .as.end = *end};
         ost_recorder_put(recorder, &record);
         write_all(recorder);

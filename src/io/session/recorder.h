@@ -5,7 +5,7 @@
 
 #include "io/session/write.h"
 
-/* name is used in messages. The sink is owned by the caller and must outlive the recorder. */
+/* Opens a recorder. `name` is used in messages. The caller owns the sink, which must outlive the recorder. */
 ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, const ost_session_header *header,
                                   const ost_recorder_options *options, ost_recorder **out, ost_error *err);
 

@@ -2,9 +2,8 @@
 /*
  * Copies the valid blocks of a damaged or truncated session to a new session.
  *
- * Blocks retain the number of their first record, so the records that are missing
- * between them remain known; new sequence numbers are assigned. No record is added:
- * a session without an end record has none afterwards.
+ * Each block keeps the number of its first record, so that readers can still count the missing records. The blocks
+ * get new sequence numbers. No record is added: if the session has no end record, its copy has none either.
  */
 #include <errno.h>
 #include <stdlib.h>

@@ -5,12 +5,11 @@
  *         tail                head
  *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % capacity
  *
- * Both numbers only increase.  The producer writes a slot and then head (release).
- * The consumer reads head (acquire) and the slots, and then writes tail (release),
- * which the producer reads (acquire) before it reuses a slot.
- * Neither waits for the other. The producer stores the last tail that it has read
- * and reads tail again only if the ring seems full, so about once per round; all
- * other puts touch no cache line that the consumer writes.
+ * The numbers head and tail only increase. The producer writes a slot and then head (release). The consumer reads
+ * head (acquire) and the slots, and then writes tail (release). The producer reads tail (acquire) before it reuses a
+ * slot. Neither thread waits for the other. The producer stores the last tail that it has read, and reads tail again
+ * only if the ring seems full, which happens about once per round. All other puts touch no cache line that the
+ * consumer writes.
  */
 #ifndef OST_IO_SESSION_RING_H
 #define OST_IO_SESSION_RING_H
@@ -23,14 +22,14 @@
 enum { RING_LINE = 64 };
 
 typedef struct session_ring {
-    unsigned char *slots; /* owned; capacity records */
-    uint64_t capacity;    /* a power of two */
+    unsigned char *slots; /* owned; `capacity` records */
+    uint64_t capacity;    /* number of slots; a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
-    uint64_t tail_known; /* the value of tail that the producer read last */
+    uint64_t tail_known; /* value of tail that the producer read last */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 
-/* Allocates the ring and touches every page, so that no page fault occurs during a tick. */
+/* Allocates the ring and touches each of its pages, so that no page fault occurs during a tick. */
 static inline bool ring_open(session_ring *ring, uint64_t capacity)
 {
     ring->slots = malloc(capacity * SESSION_RECORD);
@@ -46,7 +45,7 @@ static inline void ring_close(session_ring *ring)
     free(ring->slots);
 }
 
-/* Called by the producer: returns the next slot, or NULL if the ring is full. ring_push publishes the slot. */
+/* Called by the producer. Returns the next slot, or NULL if the ring is full. ring_push then publishes the slot. */
 static inline unsigned char *ring_slot(session_ring *ring)
 {
     const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
@@ -64,7 +63,10 @@ static inline void ring_push(session_ring *ring)
                           memory_order_release);
 }
 
-/* Called by the consumer: return the number of waiting records, copy `count` of them, and release `count` slots. */
+/*
+ * The following functions are called by the consumer. They return the number of waiting records, copy `count`
+ * records, and release `count` slots.
+ */
 static inline uint64_t ring_waiting(session_ring *ring)
 {
     return atomic_load_explicit(&ring->head, memory_order_acquire) -

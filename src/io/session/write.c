@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Writes the block header and the payload after it in one append, so that a kill cannot separate them. */
+/* Writes a block header and its payload in one append, so that a kill cannot separate them. */
 static int put_block(session_writer *writer, session_block *block, unsigned char *bytes)
 {
     if (writer->cut_needed) {

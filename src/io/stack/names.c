@@ -41,7 +41,7 @@ void ost_stack_names_free(ost_stack_names *names)
     *names = (ost_stack_names){0, NULL};
 }
 
-/* Appends FOLDER/NAME; folder_bytes is 0 for the current folder. The array grows by doubling. */
+/* Appends the path FOLDER/NAME. folder_bytes is 0 for the current folder. */
 static ost_status append(ost_stack_names *names, const char *folder, int folder_bytes, const char *name, ost_error *err)
 {
     if (names->count == OST_DIM_MAX)
@@ -70,7 +70,10 @@ static bool is_regular(DIR *dir, const char *name)
     return fstatat(dirfd(dir), name, &info, 0) == 0 && S_ISREG(info.st_mode);
 }
 
-/* Lists the regular files of a folder whose names match the pattern, which may be NULL. Hidden files are ignored. */
+/*
+ * Lists the regular files of a folder whose names match the pattern; NULL matches every name. Hidden files are
+ * ignored.
+ */
 static ost_status list(const char *folder, int folder_bytes, const char *pattern, ost_stack_names *out, ost_error *err)
 {
     char name[4096];
@@ -97,7 +100,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Lists the files of a path in the order of their bytes. */
+/* Lists the files that a path denotes, in the bytewise order of their names. */
 static ost_status list_path(const char *path, ost_stack_names *out, ost_error *err)
 {
     struct stat info;
@@ -109,7 +112,7 @@ static ost_status list_path(const char *path, ost_stack_names *out, ost_error *e
         status = list(path, (int)strlen(path), NULL, out, err);
     else
         status = append(out, "", 0, path, err);
-    if (status == OST_OK && out->count) /* qsort does not accept a null pointer, even for no element */
+    if (status == OST_OK && out->count) /* the C standard does not allow a null pointer in qsort, even for 0 elements */
         qsort(out->paths, out->count, sizeof *out->paths, by_text);
     if (status != OST_OK)
         ost_stack_names_free(out);
@@ -126,7 +129,7 @@ static size_t digits(const char *text)
     return n;
 }
 
-/* Compares two runs of digits as numbers of any length. */
+/* Compares two strings of digits as numbers of any length. */
 static int compare_digits(const char *a, size_t a_count, const char *b, size_t b_count)
 {
     for (; a_count && *a == '0'; a_count--)
@@ -141,8 +144,8 @@ static int compare_digits(const char *a, size_t a_count, const char *b, size_t b
 typedef enum likeness { ALIKE, EQUAL_NUMBERS, TEXT_DIFFERS, NUMBERS_DIFFER } likeness;
 
 /*
- * Compares the names of two files. If they differ in one number only, returns ALIKE and sets *at to the
- * index of this number, counted from 0 among the numbers of the name.
+ * Compares the names of two files. If they differ in exactly one number, returns ALIKE and sets *at to the index of
+ * this number, counted from 0 among the numbers of the name.
  */
 static likeness compare(const char *a, const char *b, int *at)
 {
@@ -167,7 +170,7 @@ static likeness compare(const char *a, const char *b, int *at)
     return found;
 }
 
-/* Returns number `at` of a name, or -1 if it has more than DIGITS_MAX digits. */
+/* Returns the number with index `at` in a name, or -1 if this number has more than DIGITS_MAX digits. */
 static int64_t number_of(const char *name, int at)
 {
     for (int number = 0; *name; name++) {

@@ -16,7 +16,7 @@ typedef struct stack {
     int32_t sizes[3]; /* columns, rows, slices */
     ost_element element;
     bool swap;
-    char encoding[16], first[OST_SLICE_NAME]; /* of the first slice */
+    char encoding[16], first[OST_SLICE_NAME]; /* encoding and name of the first slice */
     double pixel_mm[2];
 } stack;
 
@@ -45,7 +45,9 @@ static ost_status add_slice(stack *s, const ost_slice *slice, ost_error *err)
     return OST_OK;
 }
 
-/* Adds the pages of one file. Their data cannot be larger than the file unpacks to, even if pages share bytes. */
+/*
+ * Adds the pages of one file. Even if pages share bytes, their data must not be larger than the file's unpacked size.
+ */
 static ost_status add_file(stack *s, const char *path, ost_error *err)
 {
     ost_slice *slice;
@@ -82,10 +84,10 @@ static ost_status scan(stack *s, ost_error *err)
 /* --------------------------------------------------------------- second pass */
 
 typedef struct stack_rows {
-    ost_rows rows; /* must be first */
+    ost_rows rows; /* must be the first member */
     const stack *stack;
-    size_t file; /* index of the next file */
-    ost_slice *slice; /* the open one; NULL before the first */
+    size_t file; /* index of the next file in the list of files */
+    ost_slice *slice; /* the open slice; NULL before the first slice is opened */
 } stack_rows;
 
 static ost_status open_slice(stack_rows *r, ost_error *err)
@@ -127,7 +129,7 @@ static ost_status read_voxels(const stack *s, const ost_volume_options *options,
                               const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
-    ost_parts none = {.count = 0}; /* the bytes of a stack come from libtiff and libpng */
+    ost_parts none = {.count = 0}; /* the bytes of a stack come from libtiff and libpng, so there are no parts */
     stack_rows r = {.rows = {.next = next_row,
                              .path = s->path,
                              .parts = &none,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A picture file of a stack: one grey picture (PNG, TIFF) or several pages (TIFF), read row by row.
+ * Reads a picture file of a stack row by row. The file contains one grey picture (PNG, TIFF) or several pages (TIFF).
  *
  *   open: first page --next--> second page ...
  *          row 0, row 1, ... in this order
  *
- * A file is hostile. Only grey pictures with one value per pixel are read; their form is checked before
- * a row is. Sizes are limited to OST_DIM_MAX, one allocation of libtiff to 256 MiB (the greatest strip),
- * one chunk of a PNG other than pixels to 1 MiB. A file may unpack to at most
- * OST_SLICE_UNPACK_MAX times its size, which is checked before the grid is allocated.
+ * A file may be malicious. Only grey pictures with one value per pixel are accepted, and their form is checked before
+ * any row is read. The sizes of a picture are limited to OST_DIM_MAX, one allocation of libtiff to 256 MiB (the
+ * greatest strip), and a PNG chunk without pixels to 1 MiB. The unpacked size must be at most OST_SLICE_UNPACK_MAX
+ * times the file size, which is checked before the grid is allocated.
  */
 #ifndef OST_IO_STACK_SLICE_H
 #define OST_IO_STACK_SLICE_H
@@ -18,8 +18,8 @@
 #include "io/volume/element.h"
 
 /*
- * The greatest number of unpacked bytes per byte of a file: deflate reaches 1032, LZW with codes of 12
- * bits 1365, PackBits 64.
+ * Greatest ratio of unpacked bytes to bytes of the file. Deflate reaches 1032, LZW with 12-bit codes reaches 1365,
+ * and PackBits reaches 64.
  */
 enum { OST_SLICE_UNPACK_MAX = 1400 };
 
@@ -27,39 +27,43 @@ typedef enum ost_slice_kind { OST_SLICE_NONE, OST_SLICE_TIFF, OST_SLICE_PNG } os
 
 typedef struct ost_slice ost_slice;
 struct ost_slice {
-    /* Reads row y as width elements. Rows are read in order, each once. The last row also ends the data. */
+    /* Reads row y, which has `width` elements. Each row must be read once, in order. Reading the last row also checks
+     * the end of the data. */
     ost_status (*row)(ost_slice *slice, int32_t y, void *out, ost_error *err);
-    /* Moves to the next page and describes it, or sets *more to false. */
+    /* Moves to the next page and describes the page. Sets *more to false if there is none. */
     ost_status (*next)(ost_slice *slice, bool *more, ost_error *err);
     void (*close)(ost_slice *slice);
     char *path;       /* owned */
-    int64_t bytes;    /* size of the file */
-    uint32_t page;    /* number of the page, from 1; 0 if the file has only one */
+    int64_t bytes;    /* file size in bytes */
+    uint32_t page;    /* number of the page, from 1; 0 if the file has only one page */
     int32_t width, height;
     ost_element element;
-    bool swap;        /* rows are big-endian */
-    bool packed;      /* rows are compressed */
+    bool swap;        /* true if rows are big-endian */
+    bool packed;      /* true if rows are compressed */
     char encoding[16];
-    double pixel_mm[2]; /* width and height of a pixel that the file states; 0 if it states none */
+    double pixel_mm[2]; /* width and height of a pixel in mm, as stated by the file; 0 if the file states no size */
 };
 
-/* Returns the format that the first bytes of a file identify. */
+/* Returns the format that the first bytes of a file indicate. */
 ost_slice_kind ost_slice_sniff(const unsigned char *head, size_t size);
 
-/* Opens a file by its content and describes its first page (slice_open.c). Errors name the file. */
+/*
+ * Opens a file, whose format is determined by its content, and describes its first page (slice_open.c). Errors name
+ * the file.
+ */
 ost_status ost_slice_open(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_row(ost_slice *slice, int32_t y, void *out, ost_error *err);
 ost_status ost_slice_next(ost_slice *slice, bool *more, ost_error *err);
 void ost_slice_close(ost_slice *slice); /* NULL is allowed */
 
-/* Writes "FILE" or "FILE: page N", for messages, and returns text. */
+/* Writes the slice's name, "FILE" or "FILE: page N", to `text` for messages. Returns `text`. */
 enum { OST_SLICE_NAME = 4200 };
 const char *ost_slice_name(const ost_slice *slice, char text[OST_SLICE_NAME]);
 
-/* Called by the code of a format after it has set the fields: checks size and element, in this order. */
+/* Checks the size, then the element. Called by the code of a format when all fields are set. */
 ost_status ost_slice_check(const ost_slice *slice, ost_error *err);
 
-/* The two formats. Each sets *out to an open file whose first page is described. */
+/* Open a file in one of the two formats, and describe its first page. */
 ost_status ost_slice_open_tiff(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_open_png(const char *path, ost_slice **out, ost_error *err);
 

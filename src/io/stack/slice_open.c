@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Opens a slice with the reader of its format. */
+/* Opens a slice with the reader for its format. */
 #include "io/stack/slice.h"
 
 #include <errno.h>

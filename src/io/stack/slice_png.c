@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a grey PNG with libpng, row by row. A failure inside libpng leaves it by longjmp; every function
- * that calls libpng therefore has its own setjmp, and everything that is accessed afterwards is in the
- * object.
+ * Reads a grey PNG with libpng, row by row. On a failure, libpng calls longjmp. Every function that calls libpng
+ * therefore calls setjmp, and everything that is accessed after the longjmp is a member of the object.
  */
 #include "config.h"
 
@@ -24,11 +23,11 @@
 enum { CHUNK_MAX = 1 << 20, CHUNKS_MAX = 64, REASON = 200 };
 
 typedef struct png_slice {
-    ost_slice common; /* must be first */
+    ost_slice common; /* must be the first member */
     png_structp png;
     png_infop info;
     FILE *file;
-    char reason[REASON]; /* the message of libpng */
+    char reason[REASON]; /* message of libpng */
 } png_slice;
 
 static void take_error(png_structp png, png_const_charp message)
@@ -75,7 +74,7 @@ static ost_status describe(png_slice *s, ost_error *err)
     if (png_get_interlace_type(s->png, s->info) != PNG_INTERLACE_NONE)
         return ost_fail(err, OST_ERR_INPUT, "%s: is interlaced; save it again without interlacing", c->path);
     c->element = bits == 8 ? OST_ELEMENT_UINT8 : OST_ELEMENT_UINT16;
-    c->swap = true; /* PNG is big-endian */
+    c->swap = true; /* samples in a PNG file are big-endian */
     c->packed = true;
     snprintf(c->encoding, sizeof c->encoding, "deflate");
     c->width = (int32_t)png_get_image_width(s->png, s->info);

@@ -2,9 +2,9 @@
 /*
  * Reads the pages of a TIFF with libtiff.
  *
- * Its codecs have a long history of defects, so only the simple ones are used: none, LZW, Deflate and
- * PackBits, in strips. All other pages are refused before a strip is read. libtiff reads through the
- * functions of this file, prints nothing, and may allocate ALLOC_MAX bytes at once.
+ * The codecs of libtiff have a long history of defects, so only strips that are uncompressed or use LZW, Deflate or
+ * PackBits are accepted. All other pages are refused before a strip is read. libtiff reads through functions in this
+ * file, prints nothing, and may allocate at most ALLOC_MAX bytes at once.
  */
 #include "config.h"
 
@@ -27,12 +27,12 @@
 enum { ALLOC_MAX = 1 << 28, REASON = 200 };
 
 typedef struct tiff_slice {
-    ost_slice common; /* must be first */
+    ost_slice common; /* must be the first member */
     TIFF *tiff;
     int fd;
     uint64_t at; /* offset of the next byte that libtiff reads */
     uint32_t index;
-    char reason[REASON]; /* the first message of libtiff since the last call */
+    char reason[REASON]; /* first message of libtiff since the last call */
 } tiff_slice;
 
 /* ------------------------------------------------------------ libtiff's view */
@@ -64,7 +64,7 @@ static toff_t seek(thandle_t handle, toff_t offset, int whence)
     tiff_slice *s = handle;
     const uint64_t base = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? s->at : (uint64_t)s->common.bytes;
     s->at = base + offset;
-    if (s->at > INT64_MAX) /* pread takes no greater offset; it then reads nothing */
+    if (s->at > INT64_MAX) /* pread does not accept an offset beyond INT64_MAX, so nothing is read */
         s->at = INT64_MAX;
     return s->at;
 }
@@ -83,7 +83,7 @@ static toff_t file_size(thandle_t handle)
 static int take_error(TIFF *tiff, void *user, const char *module, const char *format, va_list args)
     OST_PRINTF(4, 0);
 
-/* Stores the first message of libtiff, which then prints nothing. */
+/* Stores the first message of libtiff, so that libtiff prints nothing. */
 static int take_error(TIFF *tiff, void *user, const char *module, const char *format, va_list args)
 {
     tiff_slice *s = user;
@@ -139,7 +139,7 @@ static ost_element element_of(unsigned format, unsigned bits)
     return OST_ELEMENT_NONE;
 }
 
-/* Sets the size of a pixel that the resolution tags state, if they state one. */
+/* Sets the pixel size if the resolution tags state one. */
 static void describe_pixel(tiff_slice *s)
 {
     static const uint32_t tags[2] = {TIFFTAG_XRESOLUTION, TIFFTAG_YRESOLUTION};
@@ -154,8 +154,8 @@ static void describe_pixel(tiff_slice *s)
 }
 
 /*
- * Refuses a file of ImageJ that has a TIFF page for the first slice only: the other slices follow its
- * data, where only ImageJ finds them.
+ * Refuses files of ImageJ that have a TIFF page only for the first slice. The data of the other slices follow the
+ * data of the first one, where only ImageJ finds them.
  */
 static ost_status refuse_imagej(const tiff_slice *s, ost_error *err)
 {
@@ -268,7 +268,7 @@ static ost_status start(tiff_slice *s, ost_error *err)
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, ALLOC_MAX);
     TIFFOpenOptionsSetErrorHandlerExtR(options, take_error, s);
     TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, s);
-    /* m: the file is not mapped, because a file that shrinks would then end the process. */
+    /* The mode "m" disables mapping of the file, because a mapped file that shrinks would end the process. */
     s->tiff = TIFFClientOpenExt(s->common.path, "rm", s, read_bytes, write_bytes, seek, close_file, file_size, NULL,
                                 NULL, options);
     TIFFOpenOptionsFree(options);

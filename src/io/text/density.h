@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parses a density of the common form, [-]digits with 1 to 5 digits and a value
- * within int16, from the eight bytes that begin with it.  w contains them, the
- * first in the lowest byte.
+ * Parses a density of the common form, which is [-]digits with 1 to 5 digits and a value within int16. The word w
+ * contains eight bytes that begin with the density; the first byte is the lowest byte of w.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
  *   a zero byte of x: the lowest bit of (x - 01..01) & ~x & 80..80 is in the
@@ -28,7 +27,7 @@ static inline uint64_t ost_text_word(const char *p)
     return w;
 }
 
-/* Returns the number of bytes before the first newline of the eight in w; 8 if there is none. */
+/* Returns the number of bytes in w before the first newline; 8 if w contains no newline. */
 static inline int64_t ost_text_bytes_of_line(uint64_t w)
 {
     uint64_t x = w ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
@@ -36,7 +35,10 @@ static inline int64_t ost_text_bytes_of_line(uint64_t w)
     return zero ? __builtin_ctzll(zero) / 8 : 8;
 }
 
-/* Parses the first `length` of the eight bytes in w as a density. Returns false if it is not of the common form. */
+/*
+ * Parses the first `length` of the eight bytes in w as a density. Returns false if the density is not of the common
+ * form.
+ */
 static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density)
 {
     if (length < 1 || length > 6)
@@ -49,8 +51,8 @@ static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;
     /*
-     * Combines digits to pairs, pairs to groups of four, and these to eight digits. In each lane of a product, the
-     * upper half is the required sum.
+     * Combines digits into pairs, pairs into groups of four, and two groups into eight digits. In each lane of a
+     * product, the upper half contains the result.
      */
     t = (t * 2561) >> 8 & UINT64_C(0x00ff00ff00ff00ff);
     t = (t * 6553601) >> 16 & UINT64_C(0x0000ffff0000ffff);

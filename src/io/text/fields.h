@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Splits a line into fields, for all texts of numbers.
+ * Splits a line of a text of numbers into fields.
  *
  *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
  *
- * Fields are separated by blanks and tabs, with at most one comma or semicolon
- * among them. Two commas or semicolons enclose an empty field, which is an error
- * and never a number. '#' ends the line.
+ * Fields are separated by blanks and tabs, with at most one comma or semicolon between them. Two commas or semicolons
+ * enclose an empty field, which is an error and never a number. '#' ends the line.
  */
 #ifndef OST_IO_TEXT_FIELDS_H
 #define OST_IO_TEXT_FIELDS_H
@@ -35,7 +34,7 @@ static inline const char *ost_text_skip_blanks(const char *p, const char *end)
     return p;
 }
 
-/* Moves *p to the start of field number `index` (from 0), if there is one. */
+/* If the line has a field with the number `index` (from 0), moves *p to its start. Returns the kind of the field. */
 static inline ost_text_field_kind ost_text_field_start(const char **p, const char *end, int index)
 {
     const char *q = ost_text_skip_blanks(*p, end);
@@ -57,22 +56,21 @@ static inline const char *ost_text_field_end(const char *p, const char *end)
     return p;
 }
 
-/* Copies the field to quote for a message; a long field is truncated. Returns quote. */
+/* Copies the field to `quote` for a message, and returns `quote`. A long field is truncated. */
 const char *ost_text_quote(const char *field, const char *end, char quote[OST_TEXT_QUOTE]);
-/* Returns true if there are bytes that do not occur in a text of numbers. */
+/* Returns true if the text contains bytes that do not occur in a text of numbers. */
 bool ost_text_is_binary(const char *p, const char *end);
 /*
- * Returns true if the line's fields are words: at least one has a letter, and none is a decimal, an empty field, nan
- * or inf.
+ * Returns true if the fields of the line are words: at least one field contains a letter, and no field is empty, a
+ * decimal, nan or inf.
  */
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without
- * blanks and VALUE is trimmed, and returns true. Returns false for all other
- * comments. Text that is too long for the members is truncated. The truncated text
- * is still too long for a fact, because OST_META_KEY and OST_META_VALUE are less
- * than the sizes of the members.
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Returns true, with VALUE
+ * trimmed; returns false for all other comments. A text that is too long for the members is truncated. The truncated
+ * text is still too long for a header fact, because OST_META_KEY and OST_META_VALUE are less than the sizes of the
+ * members.
  */
 typedef struct ost_text_fact {
     char key[48];

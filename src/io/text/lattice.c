@@ -52,11 +52,11 @@
 enum { STEPS_MAX = OST_DIM_MAX - 1 };
 static const int64_t FEASIBLE_MAX = INT64_C(17000000000000); /* 1.7 * 10^13, see the ranges above */
 
-/* An axis with its steps and its unit. */
+/* An axis with its steps k and its unit u. */
 typedef struct fit {
     const ost_lattice_axis *axis;
-    int32_t *steps; /* axis->count */
-    int64_t unit;   /* u, in picometres */
+    int32_t *steps; /* axis->count elements */
+    int64_t unit;   /* unit u in picometres */
 } fit;
 
 static int64_t unit_pm(int unit)
@@ -87,9 +87,8 @@ static int64_t last_step(const fit *f)
 static const char advice[] = "give the spacing (--spacing)";
 
 /*
- * Reports that coordinate i does not fit the lattice. The error is in this coordinate
- * or in one of the two coordinates whose gap was taken as the step. The message
- * therefore names all three.
+ * Reports that coordinate i does not fit the lattice. The wrong coordinate is either coordinate i or one of the two
+ * coordinates whose gap was used as the step, so the message names all three.
  */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
@@ -122,7 +121,10 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 
 /* ------------------------------------------------------------------- steps */
 
-/* Returns the smallest gap above `floor`; 0 if there is none. Sets *greatest to the greatest gap, unless it is NULL. */
+/*
+ * Returns the smallest gap above `floor`, or 0 if there is none. If greatest is not NULL, sets *greatest to the
+ * greatest gap.
+ */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {
     int64_t least = 0, most = 0;
@@ -150,7 +152,7 @@ static bool exact_steps(const fit *f, int64_t coarsest)
     return true;
 }
 
-/* s = num / den, 1 <= den <= STEPS_MAX */
+/* A spacing s = num / den with 1 <= den <= STEPS_MAX. */
 typedef struct ratio {
     int64_t num, den;
 } ratio;
@@ -192,7 +194,7 @@ static ost_status rounded_steps(const char *path, const fit *f, ost_error *err)
 
 typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
 
-/* Returns the side of s on which the feasible spacings of one axis lie; slack is added to u in (F). */
+/* Returns the side of s on which the feasible spacings of one axis lie. `slack` is added to u in the condition (F). */
 static side probe_axis(const fit *f, int64_t s, int64_t slack)
 {
     int64_t most = INT64_MIN, least = INT64_MAX;
@@ -226,10 +228,9 @@ static side probe(const fit *const *fits, int count, int64_t s)
 }
 
 /*
- * Returns the feasible multiple of q nearest to num / den, the smaller of two equally
- * near ones; 0 if there is none.  Invariant of the bisection: at `near` the probe is
- * not HERE and points towards `far`; at `far` it points the other way or is HERE, or
- * `far` is the end of the range.
+ * Returns the feasible multiple of q that is nearest to num / den; of two equally near multiples, the smaller one.
+ * Returns 0 if no multiple is feasible. Invariant of the bisection: at `near`, the probe is not HERE and points
+ * towards `far`. At `far`, the probe points the other way or is HERE, or `far` is the end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {
@@ -262,7 +263,10 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     return far > 0 && probe(fits, count, far * q) == HERE ? far * q : 0;
 }
 
-/* Returns the spacing with the fewest digits; 0 if no decimal with up to nine digits is feasible for all axes. */
+/*
+ * Returns the spacing with the fewest digits that is feasible for all axes. Returns 0 if no decimal with up to nine
+ * digits is feasible.
+ */
 static int64_t fewest_digits(const fit *const *fits, int count)
 {
     const fit *longest = fits[0];
@@ -285,7 +289,7 @@ static int64_t spacing_of(const fit *f)
     return s;
 }
 
-/* Finds the steps, the unit and the spacing of one axis. The steps and the unit are stored in f. */
+/* Finds the steps, the unit and the spacing of one axis. The steps and the unit are stored in *f. */
 static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error *err)
 {
     const ost_lattice_axis *axis = f->axis;
@@ -326,7 +330,7 @@ static bool alike(int64_t a, int64_t b)
     return difference * 100 <= (a < b ? a : b);
 }
 
-/* Sets one common spacing for axes that can share it. Returns true if they can. */
+/* Finds one common spacing for several axes. Returns false if the axes cannot share a spacing. */
 static bool unify(const fit *fits, const int *which, int count, ost_pm spacing[3])
 {
     const fit *group[3] = {NULL, NULL, NULL};

@@ -16,8 +16,7 @@
  *
  *   max(c_i - k_i s) - min(c_i - k_i s) <= u                                (F)
  *
- * (Proof of =>: subtract o. Proof of <=: let o be the mean of the maximum and the
- * minimum.)
+ * (Proof of =>: subtract o. Proof of <=: let o be the mean of the maximum and the minimum.)
  */
 #ifndef OST_IO_LATTICE_H
 #define OST_IO_LATTICE_H
@@ -29,24 +28,24 @@
 #include <osteon/grid.h>
 
 /*
- * Unit n is the value of the last digit of a coordinate with n - 3 decimal places: 10^3 mm for 0, a picometre for 12.
+ * Unit number n is the value of the last digit of a coordinate with n - 3 decimal places. Unit 0 is 10^3 mm, and unit
+ * 12 is one picometre.
  */
 enum { OST_LATTICE_UNITS = 13, OST_LATTICE_UNIT_PLACES = 3 };
 
 typedef struct ost_lattice_axis {
     char name;            /* 'x', 'y', 'z' */
     size_t count;         /* 1 <= count <= OST_DIM_MAX */
-    const ost_pm *value;  /* distinct, ascending */
-    const int64_t *line;  /* the line in which each value occurs first */
-    uint32_t units;       /* bit n is 1 if unit n occurs */
-    bool rounded;         /* a coordinate has more than nine decimal places and may be half a picometre off */
+    const ost_pm *value;  /* distinct values in ascending order */
+    const int64_t *line;  /* for each value, the line in which the value occurs first */
+    uint32_t units;       /* bit n is 1 if unit number n occurs */
+    bool rounded; /* true if a coordinate has more than nine decimal places and may be wrong by half a picometre */
 } ost_lattice_axis;
 
 /*
- * Finds the spacing of every axis with spacing[a] == 0 on entry; the other elements
- * of axes are not read. Returns OST_ERR_INPUT if no spacing fits or several do. The
- * message names the axis, the coordinate and the line, and suggests giving the
- * spacing.
+ * Finds the spacing of every axis with spacing[a] == 0 on entry. Of `axes`, only the elements of these axes are read.
+ * Returns OST_ERR_INPUT if no spacing fits, or if several spacings fit. The message names the axis, the coordinate
+ * and the line, and suggests giving the spacing.
  */
 ost_status ost_lattice_find(const char *path, const ost_lattice_axis axes[3], ost_pm spacing[3], ost_error *err);
 

@@ -6,9 +6,8 @@
  *   buffer: [....\n.......\n...]            a block ends after its last newline;
  *                                           the bytes after it begin the next block
  *
- * Parsers receive bytes and never read the file, so that a faster parser can replace
- * a simple one. A last line without a newline gets one in the buffer; a UTF-8 byte
- * order mark at the start is skipped.
+ * Parsers receive bytes and never read the file, so that a faster parser can replace a simple one. If the last line
+ * has no newline, a newline is added in the buffer. A UTF-8 byte order mark at the start is skipped.
  */
 #ifndef OST_IO_TEXT_LINES_H
 #define OST_IO_TEXT_LINES_H
@@ -19,36 +18,39 @@
 #include <osteon/status.h>
 
 enum {
-    OST_TEXT_LINE_MAX = 4096,     /* bytes of a line; a longer one means that the file is not a text of numbers */
+    OST_TEXT_LINE_MAX = 4096,     /* greatest length of a line in a text of numbers, in bytes */
     OST_TEXT_BUFFER = 1 << 18
 };
 
 typedef struct ost_text_lines ost_text_lines;
 
 typedef struct ost_text_block {
-    const char *begin, *end; /* end[-1] == '\n'; begin == end: the file has ended */
+    const char *begin, *end; /* end[-1] is a newline; begin == end means that the file has ended */
 } ost_text_block;
 
 /*
- * Opens a text file. Returns OST_ERR_IO if path cannot be opened or is not a regular
- * file: every text is read twice, which is impossible with a pipe.
+ * Opens a text file. Returns OST_ERR_IO if path cannot be opened or is not a regular file. A pipe is refused because
+ * every text is read twice.
  */
 ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err);
-/* Called before the first block. A file packed by gzip is unpacked while it is read; a plain file is read unchanged. */
+/*
+ * Must be called before the first block is read. If the file is a gzip file, sets *packed and unpacks the file while
+ * it is read. Other files are read unchanged.
+ */
 ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error *err);
 void ost_text_lines_close(ost_text_lines *lines); /* NULL is allowed */
 
 /*
- * Reads the next block, which is valid until the next call. line_number is used in the message about a line that is
- * too long.
+ * Reads the next block, which remains valid until the next call. If a line is too long, the message states
+ * line_number.
  */
 ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_text_block *block, ost_error *err);
-/* Returns to the file's start. */
+/* Moves to the start of the file. */
 ost_status ost_text_lines_rewind(ost_text_lines *lines, ost_error *err);
 
-/* Returns the share of the file's bytes that has been read, from 0 to 1, for progress. */
+/* Returns the share of the file's bytes that has been read, from 0 to 1. Used to report progress. */
 double ost_text_lines_share(const ost_text_lines *lines);
-/* Returns true if the file's last byte is a newline; valid once the file has ended. */
+/* Returns true if the last byte of the file is a newline. Valid only after the end of the file was reached. */
 bool ost_text_lines_terminated(const ost_text_lines *lines);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The matcher in portable C, to which all other variants must be equivalent. The
- * bytes before a density are compared, so the position of the density is known. The
- * newline after the density is within the eight bytes that begin at this position.
+ * Implements the matcher in portable C. All other variants must be equivalent to it. Comparing the bytes before a
+ * density also yields the density's position. The newline after the density is one of the eight bytes that begin at
+ * this position.
  */
 #include "core/conditions.h"
 

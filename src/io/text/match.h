@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches lines of a CT text that, except for their density, consist of exactly the
- * expected bytes.
+ * Matches lines of a CT text. A line matches if all its bytes except the density are equal to the expected bytes.
  *
  *   "-57.340000 12.220000 3.000000 1043\n"
  *    |--text--||-------after------||--|
  *     column c   the row's own     density, a whole number
  *
- * In a raster scan every row repeats the columns of the first one, and its other two
- * coordinates are constant. Equal bytes are equal numbers, whatever their form, so
- * only the density of a line needs to be parsed. If an axis other than x runs
- * fastest, `before` precedes the column.
+ * In a raster scan, every row repeats the column texts of the first row, and its other two coordinates are constant.
+ * Equal bytes represent equal numbers, whatever their form, so only the density of a line needs to be parsed. If an
+ * axis other than x runs fastest, `before` precedes the column.
  */
 #ifndef OST_IO_TEXT_MATCH_H
 #define OST_IO_TEXT_MATCH_H
@@ -22,8 +20,9 @@
 #include "core/isa.h"
 
 /*
- * MARGIN: the greatest number of bytes that a kernel reads beyond the text. It allows for eight lines, each with the
- * longest pattern and a density that is one byte too long, and for the reads that begin at the end of the last line.
+ * OST_TEXT_MARGIN is the greatest number of bytes that a kernel reads beyond the end of the text. It is sufficient
+ * for eight lines, each with the longest pattern and a density that is one byte too long, and for the reads that
+ * begin at the end of the last line.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
 _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +
@@ -31,7 +30,7 @@ _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST
                    OST_TEXT_MARGIN,
                "kernels read no further");
 
-/* Bytes beyond the length are 0 in text and in mask; all other bytes of mask are 0xff. */
+/* The text of a column. Bytes beyond its length are 0 in `text` and in `mask`; all other bytes of `mask` are 0xff. */
 typedef struct ost_text_column {
     unsigned char text[OST_TEXT_COLUMN_MAX];
     unsigned char mask[OST_TEXT_COLUMN_MAX];
@@ -45,8 +44,8 @@ typedef struct ost_text_around {
 
 typedef struct ost_text_pattern {
     ost_text_around before, after;
-    uint32_t shortest; /* the least length of a column */
-    bool carriage;     /* lines end with "\r\n" */
+    uint32_t shortest; /* smallest length of a column */
+    bool carriage;     /* true if lines end with "\r\n" */
 } ost_text_pattern;
 
 /*
@@ -63,7 +62,7 @@ typedef struct ost_text_pattern {
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                               const char *text, const char *end, size_t lines, int16_t *density, const char **next);
 
-/* Returns the function for an instruction set; all are equivalent to the scalar one. */
+/* Returns the matcher for an instruction set. All matchers are equivalent to the scalar one. */
 ost_text_match *ost_text_match_for(ost_isa isa);
 ost_text_match ost_text_match_avx2, ost_text_match_avx512, ost_text_match_neon;
 

@@ -32,8 +32,8 @@ static ost_status fail_field(const ost_text_parser *parser, int column, const ch
 }
 
 /*
- * Reports a line that does not have four columns, with their number. A decimal comma
- * turns four columns into eight, so the message hints at it.
+ * Reports a line that does not have four columns, and states the number of its columns. Decimal commas turn four
+ * columns into eight; in this case, the message mentions decimal commas.
  */
 static ost_status fail_count(const ost_text_parser *parser, const char *begin, const char *end, ost_error *err)
 {
@@ -58,8 +58,8 @@ static ost_status fail_count(const ost_text_parser *parser, const char *begin, c
 /* ------------------------------------------------------------------- values */
 
 /*
- * Equivalent to ost_decimal_to_pm, with one multiplication for most positions:
- * |mantissa| * 10^s <= 8000 * 10^9 iff |mantissa| <= 8000 * 10^(9 - s).
+ * Equivalent to ost_decimal_to_pm, but needs only one multiplication for most positions. The position in picometres
+ * is mantissa * 10^shift. It is within 8000 mm iff |mantissa| <= 8000 * 10^(9 - shift).
  */
 static bool to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {
@@ -104,7 +104,7 @@ static ost_status parse_density(const ost_text_parser *parser, int column, const
 
 /* -------------------------------------------------------------------- lines */
 
-/* Parses a sample. p is the start of the first field, end the end of the line. */
+/* Parses a sample. `p` is the start of the first field, and `end` is the end of the line. */
 static ost_status parse_row(const ost_text_parser *parser, const char *p, const char *end, ost_text_row *row,
                             ost_error *err)
 {
@@ -129,7 +129,9 @@ static ost_status parse_row(const ost_text_parser *parser, const char *p, const 
     return p == end || !memchr(p, 0, (size_t)(end - p)) ? OST_OK : fail_line(parser, zero_byte, err);
 }
 
-/* Handles a line without a sample: empty, a comment, or the header. Sets *is_row if it is none of these. */
+/*
+ * Handles a line without a sample, which is an empty line, a comment or the header. For any other line, sets *is_row.
+ */
 static ost_status parse_other(ost_text_parser *parser, const char *p, const char *end, bool *is_row, ost_error *err)
 {
     *is_row = false;

@@ -18,30 +18,32 @@
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
-/* Limits of the number of decimal places: fewer than MIN are treated as MIN, and digits beyond MAX are rounded. */
+/*
+ * Limits on the number of decimal places. Fewer than MIN places are treated as MIN places, and digits beyond MAX
+ * places are rounded.
+ */
 enum { OST_TEXT_PLACES_MIN = -3, OST_TEXT_PLACES_MAX = 9 };
 
 typedef struct ost_text_row {
     ost_pm position[3];
-    int64_t line;     /* from 1 */
+    int64_t line;     /* line number, from 1 */
     int32_t density;  /* within int16 */
     int8_t places[3]; /* OST_TEXT_PLACES_MIN to OST_TEXT_PLACES_MAX */
-    uint8_t rounded;  /* bit a: position a was rounded to a picometre */
+    uint8_t rounded;  /* bit a is 1 if coordinate a was rounded to a picometre */
 } ost_text_row;
 
 typedef struct ost_text_parser {
     const char *path;
-    int64_t line;     /* lines parsed so far */
-    bool past_header; /* a header or a sample has been seen */
-    /* Called for every fact; parser->line is its line. May be NULL. */
+    int64_t line;     /* number of lines parsed so far */
+    bool past_header; /* true if a header or a sample has been read */
+    /* Called for every header fact; parser->line is the line of the fact. The function pointer may be NULL. */
     ost_status (*fact)(void *user, const struct ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
     void *user;
 } ost_text_parser;
 
 /*
- * Parses lines from block->begin on, which it advances, until the block ends or rows
- * are full.  At the first bad line it returns OST_ERR_INPUT with file, line, column,
- * value and what was expected.
+ * Parses lines from block->begin on, and advances block->begin. Stops at the end of the block or when `rows` is full.
+ * At the first bad line, returns OST_ERR_INPUT; the message contains file, line, column, value and what was expected.
  */
 ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity,
                           size_t *count, ost_error *err);

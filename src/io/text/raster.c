@@ -31,7 +31,9 @@
 #include "io/text/lattice.h"
 #include "io/text/walk.h"
 
-/* The head and the first row must be within HEAD bytes; a line has at least 8 bytes: "0 0 0 0\n". */
+/*
+ * The head of the text and its first row must lie within HEAD bytes. A line has at least LINE_MIN bytes: "0 0 0 0\n".
+ */
 enum { HEAD = 1 << 20, LINE_MIN = 8, PIECE_MIN = 1 << 18, PIECES_MAX = 1 << 14, PIECES_A_THREAD = 16 };
 
 /* ------------------------------------------------------------------- learning */
@@ -44,7 +46,7 @@ typedef struct reading {
     uint32_t units[3];
 } reading;
 
-/* Returns the axes in which the positions differ, as bits. */
+/* Returns a bit mask of the axes in which the two positions differ. */
 static unsigned difference(const ost_text_row *a, const ost_text_row *b)
 {
     unsigned axes = 0;
@@ -59,8 +61,8 @@ static int only_axis(unsigned axes)
 }
 
 /*
- * Adds a sample of the first row as a column: its coordinate and its text. Returns
- * false if the coordinates are not monotone or too many.
+ * Adds a sample of the first row as a column with its coordinate and text. Returns false if the coordinates are not
+ * monotone or if there are too many columns.
  */
 static bool learn_column(reading *r, const char *p, const char *newline, const ost_text_row *row)
 {
@@ -85,8 +87,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
 }
 
 /*
- * Reads comments, the header and the first row. The first line in which the coordinate
- * of another axis changes ends the row and determines the order of the axes.
+ * Reads the comments, the header and the first row. The row ends at the first line in which the coordinate of another
+ * axis changes. This line also determines the order of the axes.
  */
 static bool learn_row(reading *r, const char *text, size_t bytes)
 {
@@ -132,7 +134,10 @@ static bool learn_row(reading *r, const char *text, size_t bytes)
     return false;
 }
 
-/* Reads the coordinate of the slow axis from the last line. *terminated is true if that line ends with a newline. */
+/*
+ * Reads the coordinate of the slow axis from the last line. Sets *terminated to true if the last line ends with a
+ * newline.
+ */
 static bool learn_last(reading *r, bool *terminated)
 {
     char text[2 * OST_TEXT_LINE_MAX];
@@ -153,8 +158,8 @@ static bool learn_last(reading *r, bool *terminated)
 }
 
 /*
- * Finds the coordinates of the middle axis and the number of slices, from the first slice and the coordinate of the
- * second slice.
+ * Finds the coordinates of the middle axis and the number of slices. They follow from the first slice and from the
+ * coordinate of the second slice.
  */
 static bool learn_slice(reading *r)
 {
@@ -164,7 +169,7 @@ static bool learn_slice(reading *r)
     bool good = ost_text_walker_open(&walker, &r->plan, true) &&
                 ost_text_walk(&walker, r->plan.begin, r->plan.end, false);
     if (good && !walker.done)
-        good = walker.at[0] == raster->count[0]; /* there is only one slice */
+        good = walker.at[0] == raster->count[0]; /* the text has only one slice */
     raster->at[2][0] = walker.slow;
     int64_t all = r->plan.last_slow - walker.slow;
     if (good && walker.done && all != 0) {
@@ -218,7 +223,7 @@ static bool map_voxels(ost_text_raster *raster, int64_t count)
     return true;
 }
 
-/* The result of walking a piece; placed is false if no line begins in it. */
+/* The result for a piece; `placed` is false if no line begins in the piece. */
 typedef struct piece {
     int64_t first, next;
     int32_t slice;
@@ -227,8 +232,8 @@ typedef struct piece {
 } piece;
 
 /*
- * Returns true if the lines of all pieces together contain every voxel once and in order, and if the coordinates are
- * strictly monotone.
+ * Returns true if the lines of all pieces together contain every voxel exactly once and in order. The coordinates
+ * must also be strictly monotone.
  */
 static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
 {
@@ -249,7 +254,7 @@ static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int cou
 
 typedef struct shared {
     atomic_bool stop;
-    atomic_llong walked; /* bytes */
+    atomic_llong walked; /* number of bytes processed so far */
     bool cancelled;      /* set by the calling thread */
 } shared;
 
@@ -264,7 +269,7 @@ static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64
     atomic_fetch_add_explicit(&s->walked, end - begin, memory_order_relaxed);
 }
 
-/* Reports progress, only on the caller's own thread, which is thread 0. */
+/* Reports progress. Only the caller's own thread, which is thread 0, reports. */
 static void report_progress(const reading *r, shared *s)
 {
 #if defined _OPENMP
@@ -289,7 +294,7 @@ static int thread_count(int requested)
 #endif
 }
 
-/* Walks the complete file with all threads. Returns true if it is a scan. */
+/* Processes the complete file with all threads. Returns true if the file is a raster scan. */
 static bool walk_all(reading *r, int64_t voxels, bool *cancelled)
 {
     const int64_t bytes = r->plan.end - r->plan.begin;
@@ -329,8 +334,8 @@ static bool walk_all(reading *r, int64_t voxels, bool *cancelled)
 /* -------------------------------------------------------------------- summary */
 
 /*
- * Fills the summary with the values that the first of two passes would find: the extent, the distinct coordinates in
- * ascending order with the line in which each occurs first, and the units.
+ * Fills the summary with the values that the first of two passes would find: the extent, the units, and the distinct
+ * coordinates in ascending order, each with the line in which it occurs first.
  */
 static bool summarise(reading *r, int64_t voxels)
 {
@@ -370,14 +375,17 @@ void ost_text_raster_free(ost_text_raster *raster)
     *raster = (ost_text_raster){0};
 }
 
-/* Returns true unless the text's own dims show that it is incomplete. */
+/* Returns false if the dims stated in the text show that the text is incomplete. */
 static bool is_complete(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {
     const ost_text_own *dims = &summary->own_dims;
     return dims->line == 0 || (terminated && dims->value[0] * dims->value[1] * dims->value[2] == voxels);
 }
 
-/* Returns true if two passes would succeed: the geometry is valid, and every sample has a voxel of its own. */
+/*
+ * Returns true if reading in two passes would succeed, that is, if the geometry is valid and every sample has a voxel
+ * of its own.
+ */
 static bool is_sound(const reading *r)
 {
     ost_geometry full;

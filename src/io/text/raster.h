@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a CT text that is a raster scan: every voxel of a box has exactly one line,
- * in order.
+ * Reads a CT text that is a raster scan, that is, a text with exactly one line for every voxel of a box, in order.
  *
  *   # comments, a header                       the head, read line by line
  *   x0 y0 z0 d   x1 y0 z0 d  ...               the columns: x0, x1, ...
@@ -14,10 +13,9 @@
  * file. One pass is therefore sufficient. Each thread processes its own pieces of
  * the file, and almost every line is compared instead of parsed (match.h).
  *
- * If any line deviates from a scan for any reason, including a defective text,
- * *found is false and there is no other effect. The readers of scan.h and rect.h
- * then read the text and report its errors. For a scan the result is bit-identical
- * to theirs. The axes may run in any order and either direction.
+ * If any line deviates from a scan, for example in a defective text, *found becomes false and there is no other
+ * effect. The readers of scan.h and rect.h then read the text and report its errors. For a scan, all readers produce
+ * bit-identical results. The axes may be in any order, and each axis may ascend or descend.
  *
  * Memory: two bytes per line (that is, per voxel of the grid) and one buffer per
  * thread.
@@ -28,48 +26,47 @@
 #include "io/text/rect.h"
 
 typedef struct ost_text_raster_options {
-    ost_pm3 given;          /* spacings given by options, with the same meaning as in ost_text_scan */
-    int threads;            /* 0 = all */
+    ost_pm3 given;          /* spacings given by options; the meaning is the same as in ost_text_scan */
+    int threads;            /* number of threads; 0 means all */
     ost_progress *progress; /* reports the stage "samples"; may be NULL */
     void *user;
 } ost_text_raster_options;
 
-/* Arrays are indexed by rank: 0 is the axis that runs fastest. */
+/* The axes and voxels of a raster scan. Arrays are indexed by rank; rank 0 is the axis that runs fastest. */
 typedef struct ost_text_raster {
     int axis[3];       /* 0 is x, 1 is y, 2 is z */
     int32_t count[3];  /* 1 <= count <= OST_DIM_MAX */
-    ost_pm *at[3];     /* owned; count coordinates, strictly ascending or descending */
+    ost_pm *at[3];     /* owned; `count` coordinates of each axis, strictly ascending or descending */
     int64_t first_line;
-    int16_t *voxels;   /* owned; the densities in the file's order */
+    int16_t *voxels;   /* owned; densities in the order of the file */
     size_t voxel_bytes;
 } ost_text_raster;
 
-/* Returns the number of lines between two neighbours along the axis of this rank. */
+/* Returns the number of lines from one voxel to the next along the axis of the given rank. */
 static inline int64_t ost_text_raster_stride(const ost_text_raster *raster, int rank)
 {
     return rank == 0 ? 1 : rank == 1 ? raster->count[0] : (int64_t)raster->count[0] * raster->count[1];
 }
 
 /*
- * Sets *found if the text is a scan, its geometry is valid, and every sample has a
- * voxel of its own. The summary then equals that of ost_text_scan (except for the
- * fingerprint's hash); the caller frees summary and raster.  Apart from the errors of
- * opening the file, OST_ERR_CANCELLED is the only error: all others are reported by
- * the two-pass readers.
+ * Sets *found to true if the text is a scan, its geometry is valid, and every sample has a voxel of its own. The
+ * summary then equals the summary of ost_text_scan, except for the fingerprint's hash. The caller frees the summary
+ * and the raster. Apart from the errors of opening the file, OST_ERR_CANCELLED is the only error; all other errors
+ * are reported by the two-pass readers.
  */
 ost_status ost_text_raster_read(const char *path, const ost_text_raster_options *options, ost_text_summary *summary,
                                 ost_text_raster *raster, bool *found, ost_error *err);
 void ost_text_raster_free(ost_text_raster *raster);
 
-/* Adds to the hasher the same bytes as ost_text_scan adds. */
+/* Adds the same bytes to the hasher as ost_text_scan. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
 /*
- * Returns true if every sample has a voxel of its own in the grid. Also returns false if memory cannot be allocated.
- * Defined in raster_rect.c.
+ * Returns true if every sample has a voxel of its own in the grid. Also returns false if memory is exhausted. The
+ * function is defined in raster_rect.c.
  */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
-/* Fills rect as ost_text_to_rect does, with the same report; options->expected is not used. */
+/* Fills *rect and the report like ost_text_to_rect. options->expected is not used. */
 ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster,
                                    const ost_text_rect_options *options, ost_grid *rect, ost_scatter_report *report,
                                    ost_error *err);

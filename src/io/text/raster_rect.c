@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts a raster scan to the rect grid. Each axis of the scan is mapped to the voxels of the
- * grid. The densities are copied by these maps slice by slice, or all at once if the scan has the
- * order of the grid.
+ * Converts a raster scan to the rect grid. Each axis of the scan is mapped to the voxels of the grid. If the order of
+ * the scan is the order of the grid, all densities are copied at once. Otherwise, they are copied slice by slice
+ * through the maps.
  */
 #include "core/conditions.h"
 
@@ -12,15 +12,18 @@
 
 #include "core/integer.h"
 
-/* Maps the coordinates of a rank to the voxels of the grid's axis, and records their offsets. */
+/*
+ * Maps the coordinates of one axis of the scan to voxels of the grid, and records the distances of the coordinates
+ * from the voxel centres.
+ */
 typedef struct axis_map {
-    int32_t count;     /* coordinates within the crop: from, from + 1, ... */
+    int32_t count;     /* number of coordinates within the crop, which are from, from + 1, ... */
     int32_t from;
-    int32_t *index;    /* owned; index of every coordinate in the complete grid */
+    int32_t *index;    /* owned; index in the complete grid for each coordinate */
     ost_pm spacing;
-    int64_t good;      /* number of coordinates within the crop and at most 1/8 of a voxel off */
-    int64_t worst;     /* greatest offset within the crop, in ppm of a voxel */
-    int32_t worst_at;  /* index of the first coordinate with the greatest offset */
+    int64_t good;      /* number of coordinates that are within the crop and at most 1/8 of a voxel off */
+    int64_t worst;     /* greatest distance from a voxel centre within the crop, in ppm of a voxel */
+    int32_t worst_at;  /* index of the first coordinate with the greatest distance */
 } axis_map;
 
 static void maps_free(axis_map maps[3])
@@ -30,8 +33,8 @@ static void maps_free(axis_map maps[3])
 }
 
 /*
- * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate would
- * be rejected, or if there is no memory. |at - origin| < 2^54, off * 10^6 < 2^56.
+ * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate would be rejected, or if memory is
+ * exhausted. |at - origin| < 2^54 and off * 10^6 < 2^56.
  */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
                      axis_map *map)
@@ -75,7 +78,7 @@ static bool map_all(const ost_text_raster *raster, const ost_geometry *full, con
 }
 
 /*
- * Computes the report that a scatter of the lines would return. Requires that every coordinate has a voxel of its own.
+ * Computes the report that a scatter of the lines would return. Every coordinate must have a voxel of its own.
  */
 static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
 {
@@ -86,7 +89,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     report->samples = (uint64_t)samples;
     report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
     for (int rank = 0; rank < 3; rank++) {
-        /* The result is the first line within the crop that has the coordinate with the greatest offset. */
+        /* Finds the first line within the crop whose coordinate has the greatest distance from its voxel centre. */
         int64_t line = raster->first_line;
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * ost_text_raster_stride(raster, other);
@@ -99,7 +102,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     }
 }
 
-/* Returns true if the lines are the complete grid in the order of its memory. */
+/* Returns true if the lines contain the complete grid in its memory order. */
 static bool is_plain(const ost_text_raster *raster, const axis_map maps[3], ost_dims dims)
 {
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
@@ -119,7 +122,8 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For every voxel along an axis: the offset of its coordinate in raster->voxels; -1 if it has none. */
+    /* For every voxel along an axis, the offset in raster->voxels of the voxel's coordinate; -1 if the voxel has no
+     * coordinate. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;

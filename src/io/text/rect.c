@@ -15,7 +15,7 @@ typedef struct pass {
     const ost_text_rect_options *options;
     ost_grid *rect;
     ost_scatter_report *report;
-    ost_sample *samples; /* BATCH */
+    ost_sample *samples; /* BATCH elements */
     size_t count;
     int64_t first_line;
 } pass;
@@ -57,7 +57,7 @@ static ost_status fail_rejected(const pass *p, ost_error *err)
                         ost_pm_format(at[a], value), (double)off / (double)spacing[a], ost_pm_format(spacing[a],
                         step), ost_pm_format(origin[a], from));
     }
-    return changed(p->path, err); /* on the lattice but outside the grid of the first pass */
+    return changed(p->path, err); /* on the lattice, but outside the grid of the first pass */
 }
 
 static ost_status fail_conflict(const pass *p, ost_error *err)
@@ -91,7 +91,10 @@ static ost_status flush(pass *p, ost_error *err)
     return status;
 }
 
-/* Returns true if the row's voxel is within the crop. Positions are within 8 m, so the difference is below 2^54. */
+/*
+ * Returns true if the row's voxel is within the crop. A position is within 8 m, so the difference from the origin is
+ * below 2^54.
+ */
 static bool in_crop(const ost_geometry *full, const ost_voxel_box *crop, const ost_text_row *row)
 {
     const int64_t origin[3] = {full->origin.x, full->origin.y, full->origin.z};
@@ -109,8 +112,8 @@ static ost_status add_row(pass *p, const ost_text_row *row, ost_error *err)
     if (p->options->crop && !in_crop(p->options->full, p->options->crop, row))
         return OST_OK;
     /*
-     * The lines of a batch are stored as 32-bit offsets. An offset could only overflow if there were 2 * 10^9 lines
-     * of comments between two samples.
+     * The lines of a batch are stored as 32-bit offsets. An offset overflows only if there are 2 * 10^9 lines of
+     * comments between two samples.
      */
     if (p->count > 0 && row->line - p->first_line > INT32_MAX) {
         ost_status status = flush(p, err);

@@ -17,7 +17,7 @@ _Static_assert(OST_LATTICE_UNIT_PLACES == -OST_TEXT_PLACES_MIN &&
 
 /* ------------------------------------------------------- distinct coordinates */
 
-/* Adds a coordinate to a hash set with open addressing, at most half full. */
+/* Adds a coordinate to a hash set. The set uses open addressing and is at most half full. */
 static ost_status set_add(const char *path, ost_text_axis *axis, int a, ost_pm value, int64_t line, ost_error *err)
 {
     size_t at = (size_t)((uint64_t)value * UINT64_C(0x9e3779b97f4a7c15) >> 32) % SET_SIZE;
@@ -52,7 +52,7 @@ static void set_sort(ost_text_axis *axis)
 
 /* ---------------------------------------------------------------------- facts */
 
-/* Reads three values: "0.47 0.47 1" as lengths in mm, or "256 234 201" as numbers of voxels. */
+/* Reads three values: lengths in mm, such as "0.47 0.47 1", or numbers of voxels, such as "256 234 201". */
 static bool read_three(const char *text, bool lengths, int64_t out[3])
 {
     const char *end = text + strlen(text);
@@ -80,7 +80,7 @@ static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *f
                     (long long)parser->line, fact->key, fact->value, expected);
 }
 
-/* Stores three values. A second fact with the same key must have the same values. */
+/* Stores the three values of a header fact. If the key occurs again, the values must be the same. */
 static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3],
                            ost_text_own *own, ost_error *err)
 {
@@ -191,7 +191,7 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
     const ost_text_own *dims = &summary->own_dims;
     if (dims->line == 0)
         return OST_OK;
-    /* The product is at most (2^14)^3. */
+    /* The product of the three dims is at most (2^14)^3. */
     int64_t expected = dims->value[0] * dims->value[1] * dims->value[2];
     if ((uint64_t)expected != summary->fingerprint.rows)
         return ost_fail(
@@ -217,7 +217,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
 {
     const char *path = source->parser.path;
     ost_text_facts facts = {summary, given};
-    /* INT64_MIN is not a coordinate, because it is beyond OST_LENGTH_MAX. */
+    /* INT64_MIN is beyond OST_LENGTH_MAX and therefore cannot be a coordinate. */
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
@@ -300,8 +300,8 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
 }
 
 /*
- * Compares the text's own origin with the least positions. They may differ by an
- * eighth of a voxel, which allows for the rounding of the digits.
+ * Compares the origin that the text states with the smallest coordinate. They may differ by an eighth of a voxel,
+ * because the digits are rounded.
  */
 static ost_status check_origin(const char *path, const ost_text_summary *summary, int a, ost_pm spacing, ost_error *err)
 {
@@ -333,8 +333,8 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /*
-         * A spacing found from the coordinates may be less than the least valid spacing. Then (max - origin) / spacing
-         * < 1.7 * 10^13 / 1. The quotient is clamped here, and the check of the geometry refuses it.
+         * A spacing found from the coordinates may be smaller than the smallest valid spacing, so that (max - origin)
+         * / spacing < 1.7 * 10^13 / 1. The quotient is clamped here, and the later check of the geometry refuses it.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

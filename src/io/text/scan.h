@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * First pass over a CT text: collects everything that does not need a grid (thesis,
- * Alg. 2.3; docs/spec/arithmetic.md, AR-CT-3).
+ * First pass over a CT text. Collects all information that does not require a grid (thesis, Alg. 2.3;
+ * docs/spec/arithmetic.md, AR-CT-3).
  *
  *   file --ost_text_scan--> extent, distinct coordinates, facts, fingerprint
  *        --ost_text_geometry--> dims, spacing, origin
@@ -25,16 +25,15 @@ typedef struct ost_text_source {
 } ost_text_source;
 
 ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err);
-/* Reads the next rows. *count == 0 means that the file has ended. */
+/* Reads the next rows. At the end of the file, sets *count to 0. */
 ost_status ost_text_source_next(ost_text_source *source, ost_text_row *rows, size_t capacity, size_t *count,
                                 ost_error *err);
 ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 
 /*
- * A fingerprint of rows in their order, which shows whether the file has changed
- * between two passes. It is not cryptographic, because a deliberate collision would
- * have no benefit.
+ * A fingerprint of the rows in their order, which shows whether the file has changed between two passes. The hash is
+ * not cryptographic, because nobody benefits from a deliberate collision.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;
@@ -45,21 +44,21 @@ void ost_text_fingerprint_add(ost_text_fingerprint *fingerprint, const ost_text_
 
 typedef struct ost_text_coordinate {
     ost_pm value;
-    int64_t line; /* the line in which the coordinate occurs first; 0 marks a free entry of the set */
+    int64_t line; /* line in which the coordinate occurs first; 0 marks a free entry of the hash set */
 } ost_text_coordinate;
 
 typedef struct ost_text_axis {
     ost_pm min, max;
-    ost_pm given;       /* spacing, given by an option or stated in the text; 0: to be determined */
-    uint32_t units;     /* units and rounded have the same meaning as in ost_lattice_axis */
+    ost_pm given;       /* spacing from an option or from the text itself; 0 if it must be determined */
+    uint32_t units;     /* the fields units and rounded have the same meaning as in ost_lattice_axis */
     bool rounded;
-    size_t distinct;    /* number of coordinates in set, which is sorted after the pass */
+    size_t distinct;    /* number of coordinates in the field set, which is sorted after the pass */
     ost_text_coordinate *set;
 } ost_text_axis;
 
-/* Three values that the text itself states (AR-CT-8). */
+/* Three values that the text states in a header fact (AR-CT-8). */
 typedef struct ost_text_own {
-    int64_t line; /* the first line that states the values; 0 if no line states them */
+    int64_t line; /* first line that states the values; 0 if no line states them */
     int64_t value[3];
 } ost_text_own;
 
@@ -68,15 +67,18 @@ typedef struct ost_text_summary {
     ost_text_fingerprint fingerprint;
     uint64_t rounded_positions;
     ost_meta meta;
-    ost_text_own own_spacing, own_origin; /* facts "spacing_mm" and "origin_mm", in picometres */
-    ost_text_own own_dims;                /* fact "dims"; a text with this fact has one line for every voxel */
+    ost_text_own own_spacing, own_origin; /* header facts "spacing_mm" and "origin_mm", in picometres */
+    ost_text_own own_dims;                /* header fact "dims"; a text with this fact has one line for every voxel */
 } ost_text_summary;
 
-/* Initialises an empty summary with the spacings given by option. The summary can then be freed at any time. */
+/*
+ * Initialises an empty summary with the spacings from the options. From then on, the summary can be freed at any
+ * time.
+ */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
 /*
- * The user data of ost_text_fact_take. This function is called as a parser's `fact` and stores the text's own facts in
- * the summary.
+ * The user data of ost_text_fact_take. The parser calls this function for each header fact; the function stores the
+ * fact in the summary.
  */
 typedef struct ost_text_facts {
     ost_text_summary *summary;
@@ -95,7 +97,10 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
                          ost_text_summary *summary, ost_error *err);
 void ost_text_summary_free(ost_text_summary *summary);
 
-/* Computes the geometry. inferred[a] is true for a spacing that was found from the coordinates and not given. */
+/*
+ * Computes the geometry. inferred[a] becomes true if the spacing of axis a was not given but found from the
+ * coordinates.
+ */
 ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3],
                              ost_error *err);
 

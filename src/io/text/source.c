@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads a CT text as rows. It can be rewound. */
+/* Reads a CT text as rows. The source can be rewound. */
 #include "io/text/scan.h"
 
 ost_status ost_text_source_open(ost_text_source *source, const char *path, ost_error *err)

@@ -12,7 +12,10 @@
 #include "core/integer.h"
 #include "io/text/lattice.h"
 
-/* A chunk remains in the second-level cache between the kernel's copy into the buffer and the walk over it. */
+/*
+ * A chunk is small enough to remain in the second-level cache from the kernel's copy into the buffer until the walk
+ * over it.
+ */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
 bool ost_text_walker_open(ost_text_walker *walker, const ost_text_plan *plan, bool learning)
@@ -63,7 +66,7 @@ bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p
     return true;
 }
 
-/* Appends bytes to `around`. Returns false if it is full. */
+/* Appends bytes to `around`. Returns false if there is not enough space. */
 static bool around_add(ost_text_around *around, const void *p, size_t length)
 {
     if (length > OST_TEXT_AROUND_MAX - around->length)
@@ -74,7 +77,7 @@ static bool around_add(ost_text_around *around, const void *p, size_t length)
     return true;
 }
 
-/* Composes the pattern from the texts of the axes. Returns false if it does not fit. */
+/* Composes the pattern from the texts of the axes. Returns false if the pattern is too long. */
 static bool compose(ost_text_walker *walker)
 {
     int fastest = walker->plan->raster->axis[0];
@@ -93,7 +96,7 @@ static bool compose(ost_text_walker *walker)
     return good;
 }
 
-/* Copies the texts of the axes from this line, and composes the pattern of its row. */
+/* Copies the texts of the axes from the given line, and composes the pattern of the line's row. */
 static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
 {
     const ost_text_plan *plan = walker->plan;
@@ -119,8 +122,8 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
 }
 
 /*
- * Derives the pattern of the slice's next row from the texts of the first slice. Returns false if the pattern cannot be
- * derived.
+ * Derives the pattern of the next row in the slice from the texts of the first slice. Returns false if the pattern
+ * cannot be derived.
  */
 static bool foresee_row(ost_text_walker *walker)
 {
@@ -134,7 +137,7 @@ static bool foresee_row(ost_text_walker *walker)
     return walker->known;
 }
 
-/* Returns the index of a value among monotone values; -1 if it does not occur. */
+/* Returns the index of a value in a monotone array, or -1 if the value does not occur. */
 static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 {
     bool up = at[count - 1] >= at[0];
@@ -150,9 +153,9 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * Computes the index of a slice from its coordinate, assuming evenly spaced slices.
- * The index is correct for rounded coordinates too. If an index is wrong, the indices are
- * not consecutive and the walk fails. |v - s_0| * 16383 < 2^58.
+ * Computes the index of a slice from its coordinate, assuming evenly spaced slices. The index is also correct for
+ * rounded coordinates. If an index is wrong, the indices are not consecutive and the walk fails. |v - s_0| * 16383 <
+ * 2^58 for a coordinate v and the first coordinate s_0.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -177,7 +180,7 @@ static void enter_slice(ost_text_walker *walker, ost_pm slow)
         walker->plan->raster->at[2][walker->at[2]] = slow;
 }
 
-/* Determines the position of the first line of a piece from its coordinates. */
+/* Determines the voxel of a piece's first line from the line's coordinates. */
 static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     const ost_text_raster *raster = walker->plan->raster;
@@ -200,7 +203,7 @@ static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
     return true;
 }
 
-/* Handles the first line of a further row while the coordinates of the middle axis are being found. */
+/* Handles the first line of a further row while the walk is still finding the coordinates of the middle axis. */
 static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     ost_text_raster *raster = walker->plan->raster;
@@ -266,7 +269,10 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
 
 /* --------------------------------------------------------------- many lines */
 
-/* Matches lines from *text on, from the walker's position to the end of its row. Returns their number. */
+/*
+ * Matches lines from *text on, starting at the walker's position, up to the end of the row. Returns the number of
+ * matched lines.
+ */
 static size_t match_lines(ost_text_walker *walker, const char **text, const char *end)
 {
     const ost_text_plan *plan = walker->plan;
@@ -280,8 +286,8 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
 }
 
 /*
- * Matches the lines of the next row without parsing any of them. Returns false if
- * the first of them does not match; in this case only `known` has changed.
+ * Matches the lines of the next row without parsing any of them. Returns false if the first line does not match; in
+ * this case, only walker->known has changed.
  */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
 {
@@ -297,7 +303,7 @@ static bool match_next_row(ost_text_walker *walker, const char **text, const cha
     return false;
 }
 
-/* Walks complete lines, each with its newline. */
+/* Processes complete lines, each of which ends with a newline. */
 static bool walk_lines(ost_text_walker *walker, const char *text, const char *end)
 {
     const int32_t row = walker->plan->raster->count[0];
@@ -319,7 +325,7 @@ static bool walk_lines(ost_text_walker *walker, const char *text, const char *en
 
 /* ---------------------------------------------------------------- the file */
 
-/* Reads up to `bytes` bytes at offset `at`; fewer at the file's end. Returns false if they cannot be read. */
+/* Reads up to `bytes` bytes at offset `at`; fewer are read at the end of the file. Returns false on a read error. */
 static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 {
     *got = 0;
@@ -337,8 +343,8 @@ static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 }
 
 /*
- * Completes the line that contains text[filled - 1] with the bytes from offset `at`
- * of the file on. At the end of the file a newline is added.
+ * Reads the remainder of the line that contains text[filled - 1]; the remainder begins at offset `at` of the file. At
+ * the end of the file, a newline is added.
  */
 static bool complete(int fd, char *text, size_t *filled, int64_t at)
 {
@@ -374,7 +380,7 @@ bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool ins
         if (inside) {
             const char *newline = memchr(text, '\n', filled);
             if (!newline)
-                return !more; /* all bytes belong to a line that began before the piece */
+                return !more; /* all bytes belong to a line that begins before the piece */
             inside = false;
             filled -= (size_t)(newline + 1 - text);
             memmove(text, newline + 1, filled);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Positions are formatted once per axis, not once per voxel: a line consists of its
- * x text, the row's common " y z " and the digits of the density.
+ * Positions are formatted once per axis, not once per voxel. A line consists of the text of x, the text " y z " of
+ * its row, and the digits of the density.
  */
 #include "core/conditions.h"
 
@@ -13,7 +13,7 @@
 #include "core/integer.h"
 #include "io/outfile.h"
 
-/* The longest texts: "-8000.123456789" and a blank; "-32768\n". */
+/* NUMBER allows for "-8000.123456789" and a blank; LINE also allows for "-32768\n". */
 enum { NUMBER = 20, LINE = 3 * NUMBER + 8 };
 
 typedef struct number {
@@ -29,7 +29,10 @@ static int64_t unit_of(int decimals)
     return unit;
 }
 
-/* Formats a position, RHE to the unit of the last digit; |value| <= 8 m, so at most four digits precede the point. */
+/*
+ * Formats a position, rounded to the unit of the last digit (RHE). |value| <= 8 m, so at most four digits precede the
+ * decimal point.
+ */
 static number format_position(ost_pm value, int decimals)
 {
     int64_t units = ost_rhe_div(value, unit_of(decimals));
@@ -80,7 +83,7 @@ static char *put_density(char *to, int16_t density)
     return put(to, digits + at, (int)sizeof digits - at);
 }
 
-/* Returns the least number of decimals that represents all positions exactly. */
+/* Returns the smallest number of decimals that represents all positions exactly. */
 static int decimals_needed(const ost_geometry *g)
 {
     const int64_t lengths[6] = {g->origin.x, g->origin.y, g->origin.z, g->spacing.x, g->spacing.y, g->spacing.z};
@@ -91,7 +94,7 @@ static int decimals_needed(const ost_geometry *g)
     return decimals;
 }
 
-/* Computes the lowest indices of the voxels that are not 0. Returns false if there are none. */
+/* Computes, for each axis, the lowest index of a voxel that is not 0. Returns false if all voxels are 0. */
 static bool first_voxels(const ost_volume *volume, int32_t lo[3])
 {
     const ost_dims dims = volume->geometry.dims;

@@ -18,13 +18,13 @@
 #include <osteon/io.h>
 
 /*
- * options->text_decimals: number of digits after the point, 1 to 9; 0 = as many as the positions
- * need.  Returns OST_ERR_USAGE if they are so few that a position would be more than
- * 1/8 of a voxel off.
+ * Writes a volume as text. options->text_decimals is the number of digits after the point, 1 to 9; 0 means as many as
+ * the positions need. Returns OST_ERR_USAGE if a position would be more than 1/8 of a voxel off because there are too
+ * few digits.
  *
- * With options->omit_empty, voxels of density 0 have no line, there is no comment dims, and origin_mm
- * is the corner of the box of the other voxels, because this is the grid that a reader finds. Returns
- * OST_ERR_INPUT if every voxel is 0.  options may be NULL.
+ * If options->omit_empty is set, voxels of density 0 have no line, and the comment dims is omitted. origin_mm is then
+ * the corner of the box of the remaining voxels, because this box is the grid that a reader finds. Returns
+ * OST_ERR_INPUT if every voxel is 0. options may be NULL.
  */
 ost_status ost_text_write_volume(const char *path, const ost_volume *volume, const ost_write_options *options,
                                  ost_error *err);

@@ -32,7 +32,7 @@ static ost_status check_name(const ost_data_files *files, const char *name, ost_
                     files->names.line, name, reason);
 }
 
-/* Joins the header's folder and the name. */
+/* Joins the folder of the header with a name. */
 static ost_status join(const ost_data_files *files, const char *name, char out[OST_DATA_NAME_MAX], ost_error *err)
 {
     ost_status status = check_name(files, name, err);
@@ -52,9 +52,9 @@ static ost_status join(const ost_data_files *files, const char *name, char out[O
 }
 
 /*
- * Expands the only conversion of the pattern, %d or %5d or %05d; "%%" stands for
- * "%". The pattern is never passed to printf. Returns the number of conversions, or
- * -1 for any other conversion or if out is too small.
+ * Expands the pattern of a file name, which has one conversion such as %d, %5d or %05d; "%%" represents "%". The
+ * pattern is never passed to printf. Returns the number of conversions. Returns -1 if there is any other conversion
+ * or `out` is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {
@@ -181,7 +181,10 @@ static ost_status open_part(void *user, uint64_t index, ost_input **out, ost_err
 
 /* -------------------------------------------------------------------- count */
 
-/* Reads the last `count` words of value as integers. Returns the position of the first of them, or NULL. */
+/*
+ * Reads the last `count` words of `value` as integers. Returns the position of the first of these words, or NULL on
+ * failure.
+ */
 static const char *trailing_numbers(const char *value, int count, int64_t numbers[])
 {
     const char *end = value + strlen(value);
@@ -210,8 +213,8 @@ static ost_status wrong(const ost_data_files *files, const char *what, ost_error
 }
 
 /*
- * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth
- * number is D; else there are three numbers and no D.
+ * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth number is D. Otherwise there are
+ * three numbers, and D is missing.
  */
 static ost_status count_numbered(ost_data_files *files, int64_t *subdimension, bool *numbered, ost_error *err)
 {
@@ -301,7 +304,7 @@ ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_erro
         in_part = voxels / files->count;
     }
     bool as_text = files->form == OST_DATA_TEXT;
-    /* The shortest text of n numbers has one digit per number and one blank between two numbers. */
+    /* The shortest text of n numbers has one digit per number and one blank between each two numbers. */
     files->part_bytes = as_text ? 2 * in_part - 1 : in_part * files->element_bytes;
     *parts = (ost_parts){
         .open = open_part, .user = files, .count = files->count, .part_bytes = files->part_bytes, .text = as_text};

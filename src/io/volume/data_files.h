@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The location of the data of a NRRD or MetaImage header: after the header, or in files that
- * the header names.
+ * Finds the data that belong to a NRRD or MetaImage header. The data follow the header, or are in files that the
+ * header names.
  *
  *   name                         one file
  *   name.%03d MIN MAX STEP [D]   numbered files
  *   LIST [D]                     followed by one name per line
  *
- * D is the number of axes that each file contains completely (default 2, slices; 3
- * divides the last axis into slabs); the files follow each other without gaps, and
- * their number must match the sizes. A file begins with line_skip lines, then
- * byte_skip bytes (counted after decompression, if it is compressed), then the data.
+ * D is the number of axes that each file contains completely. The default, 2, means one slice per file; 3 means that
+ * the last axis is divided into slabs. The files follow each other without gaps, and their number must match the
+ * sizes. A file begins with line_skip lines, then byte_skip bytes (counted after decompression, if it is compressed),
+ * then the data.
  *
  * A header may be malicious, so a data file must be in the header's folder or below
  * it. Absolute names and any ".." are refused.
@@ -24,16 +24,16 @@ enum { OST_DATA_FILES_MAX = 1 << 16, OST_DATA_NAME_MAX = 4096 };
 
 typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DATA_TEXT } ost_data_form;
 
-/* The names as the header gives them. Strings belong to the header's text. */
+/* The file names as the header states them. The strings belong to the text of the header. */
 typedef struct ost_data_names {
     const char *value; /* NULL if the data follow the header */
     long line;         /* line of the value in the header, for messages */
-    const char *list;  /* for LIST: the names, each terminated by NUL; otherwise NULL */
+    const char *list;  /* for LIST: the file names, each terminated by NUL; otherwise NULL */
     size_t list_bytes;
 } ost_data_names;
 
 typedef struct ost_data_files {
-    /* The fields up to the blank line are set by the caller. */
+    /* The caller sets the fields before the blank line. */
     const char *path; /* path of the header */
     ost_data_names names;
     ost_data_form form;
@@ -44,20 +44,20 @@ typedef struct ost_data_files {
     int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
 
     uint64_t part_bytes;
-    /* for numbered files */
-    const char *pattern; /* has pattern_length bytes */
+    /* used for numbered files */
+    const char *pattern; /* pattern of the file name; pattern_length bytes */
     size_t pattern_length;
     int64_t first, step;
     uint64_t count;
-    /* for LIST: the position and index of the next name; all names are thus found in one pass */
+    /* used for LIST: position and index of the next name, so that one pass finds all names */
     const char *list_at;
     uint64_t list_index;
 } ost_data_files;
 
-/* Returns true if the value of the header's field begins with the word LIST. value may be NULL. */
+/* Returns true if the value of a header field begins with the word LIST. value may be NULL. */
 bool ost_data_is_list(const char *value);
 
-/* Sets *parts. Because *parts refers to *files, *files must outlive *parts. */
+/* Fills *parts, which refers to *files. *files must therefore outlive *parts. */
 ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_error *err);
 
 #endif

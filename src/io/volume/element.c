@@ -65,11 +65,14 @@ static int sign_of(ost_i128 value)
     return value < 0 ? -1 : 1;
 }
 
-/* Computes RHE(value) and returns 0 if it fits into int32; else returns the sign of the value. */
+/*
+ * Computes RHE(value). If the result fits into int32, stores it in *out and returns 0. Otherwise, returns the sign of
+ * the value.
+ */
 static int binary_round(ost_binary value, int32_t *out, bool *exact)
 {
     if (value.mantissa == 0 || value.exponent < -53) {
-        /* |value| < 2^53 * 2^-54 = 1/2 */
+        /* In this case, |value| < 2^53 * 2^-54 = 1/2. */
         *out = 0;
         *exact = value.mantissa == 0;
         return 0;
@@ -101,9 +104,8 @@ static int binary_round(ost_binary value, int32_t *out, bool *exact)
 enum { SCALE_BITS = 78, SCALE_INTEGER = 47 };
 
 /*
- * Computes floor(mantissa * 2^(exponent + 78)). Requires |mantissa| < 2^117. Returns false
- * if the magnitude of mantissa * 2^exponent reaches 2^47. The magnitude of a result is thus
- * less than 2^125, and that of the sum of two results less than 2^126.
+ * Computes floor(mantissa * 2^(exponent + 78)). Requires |mantissa| < 2^117. Returns false if |mantissa * 2^exponent|
+ * >= 2^47. The magnitude of a result is therefore below 2^125, and the sum of two results is below 2^126.
  */
 static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 {
@@ -127,8 +129,8 @@ static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 }
 
 /*
- * Computes RHE(mantissa * 2^exponent * slope + intercept) and returns 0 if it fits
- * into int32; else returns the sign of the value. |mantissa| <= 2^64.
+ * Computes RHE(mantissa * 2^exponent * slope + intercept). If the result fits into int32, stores it in *out and
+ * returns 0. Otherwise, returns the sign of the value. |mantissa| <= 2^64.
  */
 static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, int32_t *out, bool *exact)
 {
@@ -149,7 +151,7 @@ static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, 
 
 /* ------------------------------------------------------------- the elements */
 
-/* An element after loading; the type of the element selects the field. */
+/* An element after loading. The type of the element determines which field is used. */
 typedef struct loaded {
     int64_t integer;
     uint64_t large; /* uint64 elements */
@@ -251,7 +253,7 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
 }
 
 /*
- * Converts the common CT elements at memory speed. Their values always fit into int16 and are never rounded. Returns
+ * Converts the common CT elements, whose values always fit into int16 and are never rounded, at memory speed. Returns
  * false for all other elements.
  */
 static bool convert_plain(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The elements of a volume file and their conversion to int16 densities.
+ * Converts the elements of a volume file to int16 densities.
  *
  *   integers    unchanged; values beyond int16 are an error, or saturated if allowed
  *   floats      rounded half to even to an integer, then as above; infinity is
@@ -38,7 +38,7 @@ const char *ost_element_name(ost_element element); /* for example "int16"; never
 size_t ost_element_bytes(ost_element element);
 bool ost_element_is_float(ost_element element);
 
-/* mantissa * 2^exponent, |mantissa| < 2^53. */
+/* The number mantissa * 2^exponent, with |mantissa| < 2^53. */
 typedef struct ost_binary {
     int64_t mantissa;
     int32_t exponent;
@@ -47,27 +47,27 @@ typedef struct ost_binary {
 /* Splits a finite number into mantissa and exponent. Returns false for NaN and infinity. */
 bool ost_binary_from_double(double value, ost_binary *out);
 
-enum { OST_AIR = -1024 }; /* HU of a voxel without a value, if NaN is defined as air */
+enum { OST_AIR = -1024 }; /* density, in HU, of a voxel whose value is NaN, if the options define NaN as air */
 
 typedef struct ost_converter {
     ost_element element;
-    bool swap;  /* the file's bytes are big-endian */
-    bool clamp; /* saturate values beyond int16 */
-    bool nan_as_air; /* convert NaN to OST_AIR, also if the values are scaled */
+    bool swap;  /* true if the bytes in the file are big-endian */
+    bool clamp; /* true if values beyond int16 are saturated */
+    bool nan_as_air; /* true if NaN is converted to OST_AIR, even if the values are scaled */
     bool scaled;
     ost_binary slope, intercept;
-    uint64_t rounded, clamped, nan; /* numbers of rounded and clamped values and of NaN, counted by ost_convert */
+    uint64_t rounded, clamped, nan; /* numbers of rounded, clamped and NaN values, counted by ost_convert */
 } ost_converter;
 
 typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;
 typedef struct ost_bad {
     ost_bad_kind kind;
-    char value[32]; /* the value as text, for messages */
+    char value[32]; /* text of the value, for messages */
 } ost_bad;
 
 /*
- * Converts elements up to the first one that cannot be converted. Returns the number converted; bad is set if that is
- * less than count.
+ * Converts elements up to the first one that cannot be converted. Returns the number of converted elements. If this
+ * number is less than `count`, *bad describes the element that cannot be converted.
  */
 size_t ost_convert(ost_converter *converter, const void *bytes, size_t count, int16_t *out, ost_bad *bad);
 

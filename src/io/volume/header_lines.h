@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lines of a text header (NRRD, MetaImage), read from an input one by one. The lines may end
- * in LF or CR LF, and all of them remain in memory until the header is interpreted.
+ * Reads the lines of a text header (NRRD, MetaImage) from an input, one by one. The lines may end in LF or CR LF, and
+ * all of them remain in memory until the header is interpreted.
  */
 #ifndef OST_IO_VOLUME_HEADER_LINES_H
 #define OST_IO_VOLUME_HEADER_LINES_H
@@ -10,7 +10,10 @@
 
 enum { OST_HEADER_MAX = 1 << 22 }; /* greatest size of a header in bytes; enough for 16384 file names */
 
-/* The lines of a header; must be initialised with 0. A pointer into `bytes` is valid until the next line is read. */
+/*
+ * The lines of a header. The struct must be initialised with 0. A pointer into `bytes` remains valid until the next
+ * line is read.
+ */
 typedef struct ost_header_lines {
     char *bytes;   /* owned; every line ends in NUL */
     size_t size, capacity;
@@ -19,14 +22,14 @@ typedef struct ost_header_lines {
 } ost_header_lines;
 
 /*
- * Reads one line. At the end of the input, sets *ended and reads no line. Returns OST_ERR_INPUT if the
- * header contains a NUL or exceeds OST_HEADER_MAX. end_mark is the text that ends a header, for the message.
+ * Reads one line. At the end of the input, sets *ended and reads no line. Returns OST_ERR_INPUT if the header
+ * contains a NUL or exceeds OST_HEADER_MAX. end_mark is the text that ends a header; the error message contains it.
  */
 ost_status ost_header_lines_next(ost_header_lines *lines, ost_input *input, const char *end_mark, bool *ended,
                                  ost_error *err);
 void ost_header_lines_free(ost_header_lines *lines);
 
-/* Returns line `index`, counted from 0. */
+/* Returns the line with the given index, counted from 0. */
 static inline char *ost_header_line(const ost_header_lines *lines, size_t index)
 {
     return lines->bytes + lines->start[index];

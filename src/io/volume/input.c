@@ -15,20 +15,20 @@
 enum { BUFFER_BYTES = 1 << 16, DEFLATE_LIMIT = 1032 };
 
 /*
- *   file --raw--> [raw_at, raw_end) --inflate--> [out_at, out_end) --> caller
- *                 plain bytes are copied to the caller from here
+ * file --raw--> [raw_at, raw_end) --inflate--> [out_at, out_end) --> caller
+ *                 plain bytes are copied to the caller from this range
  */
 struct ost_input {
     char *path;
     int fd;
     uint64_t file_bytes;
-    uint64_t raw_read; /* bytes read from the file: the file offset of raw[raw_end] */
+    uint64_t raw_read; /* number of bytes read from the file, which is also the file offset of raw[raw_end] */
     size_t raw_at, raw_end;
     bool packed;
-    const char *form; /* "gzip" or "compressed", for messages; valid if packed */
-    bool member_done; /* the current gzip member has ended */
+    const char *form; /* "gzip" or "compressed", for messages; valid only for packed files */
+    bool member_done; /* true if the current gzip member has ended */
     z_stream z;
-    uint64_t unpacked; /* bytes that inflate has produced */
+    uint64_t unpacked; /* number of bytes that inflate has produced */
     size_t out_at, out_end;
     unsigned char raw[BUFFER_BYTES];
     unsigned char out[BUFFER_BYTES];
@@ -107,7 +107,7 @@ uint64_t ost_input_at_most(const ost_input *input)
         return left;
     if (left > UINT64_MAX / DEFLATE_LIMIT - BUFFER_BYTES)
         return UINT64_MAX;
-    /* inflate itself may hold a few bytes and one incomplete match. */
+    /* inflate may internally store a few input bytes and one incomplete match. */
     return (left + 8) * DEFLATE_LIMIT + (input->out_end - input->out_at);
 }
 
@@ -135,7 +135,7 @@ ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err)
     return OST_OK;
 }
 
-/* window_bits is the argument of zlib's inflateInit2, which selects the formats that are accepted. */
+/* Starts to unpack. window_bits is the argument of zlib's inflateInit2, which selects the accepted formats. */
 static ost_status start_inflate(ost_input *input, int window_bits, const char *form, ost_error *err)
 {
     assert(!input->packed);
@@ -160,7 +160,7 @@ ost_status ost_input_inflate(ost_input *input, ost_error *err)
     return start_inflate(input, 15 + 32, "compressed", err);
 }
 
-/* Reads more raw bytes. raw_at == raw_end afterwards means the end of the file. */
+/* Reads further raw bytes. If raw_at == raw_end after the call, the file has ended. */
 static ost_status fill_raw(ost_input *input, ost_error *err)
 {
     assert(input->raw_at == input->raw_end);
@@ -183,7 +183,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     input->form, (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* Unpacks more bytes. out_at == out_end afterwards means that the last member has ended, at the end of the file. */
+/* Unpacks further bytes. If out_at == out_end after the call, the last member has ended at the end of the file. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);
@@ -229,7 +229,7 @@ static ost_status fill_out(ost_input *input, ost_error *err)
     return OST_OK;
 }
 
-/* Sets *bytes to the bytes that are available, after reading more if there are none. *count is 0 only at the end. */
+/* Sets *bytes to the available bytes. If no bytes are available, reads more first. *count is 0 only at the end. */
 static ost_status have(ost_input *input, const unsigned char **bytes, size_t *count, ost_error *err)
 {
     size_t *at = input->packed ? &input->out_at : &input->raw_at;

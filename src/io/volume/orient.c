@@ -12,7 +12,10 @@ static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0
 
 enum { LEAST_STEPS = 64, STRAIGHT_SHARE = 8 };
 
-/* Columns are at most OST_LENGTH_MAX < 2^43 pm; this check limits them to 100 mm < 2^37, so products of three fit. */
+/*
+ * Returns true if every component is at most 100 mm. Components are at most OST_LENGTH_MAX < 2^43 pm; 100 mm is below
+ * 2^37, so products of three components fit.
+ */
 static bool columns_small(const ost_affine *affine)
 {
     for (int a = 0; a < 3; a++)
@@ -88,7 +91,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    static const char letters[] = "LPSRAI"; /* letter i denotes axis i % 3; R, A and I reverse it */
+    static const char letters[] = "LPSRAI"; /* letter i is LPS axis i % 3; R, A and I point in reverse */
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};
     bool seen[3] = {false, false, false};
@@ -135,8 +138,8 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
         /*
-         * A flipped axis begins at the centre of its last voxel. All components of the origin change, because
-         * a tilted axis has components along the other axes. The results are below 2^43 + 3 * 2^37 * 2^14.
+         * A flipped axis begins at the centre of its last voxel. All components of the origin change, because a
+         * tilted axis has components along the other two axes. The results are below 2^43 + 3 * 2^37 * 2^14.
          */
         for (int v = 0; v < 3 && step < 0; v++)
             origin[v] += affine->column[a][v] * (sizes[a] - 1);

@@ -31,29 +31,28 @@ typedef struct ost_affine {
 typedef struct ost_placement {
     int to[3];
     bool flip[3];
-    bool reoriented;       /* true unless the placement is the identity */
-    bool oblique;          /* if true, geometry is not meaningful */
-    double degrees;        /* greatest angle between a file axis and its LPS axis; for messages */
+    bool reoriented;       /* true unless the placement leaves the file's axes unchanged */
+    bool oblique;          /* true if the grid is oblique; the field geometry is then not meaningful */
+    double degrees;        /* greatest angle between a file axis and its LPS axis in degrees, for messages */
     char code[4];          /* directions of the file's axes, "LPS", "RAS", ... */
     ost_geometry geometry; /* geometry of the grid in LPS+ order */
     int64_t base;          /* index of the file's voxel (0, 0, 0) in the result */
-    int64_t stride[3];     /* change of the index in the result per voxel along each of the file's axes */
+    int64_t stride[3];     /* change of the index in the result per voxel along each of the three file axes */
 } ost_placement;
 
 /*
- * Converts an affine to LPS. The directions of its three coordinates are the
- * letters of code: one of L R, one of P A and one of S I, in any order. Returns
- * false, with the affine unchanged, if code is anything else.
+ * Converts an affine transform to LPS. `code` states the directions of its three coordinates: one of the letters L R,
+ * one of P A and one of S I, in any order. For any other code, returns false and leaves the affine unchanged.
  */
 bool ost_affine_restate(ost_affine *affine, const char code[4]);
 
 /*
- * Computes the placement; sizes are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent,
- * and, for a straight grid, OST_ERR_RANGE if ost_geometry_check returns it.
+ * Computes the placement. `sizes` are in the file's order. Returns OST_ERR_INPUT if the columns are linearly
+ * dependent. For a straight grid, also returns OST_ERR_RANGE if ost_geometry_check does.
  */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 
-/* Returns the index of the file's voxel (i, j, k) in the result. */
+/* Returns the index in the result of the file's voxel (i, j, k). */
 static inline int64_t ost_placement_element(const ost_placement *p, int32_t i, int32_t j, int32_t k)
 {
     return p->base + i * p->stride[0] + j * p->stride[1] + k * p->stride[2];

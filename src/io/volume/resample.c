@@ -24,7 +24,7 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
     int64_t dims[3];
     ost_pm spacing[3], least[3];
     for (int a = 0; a < 3; a++) {
-        ost_i128 squares = 0; /* components below 2^37 */
+        ost_i128 squares = 0; /* a component is below 2^37 */
         for (int w = 0; w < 3; w++)
             squares += (ost_i128)affine->column[a][w] * affine->column[a][w];
         spacing[placement->to[a]] = integer_root(squares);
@@ -49,7 +49,8 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
         .origin = {least[0], least[1], least[2]},
     };
     ost_status status = ost_geometry_check(out, "the resampled volume", err);
-    /* The box of a long thin diagonal grid is huge; the limit prevents hours of work for a small file. */
+    /* The bounding box of a long thin diagonal grid is huge. The limit prevents a small file from causing hours of
+     * work. */
     int64_t had = (int64_t)sizes[0] * sizes[1] * sizes[2], has = ost_dims_count(out->dims);
     if (status == OST_OK && has > GROWTH_FREE && has / GROWTH_MAX > had)
         return ost_fail(err, OST_ERR_RANGE,
@@ -59,9 +60,8 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
 }
 
 /*
- * Ranges: columns are below 2^37, so a cofactor is below 2^75 and the determinant
- * below 2^114; p - origin is below 2^44 (16 m) on each axis, so a numerator is
- * below 3 * 2^119 < 2^121.
+ * Ranges: columns are below 2^37, so a cofactor is below 2^75 and the determinant is below 2^114. p - origin is below
+ * 2^44 (16 m) on each axis, so a numerator is below 3 * 2^119 < 2^121.
  */
 void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], const int16_t *file, ost_volume *out)
 {
@@ -91,7 +91,7 @@ void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], cons
                 bool inside = true;
                 for (int a = 0; a < 3 && inside; a++) {
                     ost_i128 n = sign * (cofactor[a][0] * p[0] + cofactor[a][1] * p[1] + cofactor[a][2] * p[2]);
-                    /* The comparison comes before the division: it is cheap, and it ensures that the quotient fits. */
+                    /* The comparison precedes the division, because it is cheap and ensures that the quotient fits. */
                     inside = 2 * n >= -det && n <= det * sizes[a];
                     if (inside) {
                         index[a] = (int64_t)ost_rhe_div128(n, det);

@@ -112,13 +112,13 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     size_t done = ost_convert(&rows->converter, rows->scratch, count, out, &bad);
     if (done == count)
         return OST_OK;
-    /* A row never spans two parts, so its bytes are the last ones that were read from the open part. */
+    /* A row never extends over two parts, so its bytes are the last bytes that were read from the open part. */
     char location[OST_LOCATION_TEXT];
     ost_input_location(rows->parts->input, (count - done) * size, location);
     return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), location, &bad, err);
 }
 
-/* Reads slice k of the file into voxels, at the elements of the placement. row has space for a row. */
+/* Reads slice k of the file into `voxels`, at the positions that the placement defines. `row` has space for one row. */
 static ost_status fill_slice(ost_rows *rows, const ost_placement *placement, int32_t k, int16_t *row, int16_t *voxels,
                              ost_error *err)
 {
@@ -139,7 +139,10 @@ static ost_status fill_slice(ost_rows *rows, const ost_placement *placement, int
     return status;
 }
 
-/* Reads all slices into voxels or, if voxels is NULL, one after the other into one slice of memory for the target. */
+/*
+ * Reads all slices into `voxels`. If voxels is NULL, reads one slice at a time into memory for one slice, and passes
+ * it to the target.
+ */
 static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, int16_t *voxels,
                               const ost_target *target, ost_error *err)
 {
@@ -153,7 +156,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
                           voxels ? "row" : "slice", (long long)(voxels ? n : count));
     ost_placement own = *placement;
     if (!voxels) {
-        /* The elements within a slice of the result. */
+        /* The placement within a slice of the result. */
         own.base -= placement->flip[2] ? count * (slices - 1) : 0;
         own.stride[2] = 0;
     }
@@ -173,7 +176,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
     return status;
 }
 
-/* Calls the functions of the target for a volume. */
+/* Passes a complete volume to the functions of the target. */
 static ost_status send_volume(const ost_volume *volume, const ost_target *target, ost_error *err)
 {
     const ost_dims dims = volume->geometry.dims;
@@ -195,7 +198,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
         return status;
     ost_geometry first = *geometry;
     if (placement->oblique) {
-        /* Only dims matter here, because resampling uses the affine. */
+        /* Only dims is used from this geometry, because resampling uses the affine transform. */
         first.dims = (ost_dims){rows->sizes[0], rows->sizes[1], rows->sizes[2]};
         first.origin = (ost_pm3){0, 0, 0};
         first.spacing = (ost_pm3){OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN};

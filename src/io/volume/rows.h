@@ -20,49 +20,52 @@
 
 typedef struct ost_rows ost_rows;
 struct ost_rows {
-    /* Reads the next row of densities; `first` is the number of its first voxel in the file. */
+    /* Reads the next row of densities. `first` is the number of the row's first voxel in the file. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts; /* NULL if `next` reads from elsewhere */
+    ost_parts *parts; /* NULL if `next` does not read from parts */
     ost_converter converter;
-    void *scratch; /* one row of elements; set by the functions of this file */
+    void *scratch; /* one row of elements; set by the functions in this file */
 };
 
-/* Implements `next` for binary elements. */
+/* Implements ost_rows.next for binary elements. */
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
 /*
- * Returns OST_ERR_INPUT with a message that names voxel `number` of the file, its position in the file and its defect.
+ * Returns OST_ERR_INPUT. The message names voxel `number` of the file, the voxel's position in the file and its
+ * defect.
  */
 ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location,
                         const ost_bad *bad, ost_error *err);
 
-/* Checks and copies the sizes from a header: 1 to OST_DIM_MAX on each axis and at most 2^36 voxels in all. */
+/*
+ * Checks and copies the sizes stated in a header. A size is 1 to OST_DIM_MAX on each axis, and there are at most 2^36
+ * voxels.
+ */
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
 
 /*
- * Determines the directions of the file's axes, before ost_volume_resolve. *oriented
- * is true if the file states them. If it does not, the affine is converted to LPS
- * by options->orientation, or is assumed to be LPS (report->assumed); the fact
- * OST_META_ORIENTATION is then added to meta. It is an error if both the file and
- * the option state the orientation.
+ * Determines the directions of the file's axes. Called before ost_volume_resolve. *oriented is true if the file
+ * states the directions. If it does not, the affine transform is converted to LPS by options->orientation, or is
+ * assumed to be LPS (report->assumed); the header fact OST_META_ORIENTATION is then added to meta. Returns an error
+ * if both the file and the option state the orientation.
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
                                   bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);
 
 /*
- * Determines the geometry of the result. An oblique grid is an error unless the options request resampling. Fills the
- * fields of report that concern the geometry.
+ * Determines the geometry of the result, and fills the fields of the report that concern the geometry. An oblique
+ * grid is an error unless the options request resampling.
  */
 ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const int32_t sizes[3],
                               const ost_volume_options *options, bool oriented, ost_placement *placement,
                               ost_geometry *geometry, ost_volume_report *report, ost_error *err);
 
 /*
- * Checks the parts, reads every row, and checks that no further data follow. A volume of the target is initialised
- * here; its meta is empty. For a target of functions, if the slices of the result are slices of the file, only one
- * slice is in memory.
+ * Checks the parts, reads every row, and checks that no further data follow. If the target is a volume, the function
+ * initialises the volume with empty meta. If the target consists of functions and the slices of the result are slices
+ * of the file, only one slice is in memory at a time.
  */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
                            const ost_geometry *geometry, const ost_target *target, ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The destination of a file's voxels: a volume in memory, or functions that receive them slice by slice,
- * so that they are never in memory at once.
+ * The destination of a file's voxels: a volume in memory, or functions that receive the voxels slice by slice. With
+ * functions, the complete volume is never in memory.
  */
 #ifndef OST_IO_VOLUME_TARGET_H
 #define OST_IO_VOLUME_TARGET_H
@@ -9,10 +9,10 @@
 #include <osteon/grid.h>
 
 typedef struct ost_target {
-    ost_volume *volume; /* receives geometry, meta and voxels; NULL: the functions are called */
+    ost_volume *volume; /* receives geometry, meta and voxels; if NULL, the functions are called instead */
     /* Called once, before the first slice. */
     ost_status (*begin)(void *user, const ost_geometry *geometry, ost_error *err);
-    /* Called for every slice z of the geometry once, in any order. The voxels are valid during the call. */
+    /* Called once for every slice z of the geometry, in any order. The voxels are valid only during the call. */
     ost_status (*slice)(void *user, int32_t z, const int16_t *voxels, ost_error *err);
     void *user;
 } ost_target;

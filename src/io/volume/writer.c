@@ -10,12 +10,12 @@
 #include "io/outfile.h"
 
 enum { PACKED_BYTES = 1 << 16, LEVEL = 6 };
-enum { PIECE = 1 << 20 }; /* voxels between two calls of the progress callback */
+enum { PIECE = 1 << 20 }; /* number of voxels between two calls of the progress callback */
 
 struct ost_volume_writer {
     ost_outfile *file;
     size_t element_bytes;
-    int64_t all, left; /* number of voxels of the file; number of remaining voxels */
+    int64_t all, left; /* all: number of voxels in the file; left: number of voxels not yet written */
     ost_progress *progress;
     void *progress_user;
     bool packing;
@@ -25,14 +25,17 @@ struct ost_volume_writer {
 
 /* ------------------------------------------------------------------- bytes */
 
-/* Packs bytes and writes the output of deflate. If flush is Z_FINISH, writes all output that deflate still holds. */
+/*
+ * Compresses bytes and writes the output of deflate. If flush is Z_FINISH, also writes all output that is buffered in
+ * deflate.
+ */
 static ost_status deflate_bytes(ost_volume_writer *w, const void *bytes, size_t size, int flush, ost_error *err)
 {
     const unsigned char *at = bytes;
     do {
         size_t piece = size < (1u << 30) ? size : (1u << 30);
         int now = piece == size ? flush : Z_NO_FLUSH;
-        w->z.next_in = (unsigned char *)(uintptr_t)at; /* zlib does not write to its input */
+        w->z.next_in = (unsigned char *)(uintptr_t)at; /* zlib does not modify its input */
         w->z.avail_in = (uInt)piece;
         do {
             w->z.next_out = w->packed;
@@ -58,7 +61,7 @@ ost_status ost_volume_writer_pack(ost_volume_writer *w, ost_error *err)
 {
     assert(!w->packing);
     memset(&w->z, 0, sizeof w->z);
-    /* The value 16 selects a gzip header that zlib makes. It contains no name, and its time is 0. */
+    /* The value 16 makes zlib write a gzip header, which contains no name and the time 0. */
     if (deflateInit2(&w->z, LEVEL, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for compression", ost_outfile_path(w->file));
     w->packing = true;

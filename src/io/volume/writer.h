@@ -5,9 +5,8 @@
  *
  *   start -> bytes (header), pack -> put (voxels, x fastest) ... -> commit     or discard
  *
- * Voxels are written plain or as one gzip member without name or time, so equal
- * grids give equal files (with the same zlib; other versions may pack the same
- * bytes differently).
+ * Voxels are written uncompressed or as one gzip member without name and time. Equal grids therefore give equal
+ * files, if the same version of zlib is used; another version may compress the same bytes differently.
  */
 #ifndef OST_IO_VOLUME_WRITER_H
 #define OST_IO_VOLUME_WRITER_H
@@ -19,18 +18,18 @@
 typedef struct ost_volume_writer ost_volume_writer;
 
 /*
- * Opens the file. count is the number of voxels to be written after the header of the format. options: for progress;
- * may be NULL.
+ * Opens the file. `count` is the number of voxels that will be written after the header of the format. `options` is
+ * used for progress and may be NULL.
  */
 ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count,
                                    const ost_write_options *options, ost_volume_writer **out, ost_error *err);
 ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, size_t count, ost_error *err);
-/* Completes the file and frees the writer, also after an error. Every voxel must have been put. */
+/* Completes the file and frees the writer, even after an error. Every voxel must have been written before. */
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
 void ost_volume_writer_discard(ost_volume_writer *writer); /* NULL is allowed */
 
 /*
- * Called by the code of a format. Writes bytes unchanged, or packed if ost_volume_writer_pack has been called before.
+ * Called by the code of a format. Writes bytes unchanged or, after a call of ost_volume_writer_pack, compressed.
  */
 ost_status ost_volume_writer_bytes(ost_volume_writer *writer, const void *bytes, size_t size, ost_error *err);
 ost_status ost_volume_writer_pack(ost_volume_writer *writer, ost_error *err);

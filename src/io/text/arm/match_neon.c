@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time: the differences from the expected bytes are collected
- * in one register, which is tested once.  Densities are parsed one by one in general
- * registers, because 64-bit lanes have no multiplication; each line's end is found
- * together with its density.  If four lines do not all match, they are matched again
- * one by one.
+ * Matches four lines at a time. The differences from the expected bytes are collected in one register, which is
+ * tested once. Densities are parsed one by one in general registers, because 64-bit lanes have no multiplication. The
+ * end of a line is found together with its density. If four lines do not all match, they are matched again one by
+ * one.
  */
 #include "core/conditions.h"
 
@@ -14,15 +13,15 @@
 
 enum { LINES = 4 };
 
-/* Returns found | (bytes ^ text) & mask. */
+/* Returns found | (bytes ^ text) & mask; a nonzero bit marks a difference. */
 static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t text, uint8x16_t mask)
 {
     return vorrq_u8(found, vandq_u8(veorq_u8(vld1q_u8((const uint8_t *)bytes), text), mask));
 }
 
 /*
- * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
- * before `end`.
+ * Matches the first `count` lines (1 to 4) from *text on. If all of them match and end before `end`, returns true and
+ * advances *text.
  */
 static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                                const char **text, const char *end, int count, int16_t *density)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time, like match_avx512.c but with half the lanes, and with
- * lanes of all ones in place of mask registers.
+ * Matches four lines at a time. The code is that of match_avx512.c with half the lanes, and with lanes of all ones
+ * instead of mask registers.
  */
 #include "core/conditions.h"
 
@@ -10,9 +10,9 @@
 enum { LANES = 4 };
 
 /*
- * Parses densities. last: bytes that end with the density. length: the density's
- * length; every signed number is allowed. Returns the values. A lane of *good is -1
- * if the density in this lane is valid.
+ * Parses densities. `last` contains, in each lane, the bytes that end with the density. `length` contains the lengths
+ * of the densities; every signed number is allowed. Returns the values. A lane of *good is -1 if the density in the
+ * lane is valid.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -30,32 +30,33 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
     /*
-     * Combines digits to pairs, and pairs to groups of four. The upper group consists of the last four digits of a
-     * density. The lower group contains at most one digit, that of the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of
+     * a density. The lower group contains at most one digit, the ten thousands.
      */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
     __m256i value = _mm256_add_epi64(_mm256_mul_epu32(fours, _mm256_set1_epi64x(10000)), _mm256_srli_epi64(fours, 32));
     __m256i limit = _mm256_sub_epi64(_mm256_set1_epi64x(INT16_MAX), negative);
     *good = _mm256_andnot_si256(_mm256_cmpgt_epi64(value, limit), fits);
-    /* negation in two's complement: -v = ~v + 1 */
+    /* Negates in two's complement, using -v = ~v + 1. */
     return _mm256_sub_epi64(_mm256_xor_si256(value, negative), negative);
 }
 
 /*
- * Shifts a word that begins with a density, as in match.c. The byte before the newline becomes the highest byte.
- * Returns the density's length.
+ * Shifts a word that begins with a density, as in match.c, so that the byte before the newline becomes the highest
+ * byte. Returns the length of the density.
  */
 static inline int64_t align(uint64_t *word, bool carriage)
 {
     uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
     uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-    /* The newline's mark is bit 8 n + 7. n is 8 without a newline and 0 if it comes first: both are invalid lengths. */
+    /* The newline is marked by bit 8 n + 7, where n is its index. Without a newline, n is 8; if the newline is first,
+     * n is 0. Both are invalid lengths. */
     *word <<= (71 - bits) & 63;
     return (int64_t)(bits >> 3) - carriage;
 }
 
-/* Parses the densities of `count` words, 1 to 4. Returns true if all are of the common form. */
+/* Parses the densities in `count` words (1 to 4). Returns true if all densities are of the common form. */
 static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, int64_t value[LANES])
 {
     int64_t length[LANES];
@@ -75,8 +76,8 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
 }
 
 /*
- * Matches the first `count` lines from *text on, 1 to 4. Returns true and advances *text if all of them match and end
- * before `end`.
+ * Matches the first `count` lines (1 to 4) from *text on. If all of them match and end before `end`, returns true and
+ * advances *text.
  */
 static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern,
                                                              const ost_text_column *columns, const uint8_t *lengths,

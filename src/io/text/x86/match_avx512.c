@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches eight lines at a time (match_four.h). Their densities are parsed in
- * parallel; each lane contains the eight bytes from the beginning of one density on,
- * as in match.c.  If eight lines do not all match, they are matched again one by one.
+ * Matches eight lines at a time (match_four.h). The densities of the lines are parsed in parallel. Each lane contains
+ * eight bytes that begin with a density, as in match.c. If eight lines do not all match, they are matched again one
+ * by one.
  */
 #include "core/conditions.h"
 
@@ -15,7 +15,10 @@ typedef struct densities {
     __mmask8 good;
 } densities;
 
-/* Parses densities. last: bytes that end with the density. length: the density's length; every number is allowed. */
+/*
+ * Parses densities. `last` contains, in each lane, the bytes that end with the density. `length` contains the lengths
+ * of the densities; every number is allowed.
+ */
 static inline densities parse(__m512i last, __m512i length)
 {
     const __m512i one = _mm512_set1_epi64(1), bits = _mm512_set1_epi64(64);
@@ -30,8 +33,8 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
     /*
-     * Combines digits to pairs, and pairs to groups of four. The upper group consists of the last four digits of a
-     * density. The lower group contains at most one digit, that of the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of
+     * a density. The lower group contains at most one digit, the ten thousands.
      */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
@@ -45,7 +48,8 @@ static inline densities parse(__m512i last, __m512i length)
 /* Parses words that begin with a density, as in match.c. */
 static inline densities parse_words(__m512i words, bool carriage)
 {
-    /* The newline's mark is bit 8 n + 7. Without a newline the shift is 72 and n is -1, which is not a valid length. */
+    /* The newline is marked by bit 8 n + 7, where n is its index. Without a newline, the shift is 72 and n is -1,
+     * which is not a valid length. */
     __m512i x = _mm512_xor_si512(words, _mm512_set1_epi8('\n'));
     __m512i zero = _mm512_andnot_si512(x, _mm512_sub_epi64(x, _mm512_set1_epi8(1)));
     zero = _mm512_and_si512(zero, _mm512_set1_epi8((char)0x80));
@@ -61,7 +65,10 @@ static inline densities parse_words(__m512i words, bool carriage)
     return d;
 }
 
-/* Matches the first eight lines from *text on. Returns true and advances *text if all match and end before `end`. */
+/*
+ * Matches the first eight lines from *text on. If all of them match and end before `end`, returns true and advances
+ * *text.
+ */
 static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                                const char **text, const char *end, int16_t *density)
 {
@@ -80,7 +87,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Matches lines as match_eight does, but only `count` of them, 1 to 8, and stores only their densities. */
+/* Like match_eight, but matches only `count` lines (1 to 8) and stores only the densities of these lines. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {

@@ -33,13 +33,13 @@
 
 enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 
-/* The expected bytes of some lines, and the differences found so far. */
+/* The expected bytes of lines, and the differences found so far. */
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
     size_t lead, other; /* length of `before`, and sum of the lengths of `before` and `after`, in bytes */
     const char *line;   /* beginning of the next line */
-    const char *q;      /* beginning of its density */
-    __m128i found16;    /* found16, found32: not 0 if some byte differs */
+    const char *q;      /* beginning of the next line's density */
+    __m128i found16;    /* found16 and found32 are not 0 if some byte differs */
     __m256i found32;
 } match_state;
 
@@ -61,7 +61,7 @@ static inline __attribute__((always_inline)) match_state match_begin(const ost_t
     };
 }
 
-/* Returns found | (bytes ^ text) & mask. */
+/* Returns found | (bytes ^ text) & mask; a nonzero bit marks a difference. */
 static inline __m128i differ16(__m128i found, const char *bytes, const ost_text_column *column)
 {
     __m128i x = _mm_xor_si128(_mm_loadu_si128((const void *)bytes), _mm_loadu_si128((const void *)column->text));
@@ -74,7 +74,7 @@ static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, _
     return _mm256_or_si256(found, _mm256_and_si256(x, mask));
 }
 
-/* Compares the bytes of the line at p in front of its density. */
+/* Compares the bytes of the line at p that precede its density. */
 static inline __attribute__((always_inline)) void match_front(match_state *s, const char *p,
                                                               const ost_text_column *column, size_t length)
 {
@@ -85,8 +85,8 @@ static inline __attribute__((always_inline)) void match_front(match_state *s, co
 }
 
 /*
- * Processes the next four lines. words receives the eight bytes from the beginning of each density on, two densities
- * per vector.
+ * Processes the next four lines. `words` receives the eight bytes that begin with each density, two densities per
+ * vector.
  */
 static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns,
                                                              const uint8_t *lengths, __m128i words[2])
@@ -115,8 +115,8 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
 }
 
 /*
- * Processes one line of any length. Returns the eight bytes from the beginning of its density on, in which the end of
- * the line is searched for.
+ * Processes one line of any length. Returns the eight bytes that begin with its density; the end of the line is
+ * searched for in these bytes.
  */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
