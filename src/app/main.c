@@ -89,8 +89,8 @@ static ost_status no_verb(const char *word, ost_error *err)
 }
 
 /*
- * Opens /dev/null for each standard stream that is closed. Otherwise the next file opened would get
- * the number of that stream and receive its output.
+ * Opens /dev/null for each standard stream that is closed. Otherwise, the next opened file would get the descriptor
+ * of the closed stream and receive the stream's output.
  */
 static void open_standard_streams(void)
 {
@@ -127,9 +127,9 @@ static void catch_signals(void)
 }
 
 /*
- * A library that fails may end the process itself. The OpenMP runtime, for example, calls exit(1)
- * if there is no memory for a thread's stack. For osteon, this status would mean that grids differ,
- * so the handler below corrects it.
+ * A library may end the process itself. The OpenMP runtime, for example, calls exit(1) if there is no memory for a
+ * thread's stack. As an exit status of osteon, 1 would mean that grids differ, so the handler below corrects the
+ * status.
  */
 static const app_state *within_verb; /* NULL if no verb is running */
 
@@ -147,8 +147,8 @@ static void on_exit_within_verb(void)
 }
 
 /*
- * Without memory, jansson's functions return NULL or -1, and they are called in hundreds of places.
- * Because no caller may continue with an incomplete object, the allocator ends the command.
+ * If memory is exhausted, the functions of jansson return NULL or -1. They are called in hundreds of places, and no
+ * caller may continue with an incomplete object. The allocator therefore ends the command.
  */
 static void *json_memory(size_t size)
 {
@@ -163,8 +163,7 @@ static void *json_memory(size_t size)
     _exit(within_verb && within_verb->worker ? WORKER_EXIT_RESOURCES : 2);
 }
 
-/* Flushes standard output. If the reader closed the pipe, the process ends silently by SIGPIPE, as
-   other programs do. */
+/* Flushes standard output. If the reader closed the pipe, SIGPIPE ends the process silently, as usual for programs. */
 static ost_status finish_output(ost_error *err)
 {
     errno = 0;
@@ -185,8 +184,10 @@ static int fail(const char *verb_name, const ost_error *err, ost_status status)
     return ost_status_exit(status);
 }
 
-/* Returns true if a campaign started this process. It searches argv itself, because parsing the
-   options may fail if memory is exhausted. */
+/*
+ * Returns true if a campaign started this process. The function searches argv itself, because parsing the options may
+ * fail if memory is exhausted.
+ */
 static bool is_worker(int argc, char **argv)
 {
     bool worker_given = false, trace_given = false;

@@ -98,8 +98,10 @@ static int by_size(const void *a, const void *b)
     return p->first < q->first ? -1 : p->first > q->first;
 }
 
-/* Assigns labels to the components that are large enough, from 1 in descending order of size. Stores the label
- * of component c in label[c]. A component that is too small keeps the label 0. */
+/*
+ * Assigns labels to the components that are large enough, from 1 in descending order of size. Stores the label
+ * of component c in label[c]. A component that is too small keeps the label 0.
+ */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {
     const uint64_t least = j->options.min_voxels ? j->options.min_voxels : 1;

@@ -23,22 +23,23 @@ typedef struct app_state {
     const char *verb;
     bool json, quiet;
     const char *backend; /* value of --backend; default "cpu" */
-    int64_t threads;     /* value of --threads; 0 if not given */
-    /* set if a campaign started this process: it then uses a separate exit status when resources run
-       out (validation/worker.h) */
+    int64_t threads;     /* value of --threads; 0 if the option is not given */
+    /* true if a campaign started this process. If resources run out, the process then uses a separate exit status
+     * (validation/worker.h). */
     bool worker;
-    bool to_stdout;      /* the output file is standard output, so no line of text is printed there */
-    json_t *result;      /* owned by main */
-    /* texts of the warnings so far, also of those that --quiet suppresses; owned by main; NULL unless the verb records
-       them */
+    bool to_stdout;      /* true if the output file is standard output, so that no line of text may be printed there */
+    json_t *result;      /* owned by the function main */
+    /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main; NULL unless
+     * the verb records warnings. */
     json_t *warnings;
-    /* set if result is complete although the status is an error; --json then prints it before the error message */
+    /* True if `result` is complete although the verb returns an error; --json then prints the result before the error
+     * message. */
     bool answered;
 } app_state;
 
 typedef struct app_verb {
     const char *name;
-    const char *summary; /* one line for `osteon --help` */
+    const char *summary; /* one line of text for `osteon --help` */
     ost_status (*run)(app_state *app, int argc, char **argv, ost_error *err);
 } app_verb;
 

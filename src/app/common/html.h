@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes an HTML page piece by piece. The file appears only when it is complete (io/outfile.h). The
- * first failure is stored in status, and later calls write nothing.
+ * Writes an HTML page piece by piece. The file appears only when it is complete (io/outfile.h). The first failure is
+ * stored in the field status; all later calls write nothing.
  */
 #ifndef OST_APP_COMMON_HTML_H
 #define OST_APP_COMMON_HTML_H
@@ -15,7 +15,7 @@ typedef struct html_page {
 } html_page;
 
 void html_text(html_page *p, const char *bytes);
-/* Writes text and replaces < > & and " by entities. */
+/* Writes text in which < > & and " are replaced by entities. */
 void html_escaped(html_page *p, const char *text);
 void html_base64(html_page *p, const uint8_t *bytes, size_t size);
 

@@ -11,11 +11,13 @@
 
 void interrupt_begin(void);
 void interrupt_end(void);
-/* Returns true if a signal arrived after interrupt_begin; the result stays true after
-   interrupt_end. The call is one atomic load and is cheap enough for every tick. */
+/*
+ * Returns true if a signal arrived after interrupt_begin; the result remains true after interrupt_end. The call is
+ * one atomic load, so it may be made in every tick.
+ */
 bool interrupt_requested(void);
 
-/* Sets the flag from within the program, for example when the user closes its window. */
+/* Sets the flag from within the program, for example when the user closes the program's window. */
 void interrupt_request(void);
 
 #endif

@@ -3,11 +3,11 @@
 #ifndef OST_APP_COMMON_NAMES_H
 #define OST_APP_COMMON_NAMES_H
 
-/* Writes "a|b|c" as "a, b or c", with the text `before` in front of each. Returns text. */
+/* Writes the list "a|b|c" as "a, b or c", with the text `before` in front of each name. Returns `text`. */
 enum { OPTION_SPOKEN = 160 };
 const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
 
-/* Returns the name nearest to the misspelt name text, or NULL if none is near. */
+/* Returns the name that is most similar to the misspelt name `text`, or NULL if no name is similar. */
 const char *nearest_name(const char *text, const char *const *names, int count);
 
 #endif

@@ -13,7 +13,7 @@
 
 enum { COMMON_MAX = 6, NAMES_MAX = 128 };
 
-/* Fills the options that all verbs share; they follow the options of the verb. */
+/* Fills the options that all verbs share. In the table, these options follow the options of the verb. */
 static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {
@@ -64,15 +64,17 @@ static ost_status unknown_option(const app_state *app, const char *name, size_t 
     return usage_error(app, err, "--%s is not an option of %s", text, app->verb);
 }
 
-/* Parses one decimal number up to a comma or the end of the text. Returns the position after it, or
-   NULL if the number is invalid. */
+/*
+ * Parses one decimal number, which ends at a comma or at the end of the text. Returns the position after the number,
+ * or NULL if the number is invalid.
+ */
 static const char *decimal_field(const char *text, ost_decimal *out)
 {
     const char *end = text + strcspn(text, ",");
     return ost_decimal_read(text, end, out) == end ? end : NULL;
 }
 
-/* Parses "x,y,z", or a single value for all three if `one` is true. */
+/* Parses "x,y,z". If `one` is true, a single value for all three axes is also accepted. */
 static bool three_decimals(const char *text, bool one, ost_decimal out[3])
 {
     int n = 0;
@@ -209,7 +211,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
     case OPTION_CHOICE:
         return take_choice(app, o, text, err);
     case OPTION_HEADING:
-        break; /* find() never returns a heading */
+        break; /* unreachable, because find() never returns a heading */
     }
     return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
 }
@@ -286,7 +288,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     return OST_OK;
 }
 
-/* Returns true if --help is given. It takes precedence over all errors in the arguments. */
+/* Returns true if --help is given. --help takes precedence over all errors in the arguments. */
 static bool is_help(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)

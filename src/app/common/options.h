@@ -4,9 +4,9 @@
  *
  *   --name VALUE   --name=VALUE   -n VALUE   --flag   --   operands anywhere
  *
- * A name must be complete, because an abbreviation could change its meaning when an option is
- * added. A value may begin with one '-' (-57.34); a value that begins with two must follow '='.
- * Every verb also has --backend, --threads, --json, --quiet and --help.
+ * A name must be complete, because an abbreviation could change its meaning when an option is added. A value may
+ * begin with one '-' (-57.34). A value that begins with two '-' must follow '='. Every verb also has --backend,
+ * --threads, --json, --quiet and --help.
  */
 #ifndef OST_APP_COMMON_OPTIONS_H
 #define OST_APP_COMMON_OPTIONS_H
@@ -17,7 +17,7 @@
 typedef enum option_kind {
     OPTION_FLAG,     /* bool */
     OPTION_TEXT,     /* const char * */
-    OPTION_LIST,     /* option_list: may repeat */
+    OPTION_LIST,     /* option_list: the option may be repeated */
     OPTION_INTEGER,  /* int64_t, min <= value <= max */
     OPTION_DECIMAL,  /* option_decimal */
     OPTION_LENGTH,   /* ost_pm, more than zero */
@@ -42,9 +42,9 @@ typedef struct option_decimal {
 typedef struct option {
     const char *name;
     option_kind kind;
-    void *out;         /* unchanged if the option is not given, so its initial value is the default */
+    void *out;         /* destination of the value; must contain the default on entry */
     bool *given;       /* may be NULL */
-    const char *value; /* placeholder in --help; also the choices of OPTION_CHOICE */
+    const char *value; /* placeholder for the value in --help; for OPTION_CHOICE also the choices */
     int64_t min, max;  /* for OPTION_INTEGER */
     const char *help;
     bool required;
@@ -60,24 +60,26 @@ typedef struct option {
 typedef struct operand {
     const char *name;
     const char **out;
-    const char *missing; /* message if the operand is missing: "no CT given" */
+    const char *missing; /* message if the operand is missing, such as "no CT given" */
 } operand;
 
 typedef struct usage_text {
-    const char *synopsis; /* text after "osteon VERB " */
+    const char *synopsis; /* text after "osteon VERB " in the usage line */
     const char *about;
     const operand *operands; /* all operands are required; the array ends with a NULL name; may be NULL */
     const option *options;   /* the array ends with a NULL name */
-    bool streams;            /* an operand may be "-" or a pipe, which is copied to a temporary file (core/file.h) */
+    bool streams; /* true if an operand may be "-" or a pipe, whose data are copied to a temporary file (core/file.h) */
     const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;
 
-/* Parses the arguments. Returns true if the verb must continue. If false, the verb returns *status,
-   which is OST_OK after --help. */
+/*
+ * Parses the arguments. Returns true if the verb must continue. Otherwise, the verb must return *status, which is
+ * OST_OK after --help.
+ */
 bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
 
-/* Reports an incorrect use of this verb in one line that ends with a reference to its help. */
+/* Reports an incorrect use of the verb in one line that ends with a reference to the verb's help. */
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 
 #endif

@@ -16,9 +16,11 @@ enum { LINE = 4096 };
 static void write_line(FILE *to, const char *before, json_t *record, const char *format, va_list args)
     OST_PRINTF(4, 0);
 
-/* Prints one line, unless `to` is NULL, and appends it to the array record, unless this is NULL. Replaces every
-   character that is not printable, newlines included, by '?'. Allocates memory only if the line has more than LINE
-   bytes. */
+/*
+ * Prints one line unless `to` is NULL, and appends the line to the array `record` unless `record` is NULL. Every
+ * character that is not printable, including newlines, is replaced by '?'. Memory is allocated only if the line has
+ * more than LINE bytes.
+ */
 static void write_line(FILE *to, const char *before, json_t *record, const char *format, va_list args)
 {
     char line[LINE], *text = line;

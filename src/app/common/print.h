@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints text for people: the summary on standard output (not with --json or --quiet) and warnings
- * on standard error (not with --quiet). Also formats numbers.
+ * Prints text for people and formats numbers. The summary is printed on standard output unless --json or --quiet is
+ * given. Warnings are printed on standard error unless --quiet is given.
  */
 #ifndef OST_APP_COMMON_PRINT_H
 #define OST_APP_COMMON_PRINT_H
@@ -9,10 +9,12 @@
 #include "app/common/app.h"
 
 void print_line(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
-/* Prints one line to a stream, even if --quiet is given. Characters that are not printable become
-   '?' (core/printable.h). */
+/*
+ * Prints one line to a stream, even if --quiet is given. Characters that are not printable are replaced by '?'
+ * (core/printable.h).
+ */
 void print_line_to(FILE *to, const char *format, ...) OST_PRINTF(2, 3);
-/* Prints a JSON document; characters that act on a terminal are escaped as \uXXXX. */
+/* Prints a JSON document. Characters that could control a terminal are escaped as \uXXXX. */
 void print_json(const char *text);
 void warn(const app_state *app, const char *format, ...) OST_PRINTF(2, 3);
 

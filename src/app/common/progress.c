@@ -11,17 +11,23 @@
 #include "core/clock.h"
 #include "core/printable.h"
 
-/* HOLD_MS: time without a line after other text, so that the line does not interrupt a text of several lines */
+/*
+ * HOLD_MS is the time after other output during which the progress line is not drawn, so that a text of several lines
+ * is not interrupted.
+ */
 enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
-/* A remaining time is printed only from this time and share of a stage on, because earlier it would vary too much. */
+/*
+ * The remaining time is printed only after this time and this share of a stage, because earlier estimates vary too
+ * much.
+ */
 static const double LEFT_MS = 300, LEFT_SHARE = 0.001;
 
 static struct {
-    pthread_mutex_t lock; /* protects all fields and the terminal's line */
+    pthread_mutex_t lock; /* protects all fields and the line on the terminal */
     bool on, drawn;
     char stage[32];       /* "" between two stages */
     double share;
-    double begin, stage_begin, not_before; /* ms */
+    double begin, stage_begin, not_before; /* times in ms */
 } line = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 double now_ms(void)
@@ -65,7 +71,10 @@ static void *draw_lines(void *unused)
     return NULL;
 }
 
-/* Starts the thread. It blocks all signals, so that they interrupt the verb's own threads as they would without it. */
+/*
+ * Starts the thread that draws the line. The thread blocks all signals, so that signals are delivered to the verb's
+ * own threads.
+ */
 static bool start_thread(void)
 {
     pthread_t thread;

@@ -5,8 +5,8 @@
  *
  *   verb, callbacks of the library --progress_show--> stage, share --thread, ten times a second--> line
  *
- * A thread draws the line, so that it appears also during a stage that reports no share. Nothing is
- * printed, and there is no thread, if standard error is not a terminal or --quiet is given.
+ * A thread draws the line, so that the line also appears during a stage that reports no share. If standard error is
+ * not a terminal or --quiet is given, nothing is printed and no thread exists.
  */
 #ifndef OST_APP_COMMON_PROGRESS_H
 #define OST_APP_COMMON_PROGRESS_H
@@ -15,16 +15,16 @@
 
 double now_ms(void);
 
-/* Begins the time of a verb. Called once, when the options have been parsed. */
+/* Starts measuring the time of a verb. Called once, when the options have been parsed. */
 void progress_begin(const app_state *app);
 /*
- * Sets the stage and the completed share, from 0 to 1; a share of 0 also means that none is known.
- * Implements ost_progress; user is not used. May be called on any thread. Returns true.
+ * Sets the stage and the completed share, from 0 to 1; a share of 0 also means that the share is not known.
+ * Implements ost_progress. `user` is not used. May be called on any thread. Returns true.
  */
 bool progress_show(void *user, const char *stage, double share);
-/* Erases the line. Called before other text is printed; a stage that goes on is drawn again later. */
+/* Erases the line. Called before other text is printed. If the stage continues, the line is drawn again later. */
 void progress_clear(void);
-/* Erases the line and ends the stage. */
+/* Erases the progress line and ends the stage. */
 void progress_end(void);
 
 #endif

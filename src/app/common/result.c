@@ -33,7 +33,7 @@ void append(json_t *array, json_t *value)
 void put_text(json_t *object, const char *key, const char *text)
 {
     json_t *value = json_string(text);
-    /* A file name may contain any bytes, but JSON text must be UTF-8. */
+    /* A file name may contain any bytes. JSON text must be UTF-8, so another name is replaced. */
     put(object, key, value ? value : json_string("(not UTF-8)"));
 }
 
@@ -86,7 +86,7 @@ ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher = NULL;
     FILE *file;
-    if (ost_outfile_is_stdout(path)) { /* it cannot be read again; --json, which prints the digest, is refused */
+    if (ost_outfile_is_stdout(path)) { /* standard output cannot be read again */
         *out = (ost_digest){{0}};
         return OST_OK;
     }

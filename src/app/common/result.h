@@ -16,15 +16,15 @@ void put_integer(json_t *object, const char *key, int64_t value);
 void put_real(json_t *object, const char *key, double value);
 void put_bool(json_t *object, const char *key, bool value);
 void put_dims(json_t *object, const char *key, ost_dims dims);
-/* Stores [x, y, z] in millimetres. */
+/* Stores a position as [x, y, z] in millimetres. */
 void put_mm3(json_t *object, const char *key, ost_pm3 value);
 void put_mm(json_t *object, const char *key, ost_pm value);
 void put_digest(json_t *object, const char *key, const ost_digest *digest);
-/* Stores an object "dicom". */
+/* Stores the report as the object "dicom". */
 void put_dicom_report(json_t *object, const ost_dicom_report *report);
 void put_meta(json_t *object, const char *key, const ost_meta *meta);
 
-/* Computes the SHA-256 of a file, as sha256sum prints it. */
+/* Computes the SHA-256 of a file, as the program sha256sum does. */
 ost_status file_digest(const char *path, ost_digest *out, ost_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes the debrief after an operation: metrics on standard output and in the JSON object, and a
- * self-contained page with pictures.
+ * Writes the debrief after an operation. The debrief consists of metrics, on standard output and in the JSON object,
+ * and a self-contained page with pictures.
  *
  *   debrief_begin: copies the bone --> ... the operation ... --> debrief_end: metrics, page
  */
@@ -14,7 +14,7 @@
 
 #include "app/input/tool_shape.h"
 
-/* Must be zero-initialized; call debrief_free in any case. */
+/* A debrief. The struct must be zero-initialized, and debrief_free must be called in any case. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
@@ -26,20 +26,25 @@ typedef struct debrief {
     ost_technique technique;
 } debrief;
 
-/* Begins a debrief and copies the bone. tools: an array of `count` tools; ticks refer to a tool by its index. */
+/*
+ * Begins a debrief and copies the bone. `tools` is an array of `count` tools; a tick refers to a tool by its index in
+ * this array.
+ */
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
                          debrief *out, ost_error *err);
 /* Adds a tick. Ticks must be added in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
 /* Adds the first count ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
-/* Computes and reports the metrics, and writes the page. name: the input, for the page's title.
-   file: the page's file name. */
+/*
+ * Computes and reports the metrics, and writes the page. `name` is the name of the input, for the page's title.
+ * `file` is the file name of the page.
+ */
 ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, const ost_density_classes *classes,
                        const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);
 
-/* Writes the page (html.c). */
+/* Writes the page. Defined in html.c. */
 struct verdict;
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after,
                         const ost_density_classes *classes, int threshold, const ost_metrics *m,

@@ -71,7 +71,7 @@ static void print_verdict(html_page *p, const verdict *v)
 
 enum { CELL = 48 };
 
-/* Writes one row of a table. got and plan are formatted numbers; unit is printed after each of them. */
+/* Writes one row of a table. `got` and `plan` are formatted numbers; `unit` is printed after each of these numbers. */
 static void row(html_page *p, level l, const char *what, const char *got, const char *plan, const char *unit,
                 const char *aim, const char *known)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws the pictures as the surgeon sees the glenoid: en face, along the planned axis, with
- * superior up. Anterior is on the right for a right shoulder and on the left for a left one. The
- * map's u axis points to the viewer's left.
+ * Draws the pictures as the surgeon sees the glenoid: en face, along the planned axis, with superior up. Anterior is
+ * on the right for a right shoulder, and on the left for a left shoulder. The map's u axis points to the viewer's
+ * left.
  */
 #include "app/debrief/plots.h"
 
@@ -17,8 +17,10 @@
 enum { MAP = OST_METRICS_MAP };
 #define REACH_MM (MAP / 2 * OST_METRICS_PITCH_MM)
 
-/* Computes a colour of the scale Cividis, which is readable with any colour vision, by
-   interpolation between five of its colours. */
+/*
+ * Computes a colour of the scale Cividis by interpolating between five colours. The scale is readable with any colour
+ * vision.
+ */
 static void colour(double share, int rgb[3])
 {
     static const double stops[5][3] = {{0, 32, 77}, {66, 78, 108}, {124, 123, 120}, {188, 174, 108}, {255, 234, 70}};
@@ -43,8 +45,10 @@ static const char *left_of(const debrief *d)
 typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
-/* Returns true if the cell or one of its neighbours was drilled. A cell next to a hole contains a
-   part of the hole. */
+/*
+ * Returns true if the cell or one of its neighbours was drilled, because a cell next to a drilled cell contains a
+ * part of the hole.
+ */
 static bool at_hole(const ost_metrics *m, int i)
 {
     for (int dy = -1; dy <= 1; dy++)
@@ -56,7 +60,7 @@ static bool at_hole(const ost_metrics *m, int i)
     return false;
 }
 
-/* Returns the shade of a cell. *step is set to the cell's step on the scale of depths. */
+/* Returns the shade of a cell, and sets *step to the cell's step on the depth scale. */
 static shade shade_of(const debrief *d, const ost_metrics *m, int i, int *step)
 {
     const double depth = (double)m->depth_mm[i], after = (double)m->after_mm[i];
@@ -110,7 +114,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
                  "<rect width=\"81\" height=\"81\" fill=\"var(--panel)\"/><g shape-rendering=\"crispEdges\">\n");
     for (int y = 0; y < MAP; y++)
         for (int x = 0; x < MAP;) {
-            /* u points to the left. Adjacent cells of one colour are drawn as one rectangle. */
+            /* The u axis points to the left. Adjacent cells of the same colour are drawn as one rectangle. */
             int step, next, run = 1;
             const shade s = shade_of(d, m, MAP - 1 - x + MAP * y, &step);
             while (x + run < MAP && shade_of(d, m, MAP - 1 - (x + run) + MAP * y, &next) == s && next == step)
@@ -136,7 +140,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 
 /* ----------------------------------------------------------------- profiles */
 
-/* Draws the profile of a surface along u or v, with gaps where no height is known. */
+/* Draws the profile of a surface along u or v. The profile has gaps where no height is known. */
 static void surface_line(html_page *p, const float *surface, bool upward, const char *style)
 {
     bool down = false;
@@ -166,8 +170,8 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
                (low + 7) * 10.5, low + 7, id, low + 7, low + 7, id);
     surface_line(p, m->before_mm, upward, "stroke=\"var(--old)\" stroke-width=\".3\"");
     if (m->sphere) {
-        /* The sphere fitted to the floor is drawn at its planned position: centred on the axis, at the
-           planned depth. */
+        /* The sphere that was fitted to the floor is drawn at its planned position, that is, centred on the axis and
+         * at the planned depth. */
         html_text(p, "<path fill=\"none\" d=\"");
         for (int k = 0; k <= 40; k++) {
             const double x = k - 20.0, under = m->sphere_mm * m->sphere_mm - x * x;
@@ -209,7 +213,7 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     ost_error why = {0};
     const ost_status status = ost_picture_encode_png(image, &bytes, &size, &why);
     if (status == OST_ERR_UNAVAILABLE)
-        return; /* osteon was built without libpng: the page contains only tables and maps */
+        return; /* without libpng, the page contains only tables and maps */
     if (status != OST_OK && p->status == OST_OK)
         p->status = ost_fail(p->err, status, "%s", why.text);
     html_print(p, "<figure><img alt=\"%s\" src=\"data:image/png;base64,", caption);
@@ -218,8 +222,10 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     free(bytes);
 }
 
-/* Copies the voxels within HALF_MM of the centre. In a slice of the complete scapula, the glenoid
-   would be too small to see. */
+/*
+ * Copies the voxels within HALF_MM of the centre, because the glenoid would be too small in a slice of the complete
+ * scapula.
+ */
 static ost_status cut_out(const ost_volume *in, const ost_pm3 *centre, ost_volume *out, ost_error *err)
 {
     enum { HALF_MM = 33 };
@@ -300,8 +306,10 @@ void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, i
 
 enum { COLUMNS = 300, W = 170, H = 26 };
 
-/* Draws a chart. lo and hi are the minimum and maximum of each column. The time axis begins at
-   begun and covers span seconds. */
+/*
+ * Draws a chart. `lo` and `hi` contain the minimum and the maximum of each column. The time axis begins at `begun`
+ * and covers `span` seconds.
+ */
 static void chart(html_page *p, const char *what, const double lo[COLUMNS], const double hi[COLUMNS], double begun,
                   double span)
 {
@@ -310,7 +318,7 @@ static void chart(html_page *p, const char *what, const double lo[COLUMNS], cons
         most = fmax(most, hi[x]);
     if (!(most > 0) || !(span > 0))
         return;
-    const double step = ost_round_down(most / 2); /* gives two to five grid lines */
+    const double step = ost_round_down(most / 2); /* the step gives two to five grid lines */
     html_print(p,
                "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over "
                "time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n",

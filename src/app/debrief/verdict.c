@@ -12,7 +12,7 @@
 #define AIM_WALL_MM 2.0
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
-/* A figure that exceeds its aim by this factor is far off the plan. An open wall is far off the plan too. */
+/* A figure that exceeds its aim by this factor is far off the plan. A perforated wall is far off the plan as well. */
 #define FAR_TIMES 8.0
 
 const char *const verdict_grades[VERDICT_GRADES] = {"As planned", "Near the plan", "Off the plan", "Far off the plan"};
@@ -22,8 +22,10 @@ static level judge(double value, double good, double watch)
     return fabs(value) <= good ? GOOD : fabs(value) <= watch ? WATCH : BAD;
 }
 
-/* Adds a remark unless the figure is within its aim. The remark whose figure exceeds its aim by the
-   largest factor becomes the first one. */
+/*
+ * Adds a remark if the figure is beyond its aim. The first remark is always the one whose figure exceeds its aim by
+ * the largest factor.
+ */
 static void notice(verdict *v, level l, double times, const char *format, ...) OST_PRINTF(4, 5);
 
 static void notice(verdict *v, level l, double times, const char *format, ...)

@@ -23,7 +23,7 @@ typedef struct verdict {
     level tilt, version, inclination, depth, entry, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
     level worst;
     int grade;      /* index in verdict_grades */
-    double times;   /* the largest factor by which a figure exceeds its aim */
+    double times;   /* largest factor by which a figure exceeds its aim */
     int count;
     char remark[REMARKS][REMARK];
     level of[REMARKS];

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Implements `osteon diff` for two bundles. It compares the results of two sites by their digests,
-   so that the sites need not exchange voxels. */
+/*
+ * Implements `osteon diff` for two bundles. The results of two sites are compared by their digests, so that the sites
+ * do not need to exchange voxels.
+ */
 #include <sys/stat.h>
 
 #include "app/diff/compare.h"

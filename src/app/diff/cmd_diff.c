@@ -80,7 +80,7 @@ static void put_result(const app_state *app, const loaded_volume *a, const loade
     put(o, "voxels", voxels);
 }
 
-/* Prints and stores the facts that differ, ordered by key. A missing value is null. */
+/* Prints and stores the header facts that differ, ordered by key. A missing value is stored as null. */
 static void put_notes(const app_state *app, const ost_meta *a, const ost_meta *b)
 {
     json_t *notes = json_array();

@@ -90,7 +90,10 @@ static ost_pm magnitude(ost_pm v)
     return v < 0 ? -v : v;
 }
 
-/* Returns the greater of the distances from zero of the first and the last voxel centre on an axis. */
+/*
+ * Returns the greatest distance from zero, on one axis, of a voxel centre. This is the distance of the first or the
+ * last centre.
+ */
 static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 {
     const ost_pm first = magnitude(origin), last = magnitude(origin + spacing * (n - 1));
@@ -98,11 +101,11 @@ static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 }
 
 /*
- * Compares spacings and origins. File formats store lengths differently: a float32 and the decimal
- * number from which it was read, or to which it was printed, differ by at most 2^-24 of the length.
- * Therefore two spacings are considered equal if they differ by at most 2^-23 of the greater one,
- * and two origins if they differ by at most 2^-23 of the coordinate of the farthest centre.
- * Together, these tolerances move a voxel by much less than its size.
+ * Compares spacings and origins. File formats store lengths differently: a float32 differs by at most 2^-24 of the
+ * length from the decimal number from which it was read or to which it was printed. Two spacings are therefore
+ * considered equal if they differ by at most 2^-23 of the greater spacing. Two origins are considered equal if they
+ * differ by at most 2^-23 of the coordinate of the farthest centre. Together, these tolerances move a voxel by much
+ * less than its size.
  */
 static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_result *out)
 {
@@ -130,8 +133,8 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
     compare_geometry(ga, gb, out);
-    /* A tool is compared by its corner, which is exact even if half a voxel is not an integer. No
-       tolerance is needed, because only osteon's own files contain tools. */
+    /* For a tool, the corner is compared, because the corner is exact even if half a voxel is not an integer. No
+     * tolerance is needed, because only osteon's own files contain tools. */
     if (a->kind == LOAD_TOOL) {
         out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;

@@ -9,7 +9,7 @@
  *   patterns  the shape of all differences together (pattern.c)
  *   voxels    the first ones, with both values
  *
- * A voxel is solid if its density is at least the threshold (in a tool: if it is not void).
+ * A voxel is solid if its density is at least the threshold. A voxel of a tool is solid if it is not empty.
  */
 #ifndef OST_APP_DIFF_COMPARE_H
 #define OST_APP_DIFF_COMPARE_H
@@ -46,7 +46,7 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* true if spacing or origin is equal only after rounding to float32 */
+    bool rounded_geometry; /* true if the spacing or the origin is equal only after rounding to float32 */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
     ost_voxel_box box; /* encloses all differences */
@@ -54,21 +54,23 @@ typedef struct diff_result {
     int chunk_size;
     ost_dims chunk_dims;
     size_t chunk_count;
-    diff_chunk *chunks; /* owned: the chunks that differ, in grid order */
+    diff_chunk *chunks; /* owned; chunks that differ, in grid order */
     size_t first_count;
-    diff_voxel *first; /* owned: the first `limit` voxels that differ, in grid order */
-    const char *class; /* the first pattern that applies; NULL if there is nothing to classify */
+    diff_voxel *first; /* owned; the first `limit` voxels that differ, in grid order */
+    const char *class; /* name of the first pattern that applies; NULL if there is nothing to classify */
     int pattern_count;
     diff_pattern patterns[DIFF_PATTERN_MAX];
 } diff_result;
 
-/* *out must be zero-initialized; call diff_free in any case. Voxels are compared only if the dims
-   are equal. */
+/*
+ * Compares two volumes. Voxels are compared only if the dims are equal. *out must be zero-initialized, and diff_free
+ * must be called in any case.
+ */
 ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out,
                         ost_error *err);
 void diff_free(diff_result *result);
 
-/* Adds the patterns that apply. Defined in pattern.c. */
+/* Adds to the result all patterns that apply. Defined in pattern.c. */
 void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *result);
 
 const char *diff_kind_name(diff_kind kind);
@@ -79,20 +81,24 @@ diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t thresh
 bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
-/* Draws the three slices of `busiest`, with the differences in colour over the densities of A.
-   Defined in picture.c. */
+/*
+ * Draws, for each axis, the slice with the index in `busiest`. The differences are coloured, over the densities of A.
+ * Defined in picture.c.
+ */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);
-/* Draws the surface of B around `busiest`. The view is along the glenoid's axis if B's file
-   contains it, otherwise toward the bone's middle. diff_has_view must be true: both files are bones
-   or CTs on the same cubic grid, and B lacks voxels of A. */
+/*
+ * Draws the surface of B around the voxel `busiest`. If B's file contains the glenoid's axis, the view is along this
+ * axis; otherwise, it is toward the bone's middle. diff_has_view must be true, that is, both files are bones or CTs
+ * on the same cubic grid, and B lacks voxels of A.
+ */
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
-/* Returns true if the grid's axes have no known directions in the patient. */
+/* Returns true if the directions of the grid's axes in the patient are not known. */
 bool diff_unoriented(const loaded_volume *in);
 
-/* Writes one self-contained page. Defined in html.c. */
+/* Writes one self-contained page with the result. Defined in html.c. */
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a,
                      const loaded_volume *b, const diff_result *result, ost_error *err);
 

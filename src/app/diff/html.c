@@ -44,7 +44,10 @@ static void figure(html_page *p, const ost_picture *picture, const char *caption
     free(png);
 }
 
-/* Draws slices of a grid. A tool's voxels are 0, 1 or 2; a window of width 3 around 1 makes them visible. */
+/*
+ * Draws slices of a grid. The voxels of a tool have the values 0, 1 and 2, which a grey-scale window of width 3
+ * around 1 makes visible.
+ */
 static void slices(html_page *p, const loaded_volume *in, const diff_result *r, const char *caption)
 {
     ost_picture picture = {0};

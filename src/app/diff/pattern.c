@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the pattern of all differences together. It applies the rules by which the validation
- * classifies its own differences (validation/locate/pattern.h), and rules that need only the files.
+ * Finds the pattern that all differences together form. The code applies the rules by which the validation classifies
+ * differences (validation/locate/pattern.h), and further rules that need only the files.
  *
  *   geometry        dims, spacing or origin differ
  *   only-removed    voxels were only removed, as by reaming

@@ -27,11 +27,11 @@ struct film_file {
     bool folder;
     int fps;
     int width, height;   /* 0 before the first frame */
-    uint32_t *fitted;    /* owned; a frame scaled to the video's size */
-    uint8_t *bytes;      /* owned; the last frame, encoded */
+    uint32_t *fitted;    /* owned; frame scaled to the size of the video */
+    uint8_t *bytes;      /* owned; last frame in encoded form */
     size_t size;
     uint64_t frames;
-    ost_outfile *out;    /* owned; the .y4m file or the file that ffmpeg writes; NULL if there is neither */
+    ost_outfile *out;    /* owned; the .y4m file, or the file that ffmpeg writes; NULL for other outputs */
     int pipe;            /* descriptor of the pipe to ffmpeg or to the command; -1 if there is no pipe */
     pid_t encoder;
     FILE *messages;      /* owned; receives ffmpeg's standard error; NULL if ffmpeg inherits it */
@@ -62,8 +62,10 @@ static int write_all(int fd, const void *bytes, size_t size)
 
 /* --------------------------------------------------------------- programs */
 
-/* Searches PATH for a program. posix_spawn cannot report a missing program reliably: where vfork is
-   implemented as fork, starting the program seems to succeed. */
+/*
+ * Searches PATH for a program. This search is needed because posix_spawn does not report a missing program reliably:
+ * where vfork is implemented as fork, starting the program seems to succeed.
+ */
 static bool find_program(const char *name, char path[NAME])
 {
     const char *from = getenv("PATH");
@@ -102,7 +104,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&how, &none);
     posix_spawnattr_setsigdefault(&how, &usual);
-    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C ends only the simulator, which then ends the video */
+    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C signals only the simulator, which then completes the video */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
@@ -116,16 +118,16 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 }
 
 /*
- * Starts ffmpeg. It writes to a descriptor that is already open, so that a symbolic link cannot
- * redirect the output, and the descriptor is seekable, as .mp4 requires. ffmpeg's messages are read
- * only if it fails, because they may contain arbitrary bytes of a file name.
+ * Starts ffmpeg. ffmpeg writes to a descriptor that is already open, so that a symbolic link cannot redirect the
+ * output. The descriptor is seekable, as .mp4 requires. The messages of ffmpeg are read only if it fails, because
+ * they may contain arbitrary bytes of a file name.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {
     static const char *const x264[] = {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18", NULL};
     static const char *const vp9[] = {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "7",
                                       "-crf", "24",         "-b:v",      "0",        NULL};
-    /* These arguments produce colours and a frame size that every player accepts. Width and height must be even. */
+    /* The arguments select colours and a frame size that every player accepts; width and height must be even. */
     char program[NAME], descriptor_path[32];
     const char *argv[40] = {program,
                             "-hide_banner",
@@ -160,7 +162,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     snprintf(descriptor_path, sizeof descriptor_path, "/dev/fd/%d", ENCODER_FD);
     argv[count++] = "-f";
     argv[count++] = format;
-    argv[count++] = "-y"; /* the file already exists */
+    argv[count++] = "-y"; /* overwrite the file, which already exists */
     argv[count++] = descriptor_path;
     return start(f, argv, err);
 }
@@ -171,8 +173,10 @@ static ost_status start_shell(film_file *f, const char *command, ost_error *err)
     return start(f, argv, err);
 }
 
-/* Returns ": " and the last line that ffmpeg wrote to its standard error, in printable characters;
-   "" if ffmpeg wrote nothing. */
+/*
+ * Returns ": " and the last line that ffmpeg wrote to its standard error, in printable characters. Returns "" if
+ * ffmpeg wrote nothing.
+ */
 static const char *last_message(film_file *f, char text[LINE])
 {
     char bytes[LINE - 2];
@@ -216,7 +220,7 @@ static ost_status finish(film_file *f, ost_error *err)
 
 /* ------------------------------------------------------------------- open */
 
-/* Returns true if a name ends in an extension of 2 to 4 letters and digits, as names of video files do. */
+/* Returns true if a name ends in an extension of 2 to 4 letters and digits, like the name of a video file. */
 static bool has_extension(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -248,8 +252,10 @@ static ost_status open_folder(film_file *f, ost_error *err)
     return OST_OK;
 }
 
-/* Returns ffmpeg's name of the format that a file's extension denotes; NULL if ffmpeg does not
-   write the file. */
+/*
+ * Returns the name by which ffmpeg denotes the format of a file's extension. Returns NULL if the file is not written
+ * by ffmpeg.
+ */
 static const char *ffmpeg_format(const char *target)
 {
     static const char *const known[][2] = {{".mp4", "mp4"}, {".mkv", "matroska"}, {".mov", "mov"}, {".webm", "webm"}};
@@ -307,8 +313,10 @@ static void fit(const film_file *f, const uint32_t *pixels, int width, int heigh
                 pixels[(size_t)((int64_t)y * height / h) * (size_t)width + (size_t)((int64_t)x * width / w)];
 }
 
-/* Converts to BT.709 with the range 16 to 235. The constants 4224 and 32896 include one half in
-   units of 1/256, so that the shift rounds. */
+/*
+ * Converts RGB to BT.709 with the range 16 to 235. The constants 4224 and 32896 contain one half, in units of 1/256,
+ * so that the shift rounds to nearest.
+ */
 static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb, uint8_t *cr)
 {
     for (size_t i = 0; i < count; i++) {
@@ -324,7 +332,7 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     char last[LINE];
     if (error == EPIPE) {
         if (f->messages)
-            finish(f, NULL); /* ffmpeg's messages are complete only after it has ended */
+            finish(f, NULL); /* the messages of ffmpeg are complete only after it has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",
@@ -402,8 +410,8 @@ ost_status film_file_again(film_file *f, ost_error *err)
         f->frames += status == OST_OK;
         return status;
     }
-    /* A repeated frame is a hard link to the previous file, which needs no space. If the link cannot be
-       created, the frame is written again. */
+    /* A repeated frame is a hard link to the previous file, which needs no space. If the link cannot be created, the
+     * frame is written again instead. */
     char before[NAME], name[NAME];
     snprintf(before, sizeof before, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames - 1);
     snprintf(name, sizeof name, "%s/frame-%06llu.png", f->target, (unsigned long long)f->frames);

@@ -8,15 +8,19 @@
 
 typedef struct film_file film_file;
 
-/* Opens the output. target: a file if its extension is known, else a folder, which is created if
-   necessary. command: a shell command. Exactly one of target and command is NULL. */
+/*
+ * Opens the output. Exactly one of `target` and `command` is NULL. `command` is a shell command. If the extension of
+ * `target` is known, `target` is a file; otherwise, it is a folder, which is created if necessary.
+ */
 ost_status film_file_open(const char *target, const char *command, int fps, film_file **out, ost_error *err);
-/* Writes a frame. pixels: width pixels per row. The first frame determines the video's size. */
+/* Writes a frame. `pixels` contains rows of `width` pixels. The first frame determines the size of the video. */
 ost_status film_file_frame(film_file *file, const uint32_t *pixels, int width, int height, ost_error *err);
-/* Repeats the previous frame. */
+/* Repeats the previous frame of the video. */
 ost_status film_file_again(film_file *file, ost_error *err);
-/* Closes the output and frees file in any case; file may be NULL. After an earlier failure, the caller
-   passes NULL as err, and the output file is discarded. */
+/*
+ * Closes the output and frees `file` in any case; `file` may be NULL. If an earlier call failed, the caller passes
+ * NULL as err, and the output file is discarded.
+ */
 ost_status film_file_close(film_file *file, ost_error *err);
 
 #endif

@@ -38,7 +38,7 @@ struct film {
     job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
-    int64_t begin_ns, last; /* last: index of the latest frame passed in */
+    int64_t begin_ns, last; /* begin_ns: time of the first frame; last: index of the latest frame passed in */
     bool begun;
     uint64_t dropped;
     bool news;
@@ -91,7 +91,10 @@ static void write_still(film *f, const job *j)
     free(bytes);
 }
 
-/* Repeats the previous frame until the video has `index` frames, for times at which no frame was passed in. */
+/*
+ * Repeats the previous frame until the video has `index` frames. This fills the times at which no frame was passed
+ * in.
+ */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -196,7 +199,7 @@ static bool queue(film *f, bool still, int64_t index, const uint32_t *pixels, in
     pthread_mutex_unlock(&f->lock);
     if (!capacity)
         return false;
-    /* The writer thread reads only queued jobs, so this one is filled without the lock. */
+    /* The writer thread reads only queued jobs. This job is not yet queued, so it is filled without the lock. */
     const size_t size = (size_t)width * (size_t)height;
     if (size > j->capacity) {
         free(j->pixels);

@@ -24,7 +24,7 @@ enum { FILM_TEXT = 200 };
 typedef struct film_options {
     const char *target, *pipe; /* destination of the video; at most one of target and pipe is set */
     int64_t fps;               /* frames per second of the video */
-    bool wait;                 /* if the queue is full, waits for the writer instead of dropping the frame */
+    bool wait;                 /* true to wait for the writer if the queue is full, instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
@@ -51,23 +51,28 @@ ost_status film_check(const app_state *app, const film_options *options, ost_err
 /* Opens a film. Returns OST_ERR_UNAVAILABLE if no encoder is found. */
 ost_status film_open(const film_options *options, film **out, ost_error *err);
 
-/* The following functions must be called on one thread. pixels are values 0x..BBGGRR in rows of
-   stride pixels; they are copied. */
-/* Returns true if the video does not yet have a frame for t_ns. Times must ascend; the first time
-   is the beginning of the video. */
+/*
+ * The following functions must be called on one thread. `pixels` contains values 0x..BBGGRR in rows of `stride`
+ * pixels; the functions copy these values.
+ */
+/*
+ * Returns true if the video does not yet have a frame for the time t_ns. Times must ascend. The first time is the
+ * beginning of the video.
+ */
 bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);
-/* Saves a picture in the current folder under the next free name: osteon-001.png and so on.
-   film_message reports the result. */
+/*
+ * Saves a picture in the current folder under the next free name, such as osteon-001.png. film_message reports the
+ * result.
+ */
 void film_still(film *f, const uint32_t *pixels, int stride, int width, int height);
-/* Returns the latest message, or NULL if there was no new message since the previous call. */
+/* Returns the latest message. Returns NULL if there is no new message since the previous call. */
 const char *film_message(film *f, char text[FILM_TEXT]);
 uint64_t film_dropped(film *f);
 
-/* Writes all queued frames and repeats the last one until end_ns. Frees f in any case. f and report
-   may be NULL. */
+/* Writes all queued frames and repeats the last frame until end_ns. Frees f in any case. f and report may be NULL. */
 ost_status film_close(film *f, int64_t end_ns, film_report *report, ost_error *err);
-/* Prints the report, and stores it as "video" in the verb's result. */
+/* Prints the report, and stores it as "video" in the result of the verb. */
 void film_print_report(const app_state *app, const film_options *options, const film_report *report);
 
 #endif

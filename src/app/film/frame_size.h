@@ -5,7 +5,10 @@
 
 #include "app/common/app.h"
 
-/* Parses text; if it is NULL, the size is 1280 x 720. Both numbers must be from 1 to OST_FRAME_MAX. */
+/*
+ * Parses the text of a frame size. If text is NULL, the size is 1280 x 720. Width and height must be from 1 to
+ * OST_FRAME_MAX.
+ */
 ost_status frame_size(const app_state *app, const char *text, int *width, int *height, ost_error *err);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { DEPTH_UM = 3000, DEPTH_UM_MAX = 20000, POINT_TEXT = 3 * OST_PM_TEXT };
 
-/* Keys of a session's header and the corresponding keys of a grid's header. */
+/* Keys in the header of a session, and the corresponding keys in the header of a grid. */
 static const struct {
     const char *session, *grid;
 } same[] = {
@@ -27,13 +27,15 @@ static const char *point_text(ost_pm3 p, char text[POINT_TEXT])
     return text;
 }
 
-/* Normalizes an axis and rounds it to nine decimal places, as it is stored in text, so that
-   programs that read the text compute with the same axis. */
+/*
+ * Normalizes an axis and rounds it to nine decimal places, which is how an axis is stored as text. Programs that read
+ * the text therefore compute with the same axis.
+ */
 static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
 {
     double size = sqrt(in[0] * in[0] + in[1] * in[1] + in[2] * in[2]);
     int64_t n[3];
-    /* An axis that is already rounded to nine places stays unchanged. */
+    /* An axis that has already been rounded to nine places remains unchanged. */
     size = fabs(size - 1) < 2e-9 ? 1 : size;
     for (int a = 0; a < 3; a++) {
         const double v = in[a] / size;
@@ -46,7 +48,7 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
     return true;
 }
 
-/* Replaces facts of the grid's header by those of the session's header. */
+/* Replaces facts from the grid's header by facts from the session's header. */
 static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *stored, ost_error *err)
 {
     for (int i = 0; header && i < SAME; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the plan: the glenoid's position, the axis into the bone, the depth, and the scapula's
- * landmarks. Options take precedence over a session's header, and the session over the bone's file.
+ * Finds the plan, which consists of the glenoid's position, the axis into the bone, the depth, and the scapula's
+ * landmarks. Options take precedence over the header of a session, which takes precedence over the bone's file.
  *
  *   options --.
  *   session ---+--> plan --> debrief
@@ -41,9 +41,9 @@ typedef struct glenoid_plan_options {
     }
 
 /*
- * Finds the plan. header: the header of the session called `session`, or NULL. *known becomes false
- * if no source contains the glenoid's position; the missing position is an error if `needed` is true
- * or if a part of the plan is given. The values are rounded to those that a session can store.
+ * Finds the plan. `header` is the header of the session named `session`, or NULL. If no source contains the glenoid's
+ * position, *known becomes false. The missing position is an error if `needed` is true or if another part of the plan
+ * is given. The values are rounded to values that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
                              const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,

@@ -15,7 +15,7 @@
 #include "io/outfile.h"
 #include "app/input/mask_option.h"
 
-enum { THRESHOLD = 120 }; /* threshold of the thesis; AR-CHK-1 */
+enum { THRESHOLD = 120 }; /* threshold of the thesis (AR-CHK-1) */
 
 /* ------------------------------------------------------------------ names */
 
@@ -53,7 +53,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
         return usage_error(app, err, "%s: another output already goes to standard output", path);
     app->to_stdout |= ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
-    /* Without this check, a name that is too long would fail only after all the work. */
+    /* A name that is too long is refused at once; otherwise the error would occur only after all the work. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
@@ -93,7 +93,7 @@ const char *load_kind_name(ost_file_kind kind)
 
 /* ------------------------------------------------------------------ bones */
 
-/* Parses --crop, such as "0:128,0:128,20:60". */
+/* Parses the value of --crop, such as "0:128,0:128,20:60". */
 static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_box *out, ost_error *err)
 {
     const char *p = text;
@@ -124,7 +124,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold, /* 0: the threshold of the bone, otherwise 120 */
+        .threshold = (int32_t)ct->threshold, /* 0 selects the bone's own threshold or, for a CT, 120 */
         .chunk_size = 16 << ct->chunk,
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
@@ -359,7 +359,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text by importing it, because the memory of an import is limited by the grid's size. */
+/* Loads a CT given as text by importing it, because an import limits the memory to the size of the grid. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

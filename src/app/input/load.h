@@ -6,7 +6,7 @@
  *   tool   builtin:reamer, a mesh, or a tool that voxelize wrote
  *   volume any voxels, in host memory and unchanged: for diff and export
  *
- * All verbs that load files have the same options for loading.
+ * All verbs that load files share the same options for loading.
  */
 #ifndef OST_APP_INPUT_LOAD_H
 #define OST_APP_INPUT_LOAD_H
@@ -31,19 +31,19 @@ typedef struct dicom_options {
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold; /* 0: the threshold stored in the file if the file is a bone, otherwise 120 */
+    int64_t threshold; /* threshold; 0 selects the threshold stored in the file if the file is a bone, otherwise 120 */
     const char *crop;
     int chunk; /* index in "16|32|64" */
-    int resample; /* an ost_resample, index in "linear|nearest|thesis"; negative: depends on the file's contents */
+    int resample; /* an ost_resample, index in "linear|nearest|thesis"; if negative, the file determines it */
     int duplicates; /* an ost_duplicates, index in "error|first|last|max" */
     bool clamp, nan_as_air, resample_oblique;
     const char *orientation; /* NULL if not given */
     int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
-    const char *mask;        /* FILE[:LABEL,...] with numbers or names; NULL if not given */
-    const char *mask_names;  /* file of names; NULL if not given */
+    const char *mask;        /* FILE[:LABEL,...], where a LABEL is a number or a name; NULL if not given */
+    const char *mask_names;  /* file of label names; NULL if not given */
     dicom_options dicom;
     bool mask_fill;
-    ost_import_labels *labels; /* function that selects the bone; NULL: the complete CT */
+    ost_import_labels *labels; /* function that selects the bone in the CT; NULL selects the complete CT */
     void *labels_user;
 } ct_options;
 
@@ -96,7 +96,7 @@ typedef struct tool_options {
     {.name = "rule", .kind = OPTION_CHOICE, .out = &(t).rule, .value = "winding|parity",                       \
      .help = "rule for the inside of a mesh: winding number not zero (default), or odd number of crossings"}
 
-/* Figures about the mesh of a loaded tool. They are zero if the file is a tool grid. */
+/* Figures about the mesh from which a tool was loaded. They are zero if the file is a tool grid. */
 typedef struct tool_report {
     ost_mesh_report mesh;
     size_t triangles, dropped_triangles;
@@ -104,16 +104,16 @@ typedef struct tool_report {
     size_t open_edges;
     ost_voxelize_report voxels;
     ost_digest snapped;
-    double time_ms; /* duration of the voxelization alone */
+    double time_ms; /* duration of the voxelization without reading the file */
 } tool_report;
 
-/* Returns the part of a name after "builtin:"; NULL if the name is a file name. */
+/* Returns the part of a name after "builtin:", or NULL if the name is a file name. */
 const char *builtin_name(const char *name);
 
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
                      ost_bone **out, ost_import_result *result, ost_error *err);
 
-/* Returns a word for the kind of a file: "NRRD", "text" and so on; "built in" for OST_FILE_UNKNOWN. */
+/* Returns a word for the type of a file, such as "NRRD" or "text". For OST_FILE_UNKNOWN, returns "built in". */
 const char *load_kind_name(ost_file_kind kind);
 
 /* Converts the options of a verb to those of ost_import. */
@@ -121,7 +121,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
                                ost_error *err);
 /* Copies the options for DICOM to those of ost_volume_read. */
 void load_dicom_options(const dicom_options *options, ost_volume_options *out);
-/* Warns about what was found in a DICOM series. */
+/* Warns about irregularities that were found in a DICOM series. */
 void load_warn_dicom(const app_state *app, const char *name, const ost_dicom_report *r);
 /* Warns if the orientation of a file was assumed, either now or when the file was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
@@ -129,37 +129,47 @@ void load_warn_orientation(const app_state *app, const char *name, const ost_met
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
 enum { LOAD_UNITS_TEXT = 200 };
-/* Suggests other units for a mesh of size `mm`, in millimetres. Writes ": it would be ..." with each unit
-   in which the size is from 20 to 600 mm, or "" if there is no such unit. Returns out. */
+/*
+ * Suggests other units for a mesh whose size is `mm` millimetres. Writes ": it would be ..." with each unit in which
+ * the size is from 20 to 600 mm. Writes "" if there is no such unit. Returns `out`.
+ */
 char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 
 ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_report *report, ost_error *err);
 
-/* Loads a tool. noncutting: the name of a second mesh on the same grid, or NULL. report may be NULL. */
+/* Loads a tool. `noncutting` is the name of a second mesh on the same grid, or NULL. `report` may be NULL. */
 ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
                      const tool_options *options, ost_tool **out, tool_report *report, ost_error *err);
 
 typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;
-    ost_volume volume;             /* a tool's voxels are 0, 1, 2 */
+    ost_volume volume;             /* voxels; the voxels of a tool are 0, 1 and 2 */
     ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
-    /* least value of a solid voxel: a bone's own threshold, 1 for a tool, else 120 */
+    /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, otherwise 120. */
     int32_t threshold;
 } loaded_volume;
 
-/* Loads a volume: NRRD, NIfTI, MetaImage, DICOM, a CT given as text, or builtin:. A CT given as text is imported as a
-   bone, so densities below the threshold are 0. Free with ost_volume_free(&out->volume). */
+/*
+ * Loads a volume: NRRD, NIfTI, MetaImage, DICOM, a CT given as text, or builtin:NAME. A CT given as text is imported
+ * as a bone, so its densities below the threshold become 0. The caller frees the volume by
+ * ost_volume_free(&out->volume).
+ */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);
 
-/* Imports a CT whose voxels are not cubes, as `osteon import` does. Any other volume is unchanged. */
+/*
+ * If the volume is a CT whose voxels are not cubes, imports it as `osteon import` does. Any other volume remains
+ * unchanged.
+ */
 ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume *volume, ost_error *err);
 
 /* Copies a bone's voxels into host memory. */
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 
-/* Checks that path has one of the given extensions, such as "nrrd|nii|nii.gz|txt", and that its
-   folder exists. Called before any work. An existing file is replaced without a warning. */
+/*
+ * Checks that `path` has one of the extensions in `ends`, such as "nrrd|nii|nii.gz|txt", and that its folder exists.
+ * Called before any work. An existing file is later replaced without a warning.
+ */
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
 bool ends_with(const char *path, const char *end);
 

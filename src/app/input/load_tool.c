@@ -8,7 +8,7 @@
 #include "app/common/print.h"
 #include "app/common/progress.h"
 
-/* Returns the kind of a built-in tool; OST_TOOL_KIND_COUNT if no tool has that name. */
+/* Returns the kind of the built-in tool with the given name, or OST_TOOL_KIND_COUNT if there is no such tool. */
 static ost_tool_kind builtin_tool(const char *name)
 {
     const char *kind = builtin_name(name);
@@ -56,8 +56,10 @@ char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
     return out;
 }
 
-/* Warns about a mesh of less than 5 mm whose unit is not given. It may be a burr, but bones and
-   reamers are larger. */
+/*
+ * Warns about a mesh of less than 5 mm whose unit is not given. Such a mesh may be a burr, but bones and reamers are
+ * larger.
+ */
 static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)
 {
     char text[LOAD_UNITS_TEXT];
@@ -81,7 +83,7 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
     ost_pm3 lo, hi, lo2, hi2;
     char text[FORMAT_TEXT];
 
-    /* The shaft of a built-in tool can touch bone but does not cut it. */
+    /* The shaft of a built-in tool touches bone without cutting it. */
     const ost_tool_kind kind = builtin_tool(name);
     const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
     ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh,

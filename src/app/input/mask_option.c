@@ -4,7 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Returns the colon that ends the name of the file; NULL if the text is only a file name. */
+/* Returns the colon after the file name, or NULL if the text consists only of a file name. */
 static char *find_colon(char *text)
 {
     if (access(text, F_OK) == 0)

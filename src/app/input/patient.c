@@ -21,8 +21,10 @@ static ost_status set_triple(const char *name, const char *key, ost_pm3 v, ost_m
     return status;
 }
 
-/* Stores an axis with nine decimal places, in the form that ost_axis_from_meta reads. A vector
-   longer than 1000 or shorter than 0.001 is normalized first. */
+/*
+ * Stores an axis with nine decimal places, in the format that ost_axis_from_meta reads. A vector whose length is
+ * above 1000 or below 0.001 is normalized first.
+ */
 static ost_status set_axis(const char *name, const double axis[3], ost_meta *meta, ost_error *err)
 {
     const double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]),
@@ -48,7 +50,10 @@ static bool is_inside(const ost_geometry *g, ost_pm3 p)
     return true;
 }
 
-/* Checks the facts against the grid and against each other, and adds the side if the axis determines it. */
+/*
+ * Checks the header facts against the grid and against each other. If the axis determines the side, the side is
+ * added.
+ */
 static ost_status resolve_orientation(const char *name, const ost_geometry *g, ost_meta *meta, ost_error *err)
 {
     ost_pm3 at, point;
@@ -78,7 +83,7 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
         status = ost_glenoid_side(axis, side, &left, err);
         if (status == OST_OK && side == OST_SIDE_UNKNOWN)
             status = ost_meta_set(meta, OST_META_SIDE, left ? "left" : "right", err);
-        /* If the header contains no side, each verb that needs one requires --side. */
+        /* If the header contains no side, each verb that needs the side requires --side. */
         if (status == OST_ERR_USAGE) {
             *err = (ost_error){0};
             status = OST_OK;
@@ -91,7 +96,7 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
 
 /* ----------------------------------------------------------------- options */
 
-/* Stores landmarks in meta. file: the name of their file, for messages. */
+/* Stores landmarks in meta. `file` is the name of the landmarks file, for messages. */
 static ost_status store_landmarks(const app_state *app, const ost_landmarks *all, const char *file, const char *name,
                                   ost_meta *meta, ost_error *err)
 {
@@ -130,7 +135,7 @@ static ost_status store_landmarks(const app_state *app, const ost_landmarks *all
     return status;
 }
 
-/* Reads landmarks from a file, or proposes them for the bone, and writes them to a file if that is requested. */
+/* Reads landmarks from a file or proposes landmarks for the bone. If requested, also writes the landmarks to a file. */
 static ost_status take_landmarks(const app_state *app, const patient_options *options, const ost_bone *bone,
                                  const char *name, ost_meta *meta, ost_error *err)
 {
@@ -218,7 +223,7 @@ static ost_status set_one(const app_state *app, const char *text, ost_meta *meta
             ost_status status = ost_meta_set(meta, facts[f].key, value, err);
             ost_pm3 point;
             bool there;
-            /* A point is stored in the header's form: exact decimals separated by blanks. */
+            /* A point is stored in the format of the header, as exact decimals separated by blanks. */
             if (status == OST_OK && facts[f].point &&
                 (status = ost_point_from_meta(meta, facts[f].key, &point, &there, err)) == OST_OK)
                 status = set_triple("--set", facts[f].key, point, meta, err);

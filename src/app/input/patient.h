@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Facts about the patient, stored once in the header of a bone or CT: the glenoid's position, the
- * axis into the bone, the side, and the scapula's landmarks.
+ * Stores facts about the patient in the header of a bone or CT: the glenoid's position, the axis into the bone, the
+ * side, and the scapula's landmarks.
  *
  *   --landmarks FILE --.                   (FILE is auto: proposed for the bone, proposal.h)
  *   --at --axis ...  ---+--> meta, checked --> header (import)
@@ -71,13 +71,14 @@ typedef struct patient_options {
 /* Checks the options before the bone is read. */
 ost_status patient_check(app_state *app, const patient_options *options, ost_error *err);
 
-/* Stores in meta the facts from the options and from the landmarks file that the options name. Reports
-   unknown labels in that file. bone: the bone for which landmarks are proposed; `name`: the name of the volume, for
-   messages. */
+/*
+ * Stores in meta the facts from the options and from the landmarks file that the options name. Reports unknown labels
+ * in this file. Landmarks are proposed for `bone`. `name` is the name of the volume, for messages.
+ */
 ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
-/* Stores in meta the facts of --set KEY=VALUE, one after the other. An empty VALUE removes the fact. */
+/* Stores in meta the facts of all options --set KEY=VALUE, in their order. An empty VALUE removes the fact. */
 ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
                        ost_meta *meta, ost_error *err);
 

@@ -14,7 +14,10 @@
 
 enum { POINTS = 4, AXIS_MM = 20 };
 
-/* The landmarks as a file contains them; the axis is a point AXIS_MM below the face. */
+/*
+ * Converts landmarks to the form in which a file contains them. The axis is represented by a point AXIS_MM below the
+ * face.
+ */
 static ost_status to_landmarks(const ost_scapula_landmarks *l, ost_landmarks *out, ost_error *err)
 {
     const ost_pm3 g = l->glenoid;
@@ -67,7 +70,7 @@ static void print_proposal(const app_state *app, const char *name, const ost_sca
     print_line(app, "  inferior angle %s, stable to %.1f mm", format_point(a, l->inferior), l->inferior_spread_mm);
 }
 
-/* Returns true if a point lies within two voxels of the end of a grid. */
+/* Returns true if a point lies within two voxels of a border of the grid. */
 static bool is_at_end(const ost_geometry *g, ost_pm3 p)
 {
     const ost_pm at[3] = {p.x - g->origin.x, p.y - g->origin.y, p.z - g->origin.z};

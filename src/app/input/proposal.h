@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Landmarks that are proposed for a bone (--landmarks auto) instead of read from a file.
+ * Proposes landmarks for a bone (--landmarks auto) instead of reading them from a file.
  *
  *   bone --ost_scapula_landmarks_find--> landmarks --> header, as if they were read from a file
- *                                            '------> report with figures that state how sure they are
+ *                                            '------> report with figures that state their uncertainty
  */
 #ifndef OST_APP_INPUT_PROPOSAL_H
 #define OST_APP_INPUT_PROPOSAL_H
@@ -15,16 +15,16 @@
 #include <osteon/metrics.h>
 
 #define PROPOSAL_AUTO "auto"           /* value of --landmarks */
-#define PROPOSAL_FACT "landmarks_proposed" /* fact of the header: the spreads of the landmarks */
+#define PROPOSAL_FACT "landmarks_proposed" /* header fact that contains the spreads of the proposed landmarks */
 
 /*
- * Proposes the landmarks of a bone, stores side and spreads in meta, and reports them. The caller frees *out by
- * ost_landmarks_free.
+ * Proposes the landmarks of a bone, stores the side and the spreads in meta, and reports the landmarks. The caller
+ * frees *out by ost_landmarks_free.
  */
 ost_status proposal_make(const app_state *app, const ost_bone *bone, const char *name, ost_meta *meta,
                          ost_landmarks *out, ost_error *err);
 
-/* Prints version and inclination, and adds them to the result, if the facts of a bone's header determine them. */
+/* If the header facts of a bone determine version and inclination, prints these angles and adds them to the result. */
 ost_status angles_report(const app_state *app, const ost_meta *meta, ost_error *err);
 
 #endif

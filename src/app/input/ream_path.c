@@ -93,11 +93,11 @@ static ost_status session_path(const app_state *app, const char *name, ost_path 
     return status;
 }
 
-/* Reads a file of ticks. If all of them refer to tool 0, they move tool `index` instead (AR-PATH-6). */
+/* Reads a file of ticks. If all ticks refer to tool 0, they are changed to move tool `index` (AR-PATH-6). */
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count,
                             const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
 {
-    /* If the kind of a file cannot be determined, for example because it is a pipe, it is read as text. */
+    /* If the type of a file cannot be determined, for example because the file is a pipe, the file is read as text. */
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
     ost_path_report report = {0};
@@ -121,7 +121,10 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
     return OST_OK;
 }
 
-/* Appends a path to another one. The appended path begins GAP_NS after the last tick, lifted (AR-PATH-6). */
+/*
+ * Appends a path to another path. The appended path begins GAP_NS after the last tick, and its first tick is lifted
+ * (AR-PATH-6).
+ */
 static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
     if (part->count > OST_PATH_TICKS_MAX - all->count)
@@ -172,8 +175,10 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
     return status;
 }
 
-/* Computes the period of a rate in hertz, rounded down to a nanosecond. Uses integers only, because
-   the period determines which ticks remove bone. */
+/*
+ * Computes the period of a rate in hertz, rounded down to a nanosecond. The computation uses only integers, because
+ * the period determines which ticks remove bone.
+ */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
 {
     int64_t micro;
@@ -186,7 +191,7 @@ ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t
     return OST_OK;
 }
 
-/* The greatest values that --max-gap accepts: one hour, and 8 m. */
+/* Greatest values that --max-gap accepts: one hour and 8 m. */
 enum { GAP_MS_MAX = 3600000, JUMP_UM_MAX = 8000000 };
 
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err)

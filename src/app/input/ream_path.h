@@ -4,9 +4,9 @@
  *
  *   --tool peg --path builtin:peg-hole --tool reamer --path builtin:glenoid-ream
  *
- * Path k moves tool k, or the only tool if there is one. If the ticks of a file refer to tools
- * other than 0, they move those tools. Each path begins 1 ms after the end of the previous one,
- * lifted (docs/spec/arithmetic.md, AR-PATH-6).
+ * Path k moves tool k, or the only tool if there is one. If the ticks of a file refer to tools other than 0, they
+ * move those tools. Each path begins 1 ms after the end of the previous path, and its first tick is lifted
+ * (docs/spec/arithmetic.md, AR-PATH-6).
  */
 #ifndef OST_APP_INPUT_REAM_PATH_H
 #define OST_APP_INPUT_REAM_PATH_H
@@ -20,10 +20,10 @@ typedef struct target_options {
     bool axis_given;
     int side; /* index in "left|right" */
     bool side_given;
-    size_t press_ticks; /* number of ticks for builtin:glenoid-press; 0: one minute */
+    size_t press_ticks; /* number of ticks for builtin:glenoid-press; 0 means one minute */
 } target_options;
 
-/* Rows for a verb's table of options. about_at: the help text of --at, which states the default. */
+/* Rows for a verb's table of options. about_at is the help text of --at, which states the default. */
 #define TARGET_OPTIONS(t, about_at)                                                                                    \
     {.name = "at", .kind = OPTION_POINT, .out = &(t).at, .given = &(t).at_given, .value = "X,Y,Z",                     \
      .help = about_at},                                                                                                \
@@ -33,18 +33,24 @@ typedef struct target_options {
      .help = "side of the body (default: as in the file, else derived from the axis)"}
 
 /*
- * Finds the glenoid from the options, or from the bone's header for options that are not given. The
- * side can also follow from the axis. Returns OST_ERR_USAGE if a value is not set, and
- * OST_ERR_INPUT if the side, the axis and the header contradict each other.
+ * Finds the glenoid from the options. For options that are not given, the bone's header is used. The side may also
+ * follow from the axis. Returns OST_ERR_USAGE if a value is not set, and OST_ERR_INPUT if the side, the axis and the
+ * header contradict each other.
  */
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone,
                        ost_glenoid *out, ost_error *err);
 
-/* Finds the side from --side, or else from the header. It is an error if the two contradict each other. */
+/*
+ * Finds the side from --side or, without this option, from the header. Returns an error if --side contradicts the
+ * header.
+ */
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
-/* The number of gaps in the paths at which a tool is lifted, and the number of rows without a pose. */
+/*
+ * Counts of gaps: `gaps` is the number of gaps in the paths, at each of which a tool is lifted; lost_rows is the
+ * number of rows without a pose.
+ */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;
@@ -55,7 +61,7 @@ typedef struct ream_gaps {
              "nothing is removed; off: no limit (default: 50 ms and 5 mm, or 10 times the path's medians if "  \
              "these are greater)"}
 
-/* Parses --max-gap; text may be NULL. */
+/* Parses the value of --max-gap; text may be NULL. */
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err);
 void ream_print_gaps(const app_state *app, const ream_gaps *gaps);
 
@@ -63,7 +69,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
                           const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
                           const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
-/* Computes the period of a rate of removal. Without a rate, the period is 0, and every tick removes bone. */
+/* Computes the period of a removal rate. Without a rate, the period is 0, which means that every tick removes bone. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "app/common/options.h"
 
-/* given_out is set to true if the option is given; it may be NULL. */
+/* The variable given_out is set to true if the option is given; it may be NULL. */
 #define RPM_OPTION(rpm, given_out)                                                                                     \
     {.name = "rpm", .kind = OPTION_INTEGER, .out = &(rpm), .given = (given_out), .min = 0, .max = OST_RPM_MAX,         \
      .value = "N",                                                                                                     \

@@ -12,18 +12,21 @@
 
 enum { SHOWN = 10, HEADS = 8 };
 /*
- * A ball is this much larger than the humeral head, so that it includes the cartilage of the head and the voxels that
- * only partly belong to it.
+ * Difference between the radius of the ball and of the humeral head. The ball also covers the head's cartilage and
+ * the voxels that only partly belong to the head.
  */
 #define HEAD_MARGIN (OST_PM_PER_MM)
-/* A bone at a position has a voxel within this distance. A landmark lies on a surface and is seldom exact. */
+/*
+ * Greatest distance from a position of --bone to a voxel of its bone. A landmark lies on a surface and is seldom
+ * exact.
+ */
 #define BONE_REACH (10 * OST_PM_PER_MM)
-/* The head at a position has its centre within this distance. */
+/* Greatest distance from a position of --cut-head to the centre of the head. */
 #define HEAD_REACH (30 * OST_PM_PER_MM)
 
 /* ---------------------------------------------------------------- parsing */
 
-/* Parses "a,b,...", a list of `count` decimals in millimetres. */
+/* Parses a list "a,b,..." of `count` decimals in millimetres. */
 static bool parse_lengths(const char *text, int count, ost_pm *out)
 {
     char copy[256], *at = copy;
@@ -113,7 +116,10 @@ static void format_ball(char text[SEGMENT_BALL_TEXT], ost_pm3 c, ost_pm radius)
              ost_pm_format(c.z, z), ost_pm_format(radius, r));
 }
 
-/* Returns true if b could be the head of another joint: it is nearly as complete as a, and far from it. */
+/*
+ * Returns true if sphere b could be the head of another joint, that is, if b is nearly as complete as a and far from
+ * a.
+ */
 static bool is_another_head(const ost_sphere *a, const ost_sphere *b)
 {
     const double d[3] = {ost_pm_to_mm(a->centre.x - b->centre.x), ost_pm_to_mm(a->centre.y - b->centre.y),
@@ -122,7 +128,7 @@ static bool is_another_head(const ost_sphere *a, const ost_sphere *b)
     return b->coverage >= 0.75 * a->coverage && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > apart * apart;
 }
 
-/* Finds the humeral head of --cut-head and adds its ball to the cuts. */
+/* Finds the humeral head for --cut-head and adds a ball around it to the cuts. */
 static ost_status cut_head(segment_job *job, const ost_volume *ct, int32_t threshold, ost_error *err)
 {
     const ost_anatomy_bone bone = {.volume = ct, .low = threshold, .high = INT16_MAX};
@@ -160,7 +166,7 @@ static double voxel_mm3(const ost_geometry *g)
     return ost_pm_to_mm(g->spacing.x) * ost_pm_to_mm(g->spacing.y) * ost_pm_to_mm(g->spacing.z);
 }
 
-/* Finds the bone at a position of --bone. */
+/* Finds the bone at a position that --bone states. */
 static ost_status find_bone(const char *text, ost_pm3 at, const ost_volume *labels, int *label, ost_error *err)
 {
     ost_pm3 near = {0, 0, 0};
@@ -220,7 +226,7 @@ static ost_status set_list(ost_meta *meta, const char *name, const option_list *
     return status;
 }
 
-/* Stores the options as facts of the label map. */
+/* Stores the options as header facts of the label map. */
 static ost_status set_facts(const segment_job *job, int32_t threshold, ost_meta *meta, ost_error *err)
 {
     const segment_options *o = job->options;

@@ -48,14 +48,14 @@ enum { SEGMENT_AIR = -200, SEGMENT_CUTS_MAX = OPTION_LIST_MAX * 2 + 1, SEGMENT_B
     {.name = "cut-plane", .kind = OPTION_LIST, .out = &(s).planes, .value = "X,Y,Z,NX,NY,NZ",                      \
      .help = "no voxel on the side of this plane to which N points belongs to a bone; may be given several times"}
 
-/* Parsed options, and the bones that were found with them. */
+/* Parsed options, and the bones that were found with these options. */
 typedef struct segment_job {
     const app_state *app;
     const segment_options *options;
     ost_segment_cut cuts[SEGMENT_CUTS_MAX];
     size_t cut_count;
     ost_sphere head;       /* sphere that was found for --cut-head */
-    char head_ball[SEGMENT_BALL_TEXT]; /* equivalent value of --cut-ball; "" without --cut-head */
+    char head_ball[SEGMENT_BALL_TEXT]; /* equivalent value of --cut-ball; "" if --cut-head is not given */
     int64_t min_um3;       /* smallest volume in 1e-9 mm3 */
     ost_geometry geometry; /* grid of the CT */
     uint64_t min_voxels;
@@ -64,18 +64,18 @@ typedef struct segment_job {
     size_t found;          /* number of bones before the selection */
 } segment_job;
 
-/* Returns true if one of the options was given, so that `osteon import` must divide the CT. */
+/* Returns true if at least one of the options is given, so that `osteon import` must divide the CT. */
 bool segment_is_given(const segment_options *options);
-/* Parses the options. The job borrows app and options and is freed by segment_job_free. */
+/* Parses the options. The job borrows app and options. The caller frees the job by segment_job_free. */
 ost_status segment_job_init(segment_job *job, const app_state *app, const segment_options *options, ost_error *err);
 void segment_job_free(segment_job *job);
 /*
- * Makes the label map of the selected bones. Its meta contains the facts segment_..., without those of the CT. It is
- * an error if a position of --bone has no bone. The caller frees *labels by ost_volume_free.
+ * Makes the label map of the selected bones. Its meta contains the facts segment_..., but not the facts of the CT.
+ * Returns an error if there is no bone at a position of --bone. The caller frees *labels by ost_volume_free.
  */
 ost_status segment_job_run(segment_job *job, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                            ost_error *err);
-/* Implements ost_import_labels; user is the job. It is an error if no bone was found. */
+/* Implements ost_import_labels; `user` is the job. Returns an error if no bone was found. */
 ost_status segment_job_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels, ost_error *err);
 /* Prints the selected bones and stores them in the result of the verb as "components" and "segments". */
 void segment_job_report(const segment_job *job, const char *what);

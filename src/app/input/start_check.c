@@ -9,10 +9,13 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* Noise and single osteophytes are smaller than this; the other bone of a joint has thousands of mm3. */
+/*
+ * Smallest volume of bone in front of the face that causes a warning. Noise and single osteophytes are smaller; the
+ * other bone of a joint has thousands of mm3.
+ */
 #define FRONT_LEAST_MM3 50.0
 #define BONE_LEAST_PERCENT 25.0
-#define APPROACH_MM 8.0 /* distance in front of the face at which the built-in paths begin */
+#define APPROACH_MM 8.0 /* distance in front of the face at which built-in paths begin */
 
 static ost_status problem(const app_state *app, bool strict, ost_error *err, const char *format, ...) OST_PRINTF(4, 5);
 
@@ -77,7 +80,8 @@ static ost_status check_front(const app_state *app, const start_setup *setup, co
     }
     const double mm3 = (double)most * voxel_mm3(setup->bone);
     put_real(app->result, "front_mm3", mm3);
-    /* Without a valid axis, bone in front of the face cannot be defined; the invalid axis has already been reported. */
+    /* Without a valid axis, the region in front of the face is not defined. The invalid axis has already been
+     * reported. */
     if (status != OST_OK || mm3 < FRONT_LEAST_MM3 || !axis_good)
         return status;
     return problem(

@@ -15,14 +15,16 @@
 
 typedef struct start_checked {
     ost_glenoid glenoid;
-    bool known;         /* set if the glenoid is set; otherwise no voxels are counted */
-    /* before the operation: number of voxels on the near side of the face; after it: number of voxels
-       removed on the near side */
+    bool known;         /* true if the glenoid is known; otherwise no voxels are counted */
+    /* Before the operation: number of voxels on the near side of the face. After the operation: number of voxels
+     * removed on the near side. */
     int64_t near_side;
 } start_checked;
 
-/* The input of start_check. tools has one element for each name. first[i] is the pose at which tool
-   i begins; NULL if tool i is not used. plan is NULL if there is no plan. */
+/*
+ * The input of start_check. `tools` has one element for each name. first[i] is the first pose of tool i, or NULL if
+ * tool i is not used. `plan` is NULL if there is no plan.
+ */
 typedef struct start_setup {
     const char *bone_name;
     const ost_bone *bone;
@@ -41,11 +43,11 @@ typedef struct start_setup {
 /* Finds the first pose of each tool of a path. */
 void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX]);
 
-/* Warns of each problem. With strict, the first problem is the error OST_ERR_INPUT. */
+/* Warns of each problem that is found. If `strict` is set, the first problem is returned as OST_ERR_INPUT. */
 ost_status start_check(const app_state *app, const start_setup *setup, start_checked *out, ost_error *err);
-/* Counts the voxels removed on the near side. */
+/* Counts the voxels that were removed on the near side of the face. */
 ost_status start_check_end(start_checked *checked, const ost_bone *bone, ost_error *err);
-/* Reports near_side_voxels and near_side_mm3. mm3: volume of one voxel. */
+/* Reports near_side_voxels and near_side_mm3. The parameter mm3 is the volume of one voxel. */
 void start_check_report(const app_state *app, const start_checked *checked, double mm3);
 
 #endif

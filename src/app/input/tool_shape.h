@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the position of a tool's axis and tip in its grid, and its kind for the metrics.
+ * Finds the position of a tool's axis and tip in the tool's grid, and its kind for the metrics.
  *
  *        |z|          the axis is the frame's z axis if that passes through the
  *      .-'-'-.        cutting part, else the middle of that part; the tip is the
@@ -15,14 +15,16 @@
 
 typedef struct tool_shape {
     double tip_mm[3];     /* in the tool's frame */
-    /* a reamer if at least 16 mm wide; otherwise a drill if at least twice as long as wide; otherwise
-       some other tool */
+    /* Kind of tool: a reamer if at least 16 mm wide; otherwise a drill if at least twice as long as wide; otherwise
+     * some other tool. */
     ost_metrics_tool is;
 } tool_shape;
 
 ost_status tool_shape_of(const ost_tool *tool, tool_shape *out, ost_error *err);
-/* Computes the tip and the working direction (-z of the tool's frame) of a tool at a pose, both in
-   the bone's frame. */
+/*
+ * Computes the tip of a tool at a pose and its working direction, which is -z of the tool's frame. Both are in the
+ * bone's frame.
+ */
 void tool_shape_at(const tool_shape *shape, const ost_pose *pose, double tip_mm[3], double axis[3]);
 
 #endif

@@ -94,8 +94,10 @@ ost_status appearance_check(const app_state *app, appearance_options *o, ost_err
 
 /* -------------------------------------------------------------------- clip */
 
-/* Computes three perpendicular unit vectors: `inward` is the direction of the glenoid's axis, `right`
-   is horizontal, and `above` points upward. */
+/*
+ * Computes three perpendicular unit vectors: `inward` is the direction of the glenoid's axis, `right` is horizontal,
+ * and `above` points upward.
+ */
 static void axis_frame(const ost_view_subject *s, double inward[3], double right[3], double above[3])
 {
     static const double lateral[3] = {-1, 0, 0}, top[3] = {0, 0, 1};
@@ -143,8 +145,10 @@ static ost_status set_clip(appearance *a, ost_error *err)
     return status;
 }
 
-/* Turns the plane's normal towards the camera at eye_mm, because the part in front of a clip plane
-   is hidden. */
+/*
+ * Turns the normal of the clip plane towards the camera at eye_mm, because the part in front of a clip plane is
+ * hidden.
+ */
 static void face_the_eye(appearance *a, const double eye_mm[3])
 {
     double at[3], normal[3], back[3];
@@ -159,8 +163,10 @@ static void face_the_eye(appearance *a, const double eye_mm[3])
 
 /* ------------------------------------------------------------------- ghost */
 
-/* Returns the distance from the tool's origin to its lowest point, in mm. The grid begins one to
-   two voxels below that point (Alg. 2.1). */
+/*
+ * Returns the distance from the tool's origin to the lowest point of the tool, in mm. The grid begins one to two
+ * voxels below this point (Alg. 2.1).
+ */
 static double tip_of(const ost_tool_volume *tool)
 {
     return -1e-9 * (double)(tool->geometry.corner.z + 3 * tool->geometry.voxel / 2);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Adds the parts of a picture other than the bone and the tool: colours of the cut surface, a clip
- * plane, the planned implant as a ghost, and explanatory lines. `osteon render` sets them by
- * options, and the window of `osteon sim` by keys.
+ * Adds the parts of a picture other than the bone and the tool: colours of the cut surface, a clip plane, the planned
+ * implant as a ghost, and explanatory lines. `osteon render` sets these parts by options, and the window of `osteon
+ * sim` by keys.
  *
  *   options --.
  *   keys -----+--> appearance --> viewer, and a legend over its frame
@@ -38,7 +38,7 @@ typedef struct appearance_options {
     bool no_legend;
     /* The following fields are set by appearance_check. */
     int clip;               /* a clip_kind */
-    double clip_at[3], clip_normal[3]; /* for CLIP_FREE */
+    double clip_at[3], clip_normal[3]; /* point and normal of the clip plane for CLIP_FREE */
     double shift_mm, turn_deg;
     unsigned overlay_bits;
 } appearance_options;
@@ -87,7 +87,7 @@ typedef struct appearance_options {
 ost_status appearance_check(const app_state *app, appearance_options *options, ost_error *err);
 
 typedef struct appearance {
-    ost_viewer *viewer;              /* borrowed; so is subject */
+    ost_viewer *viewer;              /* borrowed, like the subject */
     const ost_view_subject *subject;
     double depth_mm;                 /* planned depth of reaming */
     ost_colouring colouring;
@@ -95,31 +95,34 @@ typedef struct appearance {
     double clip_at[3], clip_normal[3], shift_mm, turn_deg;
     bool flipped;
     int ghost;
-    const ost_tool_volume *tool;     /* borrowed; drawn if ghost is GHOST_TOOL; NULL if there is none */
-    ost_lettering *lettering;        /* owned; for the legend */
+    const ost_tool_volume *tool;     /* borrowed; drawn if ghost is GHOST_TOOL; NULL without a tool */
+    ost_lettering *lettering;        /* owned; lettering of the legend */
     double unit;
 } appearance;
 
-/* Initializes *a and applies the options to the viewer. If the viewer has an uncut surface, it must
-   be set before this call. eye_mm is the camera's position; the part of the bone between it and a
-   clip plane is hidden. */
+/*
+ * Initializes *a and applies the options to the viewer. An uncut surface must be set in the viewer before this call.
+ * eye_mm is the position of the camera; the part of the bone between the camera and a clip plane is hidden.
+ */
 ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_subject *subject, double depth_mm,
                             const ost_tool_volume *tool, const appearance_options *options, const double eye_mm[3],
                             ost_error *err);
 void appearance_free(appearance *a); /* *a may be zero-initialized */
 
 ost_legend appearance_legend_of(const appearance *a);
-/* Draws the legend over the viewer's frame. If orbit is not NULL, also draws a scale bar and, if
-   oriented, the patient's directions. */
+/*
+ * Draws the legend over the viewer's frame. If orbit is not NULL, also draws a scale bar and, if `oriented` is set,
+ * the patient's directions.
+ */
 ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented, ost_error *err);
 
 /*
- * Handles a key: C colours, X clip plane, Shift X its other side, G ghost, O overlays, K voxels
- * that were just removed; Page Up and Page Down move the plane, or with Shift turn it. Returns true
- * if the key was one of these; text (160 bytes) then describes the change.
+ * Handles a key: C changes the colours, X the clip plane, Shift X the side of the plane, G the ghost, O the overlays,
+ * and K the voxels that were just removed. Page Up and Page Down move the plane or, with Shift, turn the plane.
+ * Returns true if the key is one of these; `text` (160 bytes) then describes the change.
  */
 bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
-/* Moves the clip plane by steps of the mouse wheel. Returns false if there is no clip plane. */
+/* Moves the clip plane by wheel steps. Returns false if there is no clip plane. */
 bool appearance_wheel(appearance *a, double steps, bool fine);
 
 #endif

@@ -9,12 +9,15 @@
 #include "render/points/frame.h"
 
 enum { BACK = 0x201a16, INK = 0xf0e8e0, PALE = 0xb9b2aa, AMBER = 0x50c8ff, FULL = 256 }; /* 0xBBGGRR */
-/* in pixels: height of capitals, distance of baselines, width of the keys, side of a coloured square */
+/*
+ * Lengths in pixels. CAPITAL and TITLE are the heights of capitals, LINE is the distance of baselines, and SQUARE is
+ * the side of a coloured square.
+ */
 enum { CAPITAL = 11, TITLE = 15, LINE = 22, KEY_WIDTH = 128, SQUARE = 14, TITLE_BASELINE = 38 };
 
 chart_row *chart_add(chart_table *table, const char *key, const char *format, ...)
 {
-    /* The row after the last one is used again; only its number is kept. */
+    /* If the table is full, only the number of omitted rows is counted, and the last row is reused. */
     if (table->count == CHART_ROWS_MAX) {
         table->omitted++;
         table->count--;
@@ -73,8 +76,8 @@ void chart_text(chart *p, int x, int y, const char *text)
 }
 
 /*
- * Returns the number of bytes of the text that fit into the width: as many words as possible, but at
- * least one character, so that a long word is divided.
+ * Returns the number of bytes of the text that fit into the width. The line contains as many words as possible; if
+ * the first word is too long, the word is divided after at least one character.
  */
 static size_t line_length(const ost_lettering *letters, const char *text, int width)
 {
@@ -92,7 +95,7 @@ static size_t line_length(const ost_lettering *letters, const char *text, int wi
     return fits;
 }
 
-/* Draws the lines of a text, or only counts them if draw is false. Returns their number. */
+/* Draws a text in several lines and returns the number of lines. If `draw` is false, the lines are only counted. */
 static int wrapped(const chart *p, const char *text, int x, int y, int width, uint32_t colour, bool draw)
 {
     int lines = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A chart: a picture that contains other pictures and a table of text.
+ * A chart, which is a picture that contains other pictures and a table of text.
  *
  *   chart_begin --> chart_put, chart_text, chart_table --> chart_end --> picture
  */
@@ -14,7 +14,7 @@
 enum { CHART_ROWS_MAX = 48, CHART_KEY = 24, CHART_TEXT = 480, CHART_MARGIN = 20 };
 enum { CHART_NO_COLOUR = 0x7fffffff };
 
-/* A row of a table: a key, or a square of a colour, and the text to the right of it. */
+/* A row of a table. It consists of a key or a coloured square, and the text to the right. */
 typedef struct chart_row {
     char key[CHART_KEY];
     char text[CHART_TEXT];
@@ -24,7 +24,7 @@ typedef struct chart_row {
 
 typedef struct chart_table {
     int count;
-    int omitted; /* number of rows for which there was no room */
+    int omitted; /* number of rows for which there was no space */
     chart_row row[CHART_ROWS_MAX];
 } chart_table;
 
@@ -39,12 +39,12 @@ typedef struct chart {
 /* Makes an empty chart. Free with chart_free, also after an error. */
 ost_status chart_begin(chart *c, int width, int height, ost_error *err);
 void chart_free(chart *c);
-/* Copies a picture to the chart; x, y: upper left corner. Pixels beyond the chart are omitted. */
+/* Copies a picture to the chart. (x, y) is the upper left corner. Pixels beyond the chart are omitted. */
 void chart_put(chart *c, const ost_picture *picture, int x, int y);
 void chart_title(chart *c, const char *text);
-/* Draws a line of text. y: baseline. */
+/* Draws a line of text. x is the left end, and y is the baseline. */
 void chart_text(chart *c, int x, int y, const char *text);
-/* Draws a table into a box. Long texts are wrapped; the last line states how many rows do not fit. */
+/* Draws a table into a box. Long texts are wrapped. If rows do not fit, the last line states their number. */
 void chart_put_table(chart *c, const chart_table *table, int x, int y, int width, int height);
 /* Makes a picture of the chart. The caller owns *out. */
 ost_status chart_end(const chart *c, ost_picture *out, ost_error *err);

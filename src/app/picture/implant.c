@@ -4,7 +4,7 @@
 #include <math.h>
 
 enum { WIDE = 64, HIGH = 88, DEEP = 60, VOXEL_UM = 400 };
-/* Lengths in mm. */
+/* Dimensions of the implant in mm. */
 static const double HALF_WIDTH = 12.5, HALF_HEIGHT = 17, BACK = 27, FRONT = 32, THICK = 4, PEG = 3, PEG_LENGTH = 14;
 
 static bool solid(double x, double y, double z)

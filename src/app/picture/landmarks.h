@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The landmarks of a scapula as lines over a picture (--overlay landmarks). */
+/* Draws the landmarks of a scapula as lines over a picture (--overlay landmarks). */
 #ifndef OST_APP_PICTURE_LANDMARKS_H
 #define OST_APP_PICTURE_LANDMARKS_H
 
 #include "render/viewer.h"
 #include "render/views.h"
 
-/* Stores trigonum and inferior angle in the subject if a bone's header contains both. */
+/* Stores the trigonum and the inferior angle in the subject if the header of a bone contains both landmarks. */
 ost_status landmarks_subject(const ost_meta *meta, ost_view_subject *subject, ost_error *err);
 
 /*
- * Stores the landmarks of the subject, and the rim of the glenoid as found on the uncut bone, in the viewer's scene.
- * Returns OST_ERR_USAGE if the subject has no landmarks. If no rim is found, none is drawn.
+ * Adds to the viewer's scene the landmarks of the subject, and the rim of the glenoid as found on the uncut bone.
+ * Without a rim, only the landmarks are drawn. Returns OST_ERR_USAGE if the subject has no landmarks.
  */
 ost_status landmarks_show(const ost_view_subject *subject, ost_viewer *viewer, ost_error *err);
 

@@ -15,20 +15,20 @@
 #include "render/views.h"
 
 enum { MARGIN = CHART_MARGIN, TOP = 56, PLANES_HIGH = 500, CAPTION = 26, TABLE_GAP = 28 };
-#define MARKS 1.25 /* size of a unit of the surface view's marks, in pixels */
+#define MARKS 1.25 /* pixels per unit of the marks in the surface view */
 enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* width of the surface view in pixels */
-enum { AROUND_MM = 25 };                            /* the planes show so much around the parts */
-enum { THRESHOLD = 120 };                           /* HU; the default of both verbs */
-enum { NO_PART = -1, LEFT_OUT = 0 };                /* parts have labels from 1 */
-enum { SURFACE_VOXELS_MAX = 1 << 26 };              /* 128 MiB; a larger grid is drawn with larger voxels */
+enum { AROUND_MM = 25 };                            /* margin around the parts that the planes show */
+enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
+enum { NO_PART = -1, LEFT_OUT = 0 };                /* values that are not labels of parts; such labels begin at 1 */
+enum { SURFACE_VOXELS_MAX = 1 << 26 }; /* limit on the voxels, 128 MiB; a larger grid is drawn with larger voxels */
 
 /* ------------------------------------------------------------------ extent */
 
-/* The bounds of the parts, and the voxel through which the planes pass. */
+/* The bounds of the parts, and the voxel through which all planes pass. */
 typedef struct extent {
     int32_t lo[3], hi[3]; /* half-open; empty if there are no parts */
     int32_t at[3];
-    bool glenoid;         /* the planes pass through the glenoid's centre */
+    bool glenoid;         /* true if the planes pass through the glenoid's centre */
 } extent;
 
 static bool is_part(const preview_input *in, int16_t value)
@@ -37,9 +37,9 @@ static bool is_part(const preview_input *in, int16_t value)
 }
 
 /*
- * Finds the bounds of the parts and, on each axis, the slice with the most voxels of the first part,
- * which of labels is the largest one. On a tie it is the slice with the lowest index. The caller
- * frees *slices, an array of counts.
+ * Finds the bounds of the parts. Also finds, on each axis, the slice with the most voxels of the first part, which is
+ * the largest part if the input contains labels; of equal slices, the one with the lowest index. The caller frees
+ * *slices, an array of counts.
  */
 static ost_status count_slices(const preview_input *in, extent *e, uint64_t **slices, ost_error *err)
 {
@@ -90,7 +90,7 @@ static ost_status find_extent(const preview_input *in, extent *e, ost_error *err
 
 /* ------------------------------------------------------------------ planes */
 
-/* The part of the grid that the planes show. */
+/* The part of the grid that the planes show, and its scale. */
 typedef struct planes {
     const preview_input *in;
     int32_t lo[3];
@@ -111,7 +111,10 @@ static int16_t voxel_of(const ost_volume *volume, const int32_t v[3])
     return volume->voxels[(size_t)v[0] + (size_t)d.x * ((size_t)v[1] + (size_t)d.y * (size_t)v[2])];
 }
 
-/* Returns the density of the CT at the centre of a voxel of the parts' grid. Outside the CT it is that of air. */
+/*
+ * Returns the density of the CT at the centre of a voxel of the parts' grid. Outside the CT, the density is that of
+ * air.
+ */
 static double density_at(const preview_input *in, const int32_t v[3])
 {
     if (!in->ct)
@@ -154,8 +157,10 @@ static int part_at(const preview_input *in, const int32_t v[3])
     return in->left_out && density_at(in, v) >= in->threshold ? LEFT_OUT : NO_PART;
 }
 
-/* Returns the level of the grey-scale window. It follows the threshold, because a threshold far from the default
-   belongs to densities of another scale. */
+/*
+ * Returns the level of the grey-scale window. The level follows the threshold, because a threshold far from the
+ * default indicates densities on another scale.
+ */
 static int level_of(const preview_input *in)
 {
     return OST_SLICES_LEVEL + in->threshold - THRESHOLD;
@@ -163,7 +168,7 @@ static int level_of(const preview_input *in)
 
 static void colour_of(const void *user, size_t index, double rgb[3])
 {
-    static const double strength[2] = {0.55, 0.25}; /* of what was left out, and of a part */
+    static const double strength[2] = {0.55, 0.25}; /* tint of dense voxels that belong to no part, and of parts */
     const planes *p = user;
     int32_t v[3];
     position(p, index, v);
@@ -218,8 +223,8 @@ static ost_status draw_planes(const preview_input *in, const extent *e, ost_pict
 /* ----------------------------------------------------------------- surface */
 
 /*
- * Makes the volume that ost_view_draw draws: cubes with the label of the nearest voxel. Its cubes
- * are as wide as the voxels along x, or wider if there would be too many.
+ * Makes the volume that ost_view_draw draws. It consists of cubes with the label of the nearest voxel. A cube is as
+ * wide as a voxel along x, or wider if there would be too many cubes.
  */
 static ost_status make_surface(const preview_input *in, const extent *e, ost_volume *out, ost_error *err)
 {
@@ -260,7 +265,10 @@ static ost_status make_surface(const preview_input *in, const extent *e, ost_vol
     return OST_OK;
 }
 
-/* Draws the surface as seen onto the glenoid's face, or from the front and the side if the glenoid is not known. */
+/*
+ * Draws the surface in a view onto the glenoid's face. If the glenoid is not known, draws views from the front and
+ * from the side.
+ */
 static ost_status draw_surface(const preview_input *in, const extent *e, int width, int height, ost_picture *out,
                                ost_error *err)
 {

@@ -11,8 +11,8 @@
  *   | surface of the parts  | table              |
  *   '--------------------------------------------'
  *
- * The picture depends only on its input: not on the backend, the number of threads, the machine, or
- * the names of folders.
+ * The picture depends only on its input. In particular, it does not depend on the backend, the number of threads, the
+ * machine, or the names of folders.
  */
 #ifndef OST_APP_PICTURE_PREVIEW_H
 #define OST_APP_PICTURE_PREVIEW_H
@@ -31,16 +31,16 @@ enum { PREVIEW_WIDTH = 1600, PREVIEW_HEIGHT = 1000 };
 /* The input of a preview. All pointers are borrowed. */
 typedef struct preview_input {
     const char *out;         /* name of the verb's output; only the part after the last '/' is drawn */
-    const ost_volume *ct;    /* densities; NULL: the densities of the parts are drawn */
-    const ost_volume *parts; /* labels of the CT's voxels; or the densities of a bone, whose voxels are cubes */
-    bool labels;             /* parts contains labels; voxels greater than 0 belong to a part */
+    const ost_volume *ct;    /* densities of the CT; if NULL, the densities of the parts are drawn */
+    const ost_volume *parts; /* labels of the CT's voxels, or densities of a bone, whose voxels are cubes */
+    bool labels;             /* true if `parts` contains labels; a voxel greater than 0 then belongs to a part */
     int32_t threshold;       /* lowest density of bone */
-    bool nearest;            /* a density is that of the nearest voxel of the CT; otherwise it is interpolated */
-    bool left_out;           /* dense voxels of the CT that belong to no part are coloured */
-    bool unoriented;         /* the directions of the axes are assumed; no orientation letters are drawn */
+    bool nearest; /* true if a density is that of the nearest voxel of the CT; otherwise densities are interpolated */
+    bool left_out;           /* true if dense voxels of the CT that belong to no part are coloured */
+    bool unoriented; /* true if the directions of the axes are only assumed; no orientation letters are then drawn */
     const ost_meta *meta;    /* facts about the patient: the glenoid's position and axis, the side */
     bool at_given;
-    ost_pm3 at;              /* position through which the planes pass, if at_given and the glenoid is not known */
+    ost_pm3 at; /* position through which the planes pass; used if at_given is set and the glenoid is not known */
     int threads;
     const chart_table *table;
 } preview_input;
@@ -51,7 +51,10 @@ ost_status preview_draw(const preview_input *in, ost_picture *out, ost_error *er
 /* Draws the preview and writes it as a PNG file. */
 ost_status preview_write(const preview_input *in, const char *path, ost_error *err);
 
-/* Appends the warnings that the verb has issued so far. A warning that begins with "NAME: " is written without it. */
+/*
+ * Appends the warnings that the verb has issued so far. If a warning begins with "NAME: ", where NAME is the name of
+ * the input, this beginning is omitted.
+ */
 void preview_add_warnings(const app_state *app, const char *name, chart_table *table);
 
 /* Appends the size of a grid in voxels and in millimetres, and the size of its voxels. */

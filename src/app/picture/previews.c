@@ -23,7 +23,7 @@ ost_status preview_check(app_state *app, const char *path, ost_error *err)
         status = ost_picture_init(&pixel, 1, 1, err);
     if (status != OST_OK)
         return status;
-    status = ost_picture_encode_png(&pixel, &bytes, &size, err); /* fails without libpng */
+    status = ost_picture_encode_png(&pixel, &bytes, &size, err); /* fails if osteon was built without libpng */
     free(bytes);
     ost_picture_free(&pixel);
     return status;
@@ -37,7 +37,7 @@ static double cm3(const ost_geometry *g, uint64_t voxels)
 
 /* -------------------------------------------------------------------- rows */
 
-/* Appends the facts of a DICOM series. None of them identifies the patient. */
+/* Appends attributes of a DICOM series, none of which identifies the patient. */
 static void add_series(chart_table *t, const ost_dicom_report *d)
 {
     char n[FORMAT_TEXT], m[OST_PM_TEXT], k[OST_PM_TEXT];
@@ -55,7 +55,7 @@ static void add_series(chart_table *t, const ost_dicom_report *d)
         chart_add(t, "padding", "%s pixels, which became air", format_count(n, (int64_t)d->padded));
 }
 
-/* Appends how a file was read: its type, its orientation, and what was changed. */
+/* Appends a description of how a file was read: its type, its orientation, and the changes that the reader made. */
 static void add_reading(chart_table *t, ost_file_kind kind, const ost_volume_report *r, const ost_meta *meta)
 {
     char n[FORMAT_TEXT];
@@ -93,7 +93,7 @@ static void add_text_reading(chart_table *t, const ost_import_result *r)
         chart_add(t, "rounded", "%s positions", format_count(n, (int64_t)r->rounded_positions));
 }
 
-/* Appends the facts whose keys begin with a prefix, all in one row. Returns true if there is one. */
+/* Appends one row with all facts whose keys begin with `prefix`. Returns true if there is such a fact. */
 static bool add_facts(chart_table *t, const char *row, const ost_meta *meta, const char *prefix)
 {
     char text[CHART_TEXT] = "";
@@ -138,7 +138,7 @@ static void add_mask(chart_table *t, const char *key, const ost_mask_report *m)
                   format_count(c, (int64_t)m->filled));
 }
 
-/* Appends the rows of an import. Returns true if a part of the dense voxels was selected. */
+/* Appends the rows of an import. Returns true if only a part of the dense voxels was selected. */
 static bool add_import(chart_table *t, const ost_import_result *r, const ost_bone_info *info)
 {
     char a[FORMAT_TEXT];
@@ -165,7 +165,7 @@ static bool add_import(chart_table *t, const ost_import_result *r, const ost_bon
     return selected;
 }
 
-/* Reads the CT again for its picture. *out has no voxels if the CT is a text. */
+/* Reads the CT again for its picture. If the CT is a text, *out has no voxels. */
 static ost_status read_ct(const app_state *app, const char *name, const ct_options *ct, const ost_import_result *r,
                           ost_volume *out, ost_error *err)
 {
@@ -180,7 +180,8 @@ static ost_status read_ct(const app_state *app, const char *name, const ct_optio
         options.volume.progress = progress_show;
         if (status == OST_OK)
             status = ost_volume_read(name, &options.volume, out, NULL, err);
-        out->geometry.spacing = status == OST_OK ? r->rect.spacing : out->geometry.spacing; /* --spacing replaces it */
+        /* the option --spacing replaces the spacing of the file */
+        out->geometry.spacing = status == OST_OK ? r->rect.spacing : out->geometry.spacing;
     }
     return status;
 }
@@ -206,7 +207,8 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
                            .parts = &parts,
                            .threshold = info.threshold,
                            .nearest = result->resample == OST_RESAMPLE_NEAREST,
-                           /* the rule of the thesis moves the bone, so that its border would be coloured as well */
+                           /* With the rule of the thesis, the bone is displaced, so that its border would be coloured
+                            * as well. */
                            .left_out = selected && result->resample != OST_RESAMPLE_THESIS,
                            .unoriented = !view_oriented(&result->meta),
                            .meta = &result->meta,
@@ -229,7 +231,7 @@ static uint64_t count_left_out(const preview_labels *in)
     return n;
 }
 
-/* Appends a row for each label with a colour of its own, and one for all others. */
+/* Appends one row for each label that has its own colour, and one row for all other labels. */
 static void add_labels(chart_table *t, const preview_labels *in)
 {
     const ost_geometry *g = &in->labels->geometry;

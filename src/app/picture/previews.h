@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The previews of `osteon import` and `osteon segment`: what their pictures show, and the rows of their tables. */
+/* Draws the previews of `osteon import` and `osteon segment`, and writes the rows of their tables. */
 #ifndef OST_APP_PICTURE_PREVIEWS_H
 #define OST_APP_PICTURE_PREVIEWS_H
 
@@ -8,14 +8,16 @@
 #include "app/input/load.h"
 #include "app/picture/preview.h"
 
-/* Checks the name of a preview, which may be NULL, and that pictures can be written, and begins to record warnings.
-   Called before any work. */
+/*
+ * Checks the file name of a preview, which may be NULL, and checks that pictures can be written. Begins to record
+ * warnings. Called before any work.
+ */
 ost_status preview_check(app_state *app, const char *path, ost_error *err);
 
 /*
- * Writes the picture of an import: the CT `name`, which was read with the options ct, and its bone.
- * out: name of the bone's file. The CT is read again, except a text: its picture shows the densities of
- * the bone.
+ * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and its bone. `out` is the
+ * name of the bone's file. The CT is read again, unless it is a text; in this case, the picture shows the densities
+ * of the bone.
  */
 ost_status preview_import(const app_state *app, const char *path, const char *name, const char *out,
                           const ct_options *ct, const ost_bone *bone, const ost_import_result *result,
@@ -23,14 +25,14 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
 
 /* The input of the picture of a segmentation. All pointers are borrowed. */
 typedef struct preview_labels {
-    const char *name, *out;          /* names of the files of the CT and of the labels */
-    const ost_volume *ct, *labels;   /* labels->meta contains the facts segment_... of the options */
+    const char *name, *out;          /* file name of the CT, file name of the labels */
+    const ost_volume *ct, *labels;   /* labels->meta contains the facts segment_... that describe the options */
     const ost_volume_report *report; /* how the CT was read */
     const ost_segment *segments;
     size_t count;
     int32_t threshold;
     bool at_given;
-    ost_pm3 at;                      /* position through which the planes pass, if at_given */
+    ost_pm3 at;                      /* position through which the planes pass; valid if at_given is set */
 } preview_labels;
 
 /* Writes the picture of a segmentation. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The view options that `osteon render` and `osteon export` share, and the camera that follows from
-   them. */
+/* Options of the view that `osteon render` and `osteon export` share, and the camera that follows from them. */
 #ifndef OST_APP_PICTURE_VIEW_H
 #define OST_APP_PICTURE_VIEW_H
 
@@ -10,7 +9,7 @@
 typedef struct view_options {
     int view; /* an ost_view_name */
     bool view_given;
-    ost_pm extent; /* height of the view at its centre; 0 selects the default of the view */
+    ost_pm extent; /* height of the view at its centre; 0 selects the view's default */
     const char *size;
     bool no_legend;
 } view_options;
@@ -25,19 +24,19 @@ typedef struct view_options {
      .help = "height of the view at its centre (default: 83 at the glenoid, else the entire bone)"}
 
 /*
- * Finds the glenoid and the subject of the view. If the glenoid is not known, has_face is false,
- * and --at, if given, sets the middle of the view. Returns OST_ERR_USAGE if the view is lateral or
- * medial and the side is not known, and OST_ERR_INPUT under the conditions of target_find.
+ * Finds the glenoid and the subject of the view. If the glenoid is not known, has_face is false, and --at, if given,
+ * sets the middle of the view. Returns OST_ERR_USAGE if the view is lateral or medial and the side is not known.
+ * Returns OST_ERR_INPUT under the same conditions as target_find.
  */
 ost_status view_subject(const app_state *app, const view_options *options, const target_options *target,
                         const ost_meta *meta, const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid,
                         ost_view_subject *out, ost_error *err);
-/* Fits the subject to the bone's voxels, unless --at sets the middle of the view. */
+/* Fits the subject to the bone's voxels. If --at is given, it sets the middle of the view instead. */
 void view_fit(const target_options *target, const ost_volume *volume, int32_t threshold, ost_view_subject *subject);
-/* Returns the orbit of the view. tool: see ost_view_orbit. */
+/* Returns the camera's orbit for the view. For `tool`, see ost_view_orbit. */
 ost_orbit view_orbit(const view_options *options, const ost_view_subject *subject, const ost_pose *tool);
 
-/* Returns true if the directions of the grid's axes are known from the file or from its format. */
+/* Returns true if the file or its format states the directions of the grid's axes. */
 bool view_oriented(const ost_meta *meta);
 
 #endif

@@ -22,14 +22,16 @@
 #include "app/common/result.h"
 #include "app/input/removal_options.h"
 
-/* Ticks between two copies of the bone, which are made for a device that may fail. A copy costs
-   about as much as 20 ticks. */
+/*
+ * Number of ticks between two copies of the bone, which are made for a device that may fail. A copy takes about as
+ * long as 20 ticks.
+ */
 enum { SAVED_TICKS = 1024 };
 
 static void job_free(ream_job *j)
 {
     free(j->tick_ns);
-    /* If another function failed, the recorder is still open here. The ticks recorded before the error are kept. */
+    /* If another function failed, the recorder is still open. The recorded ticks are then kept. */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -57,7 +59,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, ream_j
 static ost_status load_all(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = backend_choose(app, &j->backend, err);
-    /* Tools are loaded first, because they are small and an error in them is then reported before the CT is read. */
+    /* Tools are loaded first, because they are small. An error in a tool is then reported before the CT is read. */
     for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
         status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
         if (status == OST_OK) {
@@ -89,7 +91,7 @@ static bool has_device_speed(const ost_path *path)
     return false;
 }
 
-/* Converts the path's poses, which are those of the hand, to poses of the tool, which the motor turns. */
+/* Converts the poses of the path, which are poses of the hand, to poses of the tool, which the motor rotates. */
 static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_motor motor = {0};

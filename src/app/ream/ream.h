@@ -23,39 +23,39 @@ typedef struct ream_args {
     tool_options how;
     glenoid_plan_options plan;
     const char *debrief, *max_gap;
-    ost_path_options gaps; /* from max_gap */
+    ost_path_options gaps; /* parsed from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* derived from rate; 0: every tick removes bone */
+    int64_t period_ns; /* derived from the option --rate; 0 means that every tick removes bone */
     int64_t rpm;
     bool rpm_given;
-    ost_density_classes classes; /* parsed from classes_text; count 0: the default classes */
+    ost_density_classes classes; /* parsed from classes_text; count 0 selects the default classes */
     int sweep; /* index in "off|on" */
     bool compress, no_failover, strict;
 } ream_args;
 
-/* All resources of a run, freed together by ream_free. */
+/* All resources of a run; freed together by ream_free. */
 typedef struct ream_job {
     ost_backend *backend;
     ost_bone *bone;
     ost_import_result imported;
     ost_bone_info before, after;
-    ost_digest root;   /* final digest of the bone */
+    ost_digest root;   /* digest of the bone after the last tick */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
-    ream_gaps gaps;    /* gaps in path */
+    ream_gaps gaps;    /* gaps in `path` */
     ost_world *world;
     ost_recorder *recorder; /* NULL if nothing is recorded */
     uint32_t *tick_ns; /* duration of each step */
     double run_ms;
-    bool met;          /* the boxes of bone and tool overlapped in at least one tick */
+    bool met;          /* true if the boxes of bone and tool overlapped in at least one tick */
     ost_metrics_plan plan;
-    bool planned;      /* plan is set */
-    debrief debrief;   /* empty without --debrief */
+    bool planned;      /* true if `plan` is set */
+    debrief debrief;   /* debrief; empty unless --debrief is given */
     start_checked site;
-    bool failed_over;  /* set if another backend has replaced the requested one */
+    bool failed_over;  /* true if another backend has replaced the requested one */
 } ream_job;
 
-/* Begins the recording, if one is requested. The world must exist. */
+/* Begins the recording if one is requested. The world must already exist. */
 ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err);
 /* Records a tick. Failures to record are reported when the recorder is closed. */
 ost_status ream_record_tick(ream_job *j, size_t number, const ost_step_result *step, ost_error *err);
@@ -63,18 +63,22 @@ void ream_record_note(const ream_job *j, size_t tick, const char *text);
 /* Completes the recording and reports it. */
 ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Returns true if the device may have caused the failure. Errors with other causes would also occur
-   on the backend cpu. */
+/*
+ * Returns true if the device may have caused the failure. An error with any other cause would also occur on the
+ * backend cpu.
+ */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
-/* Moves the world to the backend cpu after a failure of the device, which err describes. ticks:
-   number of complete ticks so far. */
+/*
+ * Moves the world to the backend cpu after a failure of the device, which *err describes. `ticks` is the number of
+ * ticks completed so far.
+ */
 ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_error *err);
 /* Executes all ticks. */
 ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Reads from the backend all that the report needs, and only then writes the bone, so that a failure leaves no file. */
+/* Reads everything that the report needs from the backend. Then writes the bone, so that a failure leaves no file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
-/* Prints the result and stores it in the verb's JSON. */
+/* Prints the result and stores it in the verb's JSON object. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
 #endif

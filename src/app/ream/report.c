@@ -14,7 +14,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts tick_ns and reports percentiles of the tick times by nearest rank. */
+/* Sorts tick_ns and reports percentiles of the tick times, using the nearest-rank method. */
 static void put_tick_times(const app_state *app, ream_job *j)
 {
     size_t n = j->path.count;

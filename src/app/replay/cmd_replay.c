@@ -21,7 +21,7 @@
 typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
-    glenoid_plan_options plan; /* for the debrief */
+    glenoid_plan_options plan; /* plan for the debrief */
     replay_film_options film;
     int64_t ticks;
     bool ticks_given, verify, compress;
@@ -29,10 +29,10 @@ typedef struct replay_args {
 
 /* The end of a session, as recorded and as replayed. */
 typedef struct ending {
-    bool found;     /* set if the file contains the session's end record */
-    bool complete;  /* set if the file contains the end record and all ticks */
-    bool compared;  /* set if all ticks were replayed; only then is the end compared */
-    uint64_t ticks; /* number of recorded ticks: from the end record, or else from the last tick that can be read */
+    bool found;     /* true if the file contains the end record of the session */
+    bool complete;  /* true if the file contains the end record and all ticks */
+    bool compared;  /* true if all ticks were replayed; only then is the end compared */
+    uint64_t ticks; /* number of recorded ticks, from the end record or, without one, from the last readable tick */
     ost_session_end end;
     ost_world_totals totals;
     ost_digest root;
@@ -80,7 +80,7 @@ static ost_status open_other(const app_state *app, const replay *here, replay *o
     return status;
 }
 
-/* Replays the first `ticks` ticks of the session on both backends and compares the bones. */
+/* Replays the first `ticks` ticks of the session on both backends, and then compares the bones. */
 static ost_status differ_after(const app_state *app, const replay *model, uint64_t ticks, replay_difference *difference,
                                ost_error *err)
 {
@@ -99,8 +99,10 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
     return status;
 }
 
-/* Finds by bisection the first tick after which the bones of two backends differ. Called if all
-   digests of the ticks are equal but the bones differ. */
+/*
+ * Finds by bisection the first tick after which the bones of two backends differ. Called if the bones differ although
+ * the digests of all ticks are equal.
+ */
 static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick,
                                   replay_difference *difference, ost_error *err)
 {
@@ -130,7 +132,7 @@ static void put_difference(json_t *o, const replay_difference *difference)
     put_integer(o, "different_voxels", (int64_t)difference->voxels);
 }
 
-/* Stores the chunks that lost voxels in the tick. The recording contains only their digest. */
+/* Stores the chunks that lost voxels in the tick. The recording contains only the digest of these chunks. */
 static void put_chunks(json_t *o, const replay *r)
 {
     json_t *array = json_array();
@@ -230,7 +232,7 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     return OST_ERR_DIFFER;
 }
 
-/* Reports a difference if --verify is not given. The report contains the tick, but not the position. */
+/* Reports a difference if --verify is not given. The report names the tick but not the position. */
 static ost_status print_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();
@@ -247,8 +249,10 @@ static ost_status print_briefly(const app_state *app, const replay *here, ost_er
                     "%s: every tick is as recorded, but the end is not; pass --verify to find where", here->name);
 }
 
-/* Returns true if --verify found no difference, but the file is incomplete and contains fewer ticks
-   than were to be compared. */
+/*
+ * Returns true if --verify found no difference, but the file is incomplete and contains fewer ticks than were
+ * requested.
+ */
 static bool verified_in_part(const replay_args *args, const replay *r, const ending *e)
 {
     const bool enough = args->ticks_given && (uint64_t)args->ticks <= r->done;
@@ -338,7 +342,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* The bone is not written if it differs or if its verification is incomplete. */
+    /* The bone is written only if it does not differ and its verification is complete. */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         ost_digest file;

@@ -11,7 +11,7 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-enum { PLANNED_MM = 3 }; /* used if neither the session nor an option specifies a planned depth */
+enum { PLANNED_MM = 3 }; /* planned depth if neither the session nor an option specifies one */
 
 struct replay_film {
     const replay_film_options *options;
@@ -19,7 +19,7 @@ struct replay_film {
     ost_live_channel *live;
     ost_viewer viewer;
     appearance look;
-    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as the ghost */
+    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
     sim_hud *hud;
     sim_scene scene;
     ost_orbit orbit;
@@ -93,8 +93,8 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
         square += state.force_n[a] * state.force_n[a];
         f->scene.force_given = f->scene.force_given || tick->force_un[a] != 0;
     }
-    /* A session records the hand force, which is the contact force multiplied by the scale and limited
-       to the device's maximum. */
+    /* A session records the hand force, which is the contact force multiplied by the scale and limited to the
+     * device's maximum. The contact force is computed from the hand force. */
     state.contact_n = sqrt(square) * f->scene.contact_full_n / f->scene.device_full_n;
     const int32_t tool = tick->tick.tool;
     if (tool >= 0 && tool < OST_LIVE_TOOLS && step->report && step->report->total_voxels)
@@ -105,7 +105,7 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
     return status == OST_OK && film_is_due(f->film, f->t_ns) ? draw(f, err) : status;
 }
 
-/* Reads the scales of the forces from the session. If the session has none, the defaults remain. */
+/* Reads the scales of the forces from the session's header. If the header contains none, the defaults remain. */
 static void take_forces(replay_film *f, const ost_session_header *header)
 {
     const char *max = ost_session_header_get(header, "force.max_force"),

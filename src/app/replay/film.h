@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes a video of a replayed session. Each frame shows the operation at the frame's own time. No
- * frame is dropped, even if rendering is slow.
+ * Writes a video of a replayed session. Each frame shows the operation at the time of the frame. No frame is dropped,
+ * even if rendering is slow.
  */
 #ifndef OST_APP_REPLAY_FILM_H
 #define OST_APP_REPLAY_FILM_H
@@ -15,7 +15,7 @@ typedef struct replay_film_options {
     const char *size;
     int view, style, width, height;
     appearance_options look;
-    bool contact; /* shows the voxels that were just removed */
+    bool contact; /* true if the voxels that were just removed are shown */
 } replay_film_options;
 
 /* Rows for a verb's table of options. */
@@ -33,8 +33,10 @@ typedef struct replay_film_options {
 typedef struct replay_film replay_film;
 
 ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err);
-/* Begins the video. Afterwards, the ticks that r replays are drawn. Does nothing if no video is
-   requested. plan: NULL if there is none. */
+/*
+ * Begins the video. From then on, the ticks that `r` replays are drawn. Does nothing if no video is requested. `plan`
+ * is NULL if there is none.
+ */
 ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r,
                              const ost_metrics_plan *plan, replay_film **out, ost_error *err);
 /* Completes the video and reports it. */

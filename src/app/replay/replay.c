@@ -49,8 +49,10 @@ static uint32_t at_most_32(uint64_t n)
     return n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
-/* Returns true if the result of the latest step equals the recorded result: the digest, and the fields
-   that a tick contains in addition to the digest. */
+/*
+ * Returns true if the result of the latest step equals the recorded result. This includes the digest and the other
+ * fields of a recorded tick.
+ */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick)
 {
     const ost_step_result *step = &r->step;
@@ -109,8 +111,8 @@ static void compare_slice(const ost_bone_info *info, int32_t k, const int16_t *h
                 continue;
             out->voxels++;
             const int64_t chunk = i / n + (int64_t)chunks.x * (j / n + (int64_t)chunks.y * (k / n));
-            /* Slices are processed in order, so the first difference found in a chunk is the first one of that
-               chunk. */
+            /* Slices are processed in order, so the first difference found in a chunk has the lowest voxel index of
+             * this chunk. */
             if (out->found && chunk >= out->chunk)
                 continue;
             *out = (replay_difference){.found = true,

@@ -11,7 +11,7 @@
 
 #include "app/session/keys.h"
 
-/* Must be zero-initialized; call replay_close in any case. */
+/* A replay. The struct must be zero-initialized, and replay_close must be called in any case. */
 typedef struct replay {
     ost_session *session; /* borrowed */
     const char *name;     /* name of the session; borrowed */
@@ -26,30 +26,33 @@ typedef struct replay {
     bool differs;
     ost_session_tick recorded;
     uint64_t digest;
-    ost_step_result step; /* step.report is valid until the next tick */
-    /* Called after every tick, unless the pointer is NULL. */
+    ost_step_result step; /* result of the latest step; step.report is valid until the next tick */
+    /* If not NULL, called after every tick. */
     ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
     void *each_user;
 } replay;
 
 /*
- * Opens a replay. setup comes from session_keys_read; its file names may have been replaced. app
- * selects the backend. Returns an error if the bone or the tools differ from those of the
- * recording.
+ * Opens a replay. `setup` comes from session_keys_read; the caller may have replaced its file names. `app` selects
+ * the backend. Returns an error if the bone or the tools differ from those of the recording.
  */
 ost_status replay_open(const app_state *app, ost_session *session, const char *name, const session_setup *setup,
                        replay *out, ost_error *err);
 void replay_close(replay *r);
 
-/* Replays at most count ticks from the first one on. If compare is true, stops after the first tick
-   whose result differs from the recorded one. */
+/*
+ * Replays at most `count` ticks from the first tick on. If `compare` is true, stops after the first tick whose result
+ * differs from the recorded result.
+ */
 ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);
 
-/* Returns true if the result of r's latest tick equals the result recorded in tick. tick may come
-   from another replay. */
+/*
+ * Returns true if the result of the latest tick of `r` equals the result recorded in `tick`, which may come from
+ * another replay.
+ */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick);
 
-/* The first difference between two bones of one session, ordered by chunk and then by voxel. */
+/* The first difference between two bones of one session. Differences are ordered by chunk and then by voxel. */
 typedef struct replay_difference {
     bool found;
     int64_t chunk;

@@ -9,7 +9,7 @@
 #include "app/input/glenoid_plan.h"
 #include "app/common/result.h"
 
-/* Stores the first failure, so that one check after a list of keys is sufficient. */
+/* Writes keys to a header and stores the first failure, so that one check after a list of keys is sufficient. */
 typedef struct writer {
     ost_session_header *header;
     ost_status status;
@@ -48,7 +48,7 @@ static void set_digest(writer *w, const char *key, const ost_digest *digest)
     set(w, key, ost_digest_hex(digest, hex));
 }
 
-/* Sets key to choice number `index` of the list "a|b|c". */
+/* Sets the key to the choice with the given index in the list "a|b|c". */
 static void set_choice(writer *w, const char *key, const char *choices, int index)
 {
     char text[40];
@@ -72,7 +72,7 @@ static void set_classes(writer *w, const ost_density_classes *classes)
     set(w, "config.classes", text);
 }
 
-/* Sets the SHA-256 of those lines of the header that determine the result of a step. */
+/* Sets the SHA-256 of the header lines that determine the result of a step. */
 static void set_config_digest(writer *w)
 {
     ost_hasher *hasher = NULL;
@@ -108,7 +108,7 @@ static void set_build(writer *w)
     snprintf(text, sizeof text, "gcc %s", __VERSION__);
 #endif
     set(w, "build", text);
-    /* If a process cannot read its own program file, the session does not contain this key. */
+    /* If a process cannot read its own program file, the session lacks this key. */
     if (file_digest("/proc/self/exe", &digest, NULL) == OST_OK)
         set_digest(w, "build_sha256", &digest);
 }
@@ -197,7 +197,7 @@ typedef struct reader {
     ost_error *err;
 } reader;
 
-/* Returns the value of a key; NULL if the key is missing. A missing key is an error if needed is true. */
+/* Returns the value of a key, or NULL if the key is missing. If `needed` is true, a missing key is an error. */
 static const char *get(reader *r, const char *key, bool needed)
 {
     const char *value = r->status == OST_OK ? ost_session_header_get(r->header, key) : NULL;
@@ -317,7 +317,7 @@ ost_status session_keys_read(const char *session, const ost_session_header *head
     return r.status;
 }
 
-/* Compares a digest with the one in the header. what: "bone" or "tool 1". */
+/* Compares a digest with the digest in the header. `what` is "bone" or, for example, "tool 1". */
 static ost_status check_digest(const char *session, const ost_session_header *header, const char *key, const char *what,
                                const char *name, const ost_digest *digest, ost_error *err)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes and reads a session's header: the bone and the tools, the options with which they were
- * loaded, and the options of the world. Verbs that record write it, and verbs that replay read it.
- * docs/spec/session.md describes the keys.
+ * Writes and reads a session's header: the bone and the tools, the options with which they were loaded, and the
+ * options of the world. Verbs that record write the header, and verbs that replay read it. docs/spec/session.md
+ * describes the keys.
  */
 #ifndef OST_APP_SESSION_KEYS_H
 #define OST_APP_SESSION_KEYS_H
@@ -11,28 +11,32 @@
 
 #include <osteon/metrics.h>
 
-/* The complete setup of a world, without the voxels. */
+/* The complete setup of a world, except the voxels. */
 typedef struct session_setup {
-    const char *bone; /* all names in this struct are borrowed from the caller or from the header */
+    const char *bone; /* name of the bone; all strings in this struct are borrowed from the caller or from the header */
     option_list tools;
     ct_options ct;
     tool_options how;
     bool sweep_off;
     int64_t removal_period_ns;
     ost_density_classes classes;
-    const ost_metrics_plan *plan; /* NULL without a plan; not set by session_keys_read (app/input/glenoid_plan.h) */
+    const ost_metrics_plan *plan; /* NULL if there is no plan; session_keys_read does not set it */
 } session_setup;
 
-/* Makes a header. bone and tools must be in their state before the first tick. device is "path" or
-   the name of a driver. */
+/*
+ * Makes a header. `bone` and `tools` must be in their state before the first tick. `device` is "path" or the name of
+ * a driver.
+ */
 ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone,
                              ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err);
 
-/* Reads a header. If a key is missing or invalid, returns OST_ERR_INPUT with a message that names
-   the session and the key. The texts in *out are valid as long as `header` exists. */
+/*
+ * Reads a header. If a key is missing or invalid, returns OST_ERR_INPUT with a message that names the session and the
+ * key. The strings in *out are valid as long as `header` exists.
+ */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
-/* Returns OST_ERR_INPUT unless the digests of bone and tools equal those in the header. */
+/* Returns OST_ERR_INPUT unless the digests of the bone and of all tools equal the digests in the header. */
 ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup,
                               const ost_bone *bone, ost_tool *const *tools, ost_error *err);
 

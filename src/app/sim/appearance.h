@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sets the appearance of a simulation's frames, except for bone and tool (app/picture/appearance.h). */
+/* Sets the appearance of a simulation's frames, apart from the bone and the tool (app/picture/appearance.h). */
 #ifndef OST_APP_SIM_APPEARANCE_H
 #define OST_APP_SIM_APPEARANCE_H
 
@@ -7,8 +7,10 @@
 
 /* Stores the current bone as the uncut bone. Must be called before the ticks of a resumed session are run. */
 ost_status sim_appearance_store_uncut(const sim_args *args, simulation *s, ost_error *err);
-/* Applies the appearance. The viewer, subject and orbit of the show must be set. glenoid: NULL if
-   not known. */
+/*
+ * Applies the appearance. The viewer, the subject and the orbit of the show must be set. `glenoid` is NULL if it is
+ * not known.
+ */
 ost_status sim_appearance_make(const sim_args *args, simulation *s, const ost_glenoid *glenoid, ost_error *err);
 void sim_appearance_free(sim_show *show);
 /* Computes the position of the camera, in mm. */

@@ -9,10 +9,12 @@
 
 const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "thesis"};
 
-enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; after that the simulated operator does not move */
+enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; afterwards, the simulated operator does not move */
 
-/* Checks the motor and the buttons. If a button can switch the motor on, the motor is off at first;
-   otherwise it is on from the first tick. */
+/*
+ * Checks the options for the motor and the buttons. If a button can switch the motor on, the motor is initially off;
+ * otherwise, it is on from the first tick.
+ */
 static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_haptic_info info;
@@ -94,14 +96,14 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
             return usage_error(app, err, "--device replay needs one --path SESSION");
         args->session = args->paths.value[0];
     }
-    /* The defaults are set here, so that a session records the values that a replay needs. */
+    /* The defaults are set here, so that a session contains the values that a replay needs. */
     args->tools_given = args->tools.count > 0;
     if (!args->tools.count && !args->resume)
         args->tools = args->motor_waits ? (option_list){3, {"builtin:peg", "builtin:reamer", "builtin:burr"}}
                                         : (option_list){1, {"builtin:reamer"}};
     args->paths_given = args->paths.count > 0;
-    /* With force feedback the simulated operator may press on the bone. Without it the tool would move
-       straight into the bone. */
+    /* With force feedback, the simulated operator presses on the bone. Without force feedback, the tool would move
+     * straight into the bone, so another path is the default. */
     const bool pressing = sim_device_is(args, "sim") && !(args->force_given && !args->force);
     if (!args->paths.count)
         args->paths = (option_list){1, {pressing ? "builtin:glenoid-press" : "builtin:glenoid-slow"}};
@@ -111,7 +113,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         return usage_error(app, err,
                            "%d paths and %d tools; pass one tool for all paths, or one per path in the same order",
                            args->paths.count, args->tools.count);
-    /* One thread runs the backend, so that the other cores are free for recording and rendering. */
+    /* The backend uses one thread by default, so that the other cores are available for recording and rendering. */
     if (!app->threads && strcmp(app->backend, "cpu") == 0)
         app->threads = 1;
     if (args->debrief && !args->record)

@@ -4,7 +4,7 @@
 #include <math.h>
 
 static const double FLIGHT_S = 0.35, PI = 3.141592653589793;
-/* Effect of holding a key for one second: pan and turn in picture heights, near in wheel steps. */
+/* Effect of holding a key for one second. PAN_KEY and TURN_KEY are in picture heights, NEAR_KEY is in wheel steps. */
 static const double PAN_KEY = 0.45, TURN_KEY = 0.36, NEAR_KEY = 12;
 
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm)
@@ -14,8 +14,10 @@ sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, do
                         .farthest = fmin(most, fmax(2 * subject->size, voxels * voxel_mm))};
 }
 
-/* Limits the camera's target and distance. Without this, a drag in a window of a few pixels would
-   move them very far. */
+/*
+ * Limits the camera's target and its distance. Otherwise, a drag in a window of a few pixels would move the camera
+ * very far.
+ */
 static void clamp(sim_camera *camera)
 {
     ost_orbit *o = &camera->orbit;
@@ -34,7 +36,7 @@ void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool
 {
     camera->from = camera->orbit;
     camera->to = ost_view_orbit(view, &camera->subject, tool);
-    /* The camera turns through the smaller angle. */
+    /* The camera rotates by the smaller of the two possible angles. */
     camera->from.azimuth = camera->to.azimuth + remainder(camera->from.azimuth - camera->to.azimuth, 2 * PI);
     camera->begin_s = now_s;
     camera->flying = true;

@@ -14,25 +14,29 @@ typedef struct sim_camera {
     double begin_s;
     bool flying;
     ost_view_subject subject;
-    ost_view_name home;    /* the initial view */
-    /* maximum distance from camera to target, and from target to the subject's middle, in mm */
+    ost_view_name home;    /* name of the initial view */
+    /* Greatest distance in mm from camera to target, and from target to the middle of the subject. */
     double farthest;
 } sim_camera;
 
-/* Makes a camera. voxel_mm: the size of the smallest voxel that is drawn. It determines the greatest
-   distance of the camera, because a frame can show only a limited number of voxels. */
+/*
+ * Makes a camera. voxel_mm is the size of the smallest voxel that is drawn. This size determines the greatest
+ * distance of the camera, because a frame can show only a limited number of voxels.
+ */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
-/* Begins a flight to a view. tool: its pose, or NULL. */
+/* Begins a flight to a view. `tool` is the pose of the tool, or NULL. */
 void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool, double now_s);
-/* Advances the flight to the time now_s. */
+/* Advances the flight to the time now_s. Without a flight, does nothing. */
 void sim_camera_step(sim_camera *camera, double now_s);
 
-/* Move the camera by pixels of a picture of the given height, or by wheel steps. A flight ends at
-   its current position. */
+/*
+ * The following functions move the camera by pixels of a picture with the given height, or by wheel steps. A flight
+ * ends at its current position.
+ */
 void sim_camera_turn(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_shift(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_near(sim_camera *camera, double steps);
-/* Moves the camera while keys are held, for dt seconds. right, up and nearer are -1, 0 or 1. */
+/* Moves the camera for dt seconds while keys are held. `right`, `up` and `nearer` are -1, 0 or 1. */
 void sim_camera_hold(sim_camera *camera, int right, int up, int nearer, bool shift, double dt);
 
 #endif

@@ -5,11 +5,11 @@
  *   bone, tools --> world --> operation <--ticks-- ost_servo_run <--poses-- device
  *                                 '--> session
  *
- * With --resume, the ticks of a session are run first and the operation continues from there. A new
- * recording then contains both.
+ * With --resume, the ticks of a session are run first, and the operation continues from their end. A new recording
+ * then contains the ticks of the session and the new ticks.
  *
- * By default, the command opens a window, whose mouse is the device unless another one is given;
- * --headless runs without a window.
+ * By default, the command opens a window. Unless another device is given, the mouse in this window is the device.
+ * With --headless, there is no window.
  */
 #include "app/common/print.h"
 #include "app/input/removal_options.h"
@@ -249,7 +249,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
-    /* The output files are complete; failures in other parts are reported now. */
+    /* The output files are complete. Failures in other parts are reported only now. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)

@@ -49,8 +49,10 @@ double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
     return depth;
 }
 
-/* Computes the angles, in degrees, of the outward direction (opposite to inward) toward posterior,
-   out[0], and toward superior, out[1], as in the debrief. */
+/*
+ * Computes the angles of the outward direction, which is opposite to `inward`, in degrees as in the debrief: out[0]
+ * toward posterior, out[1] toward superior.
+ */
 static void angles(const double inward[3], bool left, double out[2])
 {
     const double lateral = left ? -inward[0] : inward[0];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts an operation's state to the facts that the HUD shows, for a live operation with or
- * without a window and for a recorded one.
+ * Converts the state of an operation to the facts that the HUD shows. This is used for live operations with or
+ * without a window, and for recorded operations.
  */
 #ifndef OST_APP_SIM_FACTS_H
 #define OST_APP_SIM_FACTS_H
@@ -25,17 +25,21 @@ typedef struct sim_scene {
     double device_full_n, contact_full_n; /* maxima of the scales of hand force and contact force */
 } sim_scene;
 
-/* Makes a scene. tools has one element for each name. plan is NULL if there is none. */
+/* Makes a scene. `tools` has one element for each name. `plan` is NULL if there is none. */
 ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
                           const ost_metrics_plan *plan, ost_error *err);
-/* Sets the scales of the forces. max_n is the device's maximum, and the hand force is the contact
-   force multiplied by scale. */
+/*
+ * Sets the scales of the forces. max_n is the maximum of the device. The hand force is the contact force multiplied
+ * by `scale`.
+ */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);
-/* Implements depth_of of an operation (operation.h): returns the depth of the tool's tip below the
-   plan's centre, along the plan's axis, in mm; 0 without a plan. user is a sim_scene. */
+/*
+ * Implements depth_of of an operation (operation.h). Returns the depth of the tool's tip below the plan's centre,
+ * along the plan's axis, in mm. Returns 0 without a plan. `user` is a sim_scene.
+ */
 double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose);
 
-/* Computes the facts that follow from the state. The caller sets the other facts, such as rates and messages. */
+/* Computes the facts that follow from the state. The caller sets all other facts, such as rates and messages. */
 sim_hud_facts sim_facts_make(const sim_scene *scene, const ost_live_state *state, bool has_state);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Chooses the force model and its parameters from the device, --force and --force-params, and
-   writes them as keys of a session. */
+/*
+ * Chooses the force model and its parameters according to the device and the options --force and --force-params.
+ * Writes the parameters as keys of a session.
+ */
 #include "app/sim/sim.h"
 
 #include <math.h>
@@ -10,8 +12,10 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* Stiffness in N m/rad for a device that renders torques, unless a file sets it. The value suits a
-   handle of 60 g with an inertia of 0.15 g m2, and a hand with a damping of 10 mN m s. */
+/*
+ * Stiffness, in N m/rad, for a device that renders torques, unless a file sets the stiffness. The value suits a
+ * handle of 60 g with an inertia of 0.15 g m2, held by a hand with a damping of 10 mN m s.
+ */
 #define TURN_STIFFNESS 0.5
 
 const char *const sim_force_names[] = {"off", "energy", "instant"};
@@ -33,7 +37,7 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
     args->max_force_from = "default";
     if (!args->force_file)
         return OST_OK;
-    /* NAN marks values that the file does not set. */
+    /* NAN marks a value that the file does not set. */
     ost_safety_params read = args->safety;
     read.max_force_n = read.max_torque_nm = NAN;
     ost_status status = ost_force_params_read(args->force_file, &args->force_params, &read, err);
@@ -70,7 +74,7 @@ void sim_force_print(const app_state *app, const sim_args *args)
     put(app->result, "force_params", o);
 }
 
-/* Replaces limits that the file does not set by the limits of the open device. */
+/* Replaces each limit that the file does not set by the limit of the open device. */
 static void take_limits(const app_state *app, sim_args *args, const simulation *s)
 {
     ost_haptic_limits own;

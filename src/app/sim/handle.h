@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The simulated hand that a mouse moves: its target pose in the bone's frame. Directions refer to
- * the picture: right, up, and back towards the camera.
+ * The simulated hand that a mouse moves. The struct contains the hand's target pose in the bone's frame. Directions
+ * refer to the picture: right, up, and back towards the camera.
  */
 #ifndef OST_APP_SIM_HANDLE_H
 #define OST_APP_SIM_HANDLE_H
@@ -11,23 +11,25 @@
 #include "render/views.h"
 
 typedef struct sim_handle {
-    double at[3]; /* mm */
-    double q[4];  /* unit quaternion: w x y z */
+    double at[3]; /* position in mm */
+    double q[4];  /* orientation as a unit quaternion: w x y z */
     int32_t tool;
     bool pedal;
 } sim_handle;
 
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool);
-/* Moves the hand by pixels, at its current depth. */
+/* Moves the hand by pixels of the picture, at the hand's current depth. */
 void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, double dy, int height);
-/* Turns the hand by pixels, about the picture's up and right directions. */
+/* Turns the hand by pixels of the picture, about the picture's up and right directions. */
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy);
 /* Turns the hand about the tool's axis, in radians. */
 void sim_handle_twist(sim_handle *handle, double angle);
-/* Moves the hand along the tool's axis in its working direction, in mm. */
+/* Moves the hand by mm along the tool's axis, in the working direction. */
 void sim_handle_push(sim_handle *handle, double mm);
-/* Stores in *out the state that a device with the hand's pose would report. Returns false if the pose
-   is out of range. */
+/*
+ * Stores in *out the state that a device with the pose of the hand would report. Returns false if the pose is out of
+ * range.
+ */
 bool sim_handle_state(const sim_handle *handle, ost_haptic_state *out);
 
 #endif

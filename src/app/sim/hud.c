@@ -21,20 +21,22 @@ enum {
 };
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
-/* height of capitals in units; minimum and maximum of a unit in pixels at 96 dpi */
+/* PLAIN and LARGE are heights of capitals in units. LEAST and MOST limit the size of a unit, in pixels at 96 dpi. */
 static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 
 struct sim_hud {
     ost_lettering *plain, *large;
-    double unit; /* pixels */
+    double unit; /* size of a unit in pixels */
 };
 
 /* ----------------------------------------------------------------- size */
 
-/* Computes the size of a unit in pixels. The HUD is designed for frames 1000 wide and 720 high. On
-   larger frames the HUD grows less than the frame, because large frames are usually viewed from a
-   greater distance. The size is a multiple of 1/16, so that the lettering need not be rebuilt after
-   a small change of the frame's size. */
+/*
+ * Computes the size of a unit in pixels. The HUD is designed for frames that are 1000 pixels wide and 720 pixels
+ * high. On larger frames the HUD grows less than the frame, because large frames are usually viewed from a greater
+ * distance. The size is a multiple of 1/16, so that the lettering need not be rebuilt after a small change of the
+ * frame's size.
+ */
 static double unit_for(int width, int height, double scale)
 {
     const double dense = fmax(1, scale), available = fmin(height / 720.0, width / 1000.0) / dense;
@@ -81,7 +83,7 @@ static int px(const sim_hud *h, double units)
 
 /* ---------------------------------------------------------------- panels */
 
-/* A table with rows of a name and its value. */
+/* A table whose rows consist of a name and a value. */
 typedef struct table {
     int rows;
     struct {
@@ -117,7 +119,7 @@ static double plain(double value)
     return fabs(value) < 0.05 ? 0 : value;
 }
 
-/* Adds a row with a force, the maximum of its scale, and a bar with a mark at each quarter. */
+/* Adds a row that contains a force, the maximum of the force's scale, and a bar with a mark at each quarter. */
 static void add_force(table *t, const char *name, double n, double full)
 {
     const double share = full > 0 ? fmax(0, fmin(1, n / full)) : 0;
@@ -198,7 +200,7 @@ static double bar_units(const table *t)
 
 enum { STEP = 21, MARGIN = 12, INSIDE = 14, GAP = 18 };
 
-/* Computes the size of a table, which is as wide as its widest row. */
+/* Computes the size of a table. The table is as wide as its widest row. */
 static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool title)
 {
     int width = px(h, least);
@@ -273,7 +275,7 @@ typedef struct foot {
     char line[FOOT_LINES][FOOT_TEXT];
 } foot;
 
-/* Breaks a sentence into lines of the given width in pixels. Text that does not fit is cut off. */
+/* Breaks a sentence into lines of the given width in pixels. Text that does not fit is omitted. */
 static foot foot_of(const sim_hud *h, const char *text, int width)
 {
     foot f = {0};
@@ -314,7 +316,10 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
            b->y >= a->y + a->height;
 }
 
-/* Returns box if it lies within the frame and overlaps none of the boxes in before; otherwise returns an empty box. */
+/*
+ * Returns `box` if it lies within the frame and overlaps none of the boxes in `before`. Otherwise, returns an empty
+ * box.
+ */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)
 {
     bool available = box.width > 0 && box.height > 0 && box.x >= 0 && box.y >= 0 && box.x + box.width <= width &&
@@ -364,7 +369,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
     box.x = width - margin - box.width;
     box.y = margin;
     l.rates = placed(box, width, height, all, 5);
-    if (!l.rates.width && l.device.width) { /* the frame is tall and narrow */
+    if (!l.rates.width && l.device.width) { /* in this case, the frame is tall and narrow */
         box.x = margin;
         box.y = l.device.y + l.device.height + margin / 2;
         l.rates = placed(box, width, height, all, 5);

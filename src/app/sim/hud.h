@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The HUD, drawn over a frame: the state of the simulated hand and its forces, the operation
- * compared with the plan, and how well the servo loop meets its deadlines.
+ * Draws the HUD over a frame. The HUD shows the state of the simulated hand and its forces, a comparison of the
+ * operation with the plan, and how well the servo loop meets its deadlines.
  *
  *   .-------.      S       .-------.     letters grow with the frame and never
  *   | hand  |              | rates |     become unreadably small; a panel for
@@ -21,35 +21,35 @@
 typedef struct sim_hud_facts {
     const char *tool;     /* for example "reamer" */
     const char *device;
-    int number, tools;    /* number of the current tool, counted from 1; number of tools */
-    bool running;         /* at least one tick has run */
+    int number, tools;    /* number of the current tool, from 1; number of tools */
+    bool running;         /* true if at least one tick has run */
     double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force on the bone; hand force on the device */
-    double contact_full_n, force_full_n; /* maxima of their scales */
+    double contact_full_n, force_full_n; /* maxima of the scales of contact force and hand force */
     bool force_given;     /* true if a force is computed, even if the device only displays it */
     double removed_mm3;
     bool planned;         /* true if the next four fields are valid */
-    /* greatest depth below the native face at which the tool removed bone; planned depth of the tool, 0
-       if no depth is planned */
+    /* Greatest depth below the native face at which the tool removed bone, and planned depth of the tool. The planned
+     * depth is 0 if no depth is planned. */
     double reached_mm, planned_mm;
-    /* angles in degrees by which the tool's outward axis deviates from the planned axis, toward
-       posterior and superior */
+    /* Angles in degrees by which the tool's outward axis deviates from the planned axis: toward posterior, and toward
+     * superior. */
     double back_deg, up_deg;
     bool touching, pedal;
-    const char *fault;    /* fault of the device; NULL if there is none */
-    bool plain;           /* hides the hint about the key F1, because there is no keyboard */
-    bool timings;         /* the user has requested the times of the servo loop and of frames */
+    const char *fault;    /* fault of the device; NULL without a fault */
+    bool plain;           /* true if the hint about the key F1 is hidden, because there is no keyboard */
+    bool timings;         /* true if the user has requested the times of the servo loop and of frames */
     bool rates;           /* true if the next five fields are valid */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
     bool recording, help;
-    bool filming;         /* a video is being written */
+    bool filming;         /* true while a video is written */
     uint64_t dropped;     /* number of frames dropped from the video */
     const char *message;  /* message to show; NULL if there is none */
     ost_legend legend;    /* explains the colours */
     double mm_per_pixel;  /* scale of the picture at the camera's target */
-    /* directions of the picture in the bone's frame, for the letters at its edges; zero if they are not
-       shown */
+    /* Directions of the picture in the bone's frame, for the letters at the picture's edges. They are zero if no
+     * letters are shown. */
     double right[3], up[3];
 } sim_hud_facts;
 
@@ -64,15 +64,17 @@ typedef struct sim_hud_layout {
 
 typedef struct sim_hud sim_hud;
 
-/* Creates a HUD for frames of this size on a display of this scale (1: 96 dpi). */
+/* Creates a HUD for frames of the given size on a display with the given scale; scale 1 means 96 dpi. */
 ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err);
 void sim_hud_free(sim_hud *hud); /* hud may be NULL */
-/* Returns true if the HUD can also be used for frames of this size on a display of this scale. */
+/* Returns true if the HUD is also suitable for frames of the given size on a display with the given scale. */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
-/* Computes the positions of all parts, within the frame and without overlaps. */
+/* Computes the positions of all parts of the HUD. The parts lie within the frame and do not overlap. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);
-/* Returns white within the plan, amber beyond it, and red more than a millimetre beyond it. Returns
-   white if planned_mm is 0, which means that there is no plan. */
+/*
+ * Returns the colour of a depth: white within the plan, amber beyond the plan, and red more than a millimetre beyond
+ * the plan. If planned_mm is 0, there is no plan, and the colour is white.
+ */
 uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
 /* Draws one sentence in the middle of an otherwise empty sheet. */

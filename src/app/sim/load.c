@@ -33,7 +33,7 @@ void simulation_free(simulation *s)
     ost_backend_close(s->backend);
 }
 
-/* Finds the plan and the target of the built-in paths. A resumed session contains both. */
+/* Finds the plan, and the target of built-in paths. A resumed session contains both. */
 static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target,
                             ost_error *err)
 {
@@ -55,7 +55,7 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
                : status;
 }
 
-/* Moves a pose back along the tool's axis by at least CLEAR_MM, until none of the tools touches bone. */
+/* Moves a pose back along the tool's axis until none of the tools touches bone, and at least by CLEAR_MM. */
 static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, const ost_pose *from)
 {
     enum { CLEAR_MM = 10, STEP_MM = 2, FARTHEST_MM = 600 };
@@ -106,7 +106,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count,
                                 &args->gaps, &s->path, &s->gaps, err);
     if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
-        /* The bone has no glenoid. A device that follows no path needs only an initial pose. */
+        /* The bone has no glenoid, but a device that follows no path needs only an initial pose. */
         status = OST_OK;
         *err = (ost_error){0};
     }
@@ -141,10 +141,10 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
                         .names = &args->tools,
                         .tools = s->tools,
                         .strict = args->strict};
-    /* A resumed session was already checked when it began. */
+    /* The start of a resumed session was already checked when the session was recorded. */
     if (s->resumed)
         return OST_OK;
-    /* A path contains the first pose of each of its tools. Without a path, every tool begins at the pose `home`. */
+    /* A path contains the first pose of each of its tools. Without a path, every tool begins at s->home. */
     const bool by_path = s->path.count && (sim_follows_path(args) || args->paths_given);
     if (by_path)
         start_poses(&s->path, site.first);

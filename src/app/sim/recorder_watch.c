@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* A working disk is written to every 25 ms, so two seconds without progress are more than a short delay. */
+/* The recorder normally writes every 25 ms, so two seconds without progress are more than a short delay. */
 enum { STUCK_MS = 2000 };
 
 const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
@@ -39,7 +39,7 @@ const char *recorder_watch_update(recorder_watch *watch, const char *name, const
                  name, left_s);
         return text;
     }
-    /* Recovery is reported only after the recorder has written again. */
+    /* A recovery is reported only when the recorder writes again. */
     if ((watch->failing || watch->stuck || watch->losing) && !state->failing && !stuck &&
         state->lost == watch->reported_lost && waiting < capacity / 2) {
         watch->failing = watch->stuck = watch->losing = false;

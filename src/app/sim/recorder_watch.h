@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Produces messages about a recorder while an operation runs: the disk fails, nothing is written,
- * ticks are being lost, or recording has recovered. Each message is reported once.
+ * Produces messages about a recorder while an operation runs. A message states that the disk fails, that nothing is
+ * written, that ticks are being lost, or that recording has recovered. Each message is reported once.
  *
  *   thread, every 100 ms --> ost_recorder_state --> recorder_watch_update --> a line, or none
  */
@@ -12,14 +12,16 @@
 
 typedef struct recorder_watch {
     bool failing, stuck, losing;
-    uint64_t written;   /* number of written records when this number last increased */
-    double grew_ms;     /* time of that increase */
-    uint64_t reported_lost; /* number of lost records in the last message */
+    uint64_t written;   /* number of written records at its last increase */
+    double grew_ms;     /* time at which `written` last increased */
+    uint64_t reported_lost; /* number of lost records that the last message stated */
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };
-/* Checks the state of the recorder that writes the file `name` and whose ring holds `capacity`
-   records. Returns text with a message, or NULL if there is no new message. */
+/*
+ * Checks the state of a recorder. The recorder writes the file `name`, and its ring has `capacity` records. Returns
+ * `text` with a message, or NULL if there is no new message.
+ */
 const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
                                   uint64_t capacity, double now_ms, char text[RECORDER_WATCH_TEXT]);
 

@@ -175,7 +175,7 @@ ost_status sim_device_end(app_state *app, const sim_args *args, const simulation
                     args->record ? ", which --resume continues" : "");
 }
 
-/* Makes the debrief. Motion and forces are read from the recording, which is complete at this point. */
+/* Makes the debrief. Motion and forces are read from the recording, which is complete at this time. */
 static ost_status debrief_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_session *session;

@@ -19,23 +19,26 @@ void sim_pin(const sim_args *args, simulation *s)
         s->core = -1;
 }
 
-/* Runs a tick. Also returns false after a signal, so that the loop ends in an orderly way and the
-   recording is complete. */
+/*
+ * Runs a tick. Returns false at the end of the operation, and also after a signal, so that the loop ends in an
+ * orderly way and the recording is complete.
+ */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     return ost_operation_tick(operation, sample, wrench) && !interrupt_requested();
 }
 
-/* Returns the time in ns by which a rehearsal precedes its tick; 0 for no rehearsal. On an OpenCL
-   device a rehearsal would cost one more launch, and on a shared core it would take time from other
-   threads. */
+/*
+ * Returns the time in ns by which a rehearsal precedes its tick, or 0 for no rehearsal. On an OpenCL device, a
+ * rehearsal would cost one more launch; on a shared core, it would take time from other threads.
+ */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {
     const bool pays = s->core >= 0 && strncmp(ost_backend_name(s->backend), "cpu", 3) == 0;
     return 1000 * (args->rehearse_given ? args->rehearse_us : pays ? REHEARSE_US : 0);
 }
 
-/* Runs the servo loop, and a thread that reports progress. A signal requests the end of the loop. */
+/* Runs the servo loop, and a second thread that reports progress. A signal requests the end of the loop. */
 static ost_status run_loop(const app_state *app, const sim_args *args, const ost_servo_options *how, simulation *s,
                            ost_error *err)
 {

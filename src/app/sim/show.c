@@ -80,7 +80,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     show->scene.force_given = s->force != NULL;
     show->scene.recording = s->recorder != NULL;
     status = sim_appearance_make(args, s, known ? &glenoid : NULL, err);
-    /* The first update builds the lists of the bone's surface voxels and their looks, before the servo loop runs. */
+    /* The first update builds the lists of the bone's surface voxels and the appearance of each voxel before the
+     * servo loop runs. */
     return status == OST_OK ? ost_viewer_update(&show->viewer, err) : status;
 }
 
@@ -126,7 +127,7 @@ void sim_show_done(sim_show *show)
 
 /* ----------------------------------------------------------- without a window */
 
-/* Draws the HUD over a frame that is not shown in a window. */
+/* Draws the HUD over a frame in memory that is not shown in a window. */
 static ost_status write_over(sim_show *show, ost_error *err)
 {
     const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
@@ -181,7 +182,7 @@ static void *work(void *user)
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
         show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
-        due = due + period > now ? due + period : now; /* a late frame delays all later frames */
+        due = due + period > now ? due + period : now; /* a late frame also delays all later frames */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
         if (due > now)
             clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);

@@ -23,7 +23,7 @@ typedef enum sim_renderer {
     SIM_RENDERER_GL,
     SIM_RENDERER_THESIS
 } sim_renderer;
-extern const char *const sim_renderer_names[]; /* the names "none", "null", "points", "gl", "thesis" */
+extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl", "thesis" */
 
 typedef struct sim_show {
     const app_state *app;
@@ -33,33 +33,33 @@ typedef struct sim_show {
     ost_view_subject subject;
     ost_orbit orbit;
     sim_scene scene;
-    sim_hud *hud;             /* used for frames without a window; owned */
+    sim_hud *hud;             /* owned; HUD for frames that are not shown in a window */
     film *film;               /* borrowed; NULL if no film is written */
     appearance look;
-    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as the ghost */
-    frame_times drawn, apart; /* times to draw a frame, and intervals between frames, during the operation */
+    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
+    frame_times drawn, apart; /* drawn: times to draw a frame; apart: intervals between frames */
     int64_t updated_ns;       /* start time of the current frame */
-    int64_t last_ns;          /* start time of the previous frame; 0 if the current one follows a pause */
+    int64_t last_ns;          /* start time of the previous frame; 0 if the current frame follows a pause */
     int64_t end_ns;           /* end of the operation */
-    void *thread;             /* NULL if there is no thread that draws */
+    void *thread;             /* thread that draws; NULL if there is none */
     ost_status status;        /* status of the drawing thread */
     ost_error err;
 } sim_show;
 
-/* Creates s->show. Without a renderer, s->show stays NULL. */
+/* Creates s->show. If there is no renderer, s->show remains NULL. */
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_show_free(sim_show *show);
 
-/* Begins a frame: applies all changes since the previous frame. */
+/* Begins a frame. Applies all changes of the operation since the previous frame. */
 ost_status sim_show_update(sim_show *show, ost_error *err);
-/* Draws a frame of this size. The renderer null draws nothing. */
+/* Draws a frame of the given size. The renderer "null" draws nothing. */
 ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
 /* Ends a frame and records its times. */
 void sim_show_done(sim_show *show);
 
 /* Starts a thread that draws frames until sim_show_end. */
 ost_status sim_show_begin(sim_show *show, ost_error *err);
-/* Waits for the thread and writes the requested picture. Must be called after the servo loop has ended. */
+/* Waits for the drawing thread and writes the requested picture. Must be called after the servo loop has ended. */
 ost_status sim_show_end(sim_show *show, ost_error *err);
 void sim_show_report(const app_state *app, const sim_show *show);
 

@@ -36,22 +36,22 @@ typedef struct sim_args {
     ost_density_classes classes;
     int64_t force; /* index in sim_force_names */
     const char *picture, *size, *max_gap;
-    ost_path_options gaps; /* from max_gap */
+    ost_path_options gaps; /* parsed from max_gap */
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps, rehearse_us, rpm;
     const char *buttons_text;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions assigned to the device's buttons */
-    bool motor_waits;     /* the motor is off until a button or a key switches it on */
+    bool motor_waits;     /* true if the motor is off until a button or a key switches it on */
     film_options video;
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
-    bool contact;         /* shows the voxels that were just removed, also without a window */
+    bool contact;         /* true if the voxels that were just removed are shown, even without a window */
     ost_force_params force_params;
     ost_safety_params safety;
-    bool max_force_given, max_torque_given; /* set by the file of --force-params */
-    const char *max_force_from; /* "force-params", "device" or "default" */
+    bool max_force_given, max_torque_given; /* true if the file of --force-params sets the limit */
+    const char *max_force_from; /* source of the limit: "force-params", "device" or "default" */
     ost_haptic_limits limits;   /* valid if max_force_from is "device" */
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given,
         tools_given;
@@ -66,26 +66,26 @@ typedef struct simulation {
     ost_import_result imported;
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
-    ream_gaps gaps;       /* gaps in path */
+    ream_gaps gaps;       /* gaps in `path` */
     ost_world *world;
     ost_recorder *recorder;
     ost_haptic *device;
-    ost_force *force;   /* NULL if no force is rendered */
+    ost_force *force;   /* force model; NULL if no force is rendered */
     ost_operation *operation;
     ost_servo_report *loop;
     ost_operation_report done;
     ost_metrics_plan plan;
-    bool planned;         /* plan is set */
+    bool planned;         /* true if `plan` is set */
     start_checked site;   /* site.known is false if a session is resumed */
-    debrief debrief;      /* empty without --debrief */
-    ost_volume uncut;     /* the bone before the operation; owned until the show takes ownership */
-    ost_session *resumed; /* session that --resume continues; NULL without --resume */
+    debrief debrief;      /* debrief; empty unless --debrief is given */
+    ost_volume uncut;     /* bone before the operation; owned until the show takes ownership */
+    ost_session *resumed; /* session that --resume continues; NULL if the option is not given */
     ost_tick last;        /* last tick of the resumed session */
     ost_motor motor;      /* state of the motor at the end of the resumed session */
-    ost_pose home;        /* initial pose of the tool: the first pose of the path, or else a pose clear of the bone */
+    ost_pose home; /* initial pose of the tool: first pose of the path or, without a path, a pose clear of the bone */
     uint64_t before;      /* number of ticks in the resumed session */
     struct sim_show *show; /* NULL if nothing is rendered */
-    struct sim_window *window; /* NULL with --headless */
+    struct sim_window *window; /* window; NULL if --headless is given */
     film *film;           /* NULL if no picture or video is written during the operation */
     int core;             /* processor core reserved for the servo loop; -1 if there is none */
 } simulation;
@@ -93,43 +93,58 @@ typedef struct simulation {
 void simulation_free(simulation *s);
 
 bool sim_device_is(const sim_args *args, const char *name);
-/* Returns true if the device follows a path. All other devices move freely. */
+/* Returns true if the device follows a path, and false if it moves freely. */
 bool sim_follows_path(const sim_args *args);
-/* Finds the library's description of the device. Returns false if no device has that name. */
+/* Finds the library's description of the device. Returns false if there is no device with this name. */
 bool sim_device_info(const sim_args *args, ost_haptic_info *out);
 /* Checks everything that can be checked before a file is read. */
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Sets the default parameters and those of --force-params. Later, sim_force_make replaces defaults
-   by the limits of the open device. */
+/*
+ * Sets the default parameters and the parameters from --force-params. Later, sim_force_make replaces defaults by the
+ * limits of the open device.
+ */
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
 void sim_force_print(const app_state *app, const sim_args *args);
 enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
-/* Writes the source of the force limit to text: "default", or "device: a sigma.7 gives 12 N, 0.2 N m". */
+/*
+ * Writes a description of the source of the force limit: "default" or, for example, "device: a sigma.7 gives 12 N,
+ * 0.2 N m".
+ */
 void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
-/* Makes the force model, unless --force is off. There is no force model if the device cannot render
-   forces. In this case it is an error if --force requests a force. */
+/*
+ * Makes the force model. There is none if --force is off or if the device cannot render forces. If the device cannot
+ * render forces, --force with another value is an error.
+ */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
-/* Reserves a core for the servo loop: this thread and all threads that it creates no longer run on
-   it. Must be called first, because OpenGL drivers and devices also create threads. */
+/*
+ * Reserves a core for the servo loop: the calling thread and all threads that it creates no longer run on this core.
+ * Must be called first, because OpenGL drivers and devices also create threads.
+ */
 void sim_pin(const sim_args *args, simulation *s);
 typedef struct sim_force_texts {
     char key[SIM_FORCE_KEYS][40], value[SIM_FORCE_KEYS][OST_FORCE_VALUE], from[SIM_LIMIT_TEXT];
 } sim_force_texts;
-/* Writes the parameters and the source of the limit as keys of a session. There are at most
-   SIM_FORCE_KEYS + 2 keys; the name of the last key is NULL. */
+/*
+ * Writes the parameters and the source of the limit as keys of a session. `keys` needs SIM_FORCE_KEYS + 2 elements;
+ * the name of the last key is NULL.
+ */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
 /* Checks the site before the first tick (start_check.h). */
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 /* Begins the recording if --record is given. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 
-/* Opens the session that --resume names. Its bone, tools and world replace the defaults. Other
-   options can override the names of files that were moved. */
+/*
+ * Opens the session that --resume names. Its bone, tools and world replace the defaults. Other options can state new
+ * names for files that were moved.
+ */
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);
-/* Replays the session's ticks into the world and the new recording. Fails if a tick's result
-   differs from the recorded one. */
+/*
+ * Replays the session's ticks into the world and into the new recording. Returns an error if the result of a tick
+ * differs from the recorded result.
+ */
 ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
 
 /* Begins the film if there is a window or a video is requested. */
@@ -142,8 +157,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
 /* Writes the bone, completes the session and reports the result. */
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Fails with OST_ERR_UNAVAILABLE if the loop ended because the device was lost. The result is
-   printed nevertheless. */
+/* Returns OST_ERR_UNAVAILABLE if the loop ended because the device was lost. The result is printed nevertheless. */
 ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err);
 
 #endif

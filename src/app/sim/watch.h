@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints the progress and the recorder's state on a thread of normal priority while the servo thread runs. */
+/*
+ * Prints the progress and the state of the recorder. This happens on a thread of normal priority while the servo
+ * thread runs.
+ */
 #ifndef OST_APP_SIM_WATCH_H
 #define OST_APP_SIM_WATCH_H
 
@@ -7,11 +10,13 @@
 
 typedef struct sim_watch sim_watch;
 
-/* Starts the thread. recorder may be NULL; capacity is that of its ring, in records. name, app and
-   recorder must outlive the watch. seconds: the expected duration, 0 if unknown. */
+/*
+ * Starts the thread. `recorder` may be NULL; `capacity` is the number of records in its ring. `name`, `app` and
+ * `recorder` must outlive the watch. `seconds` is the expected duration, or 0 if it is unknown.
+ */
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
                            double seconds, sim_watch **out, ost_error *err);
-/* Stops the thread, waits until it has ended, and frees watch, which may be NULL. */
+/* Stops the thread, waits until the thread has ended, and frees `watch`, which may be NULL. */
 void sim_watch_end(sim_watch *watch);
 
 #endif

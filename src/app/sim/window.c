@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The simulator's window: events, the tool's handle, the HUD's facts, frames, and the loop that
- * draws frames while the servo thread runs.
+ * Implements the simulator's window: events, the handle that moves the tool, the facts of the HUD, frames, and the
+ * loop that draws frames while the servo thread runs.
  *
- * The file has more than 500 lines, because events, facts and frames read and write the same state,
- * sim_window, which no other file uses.
+ * The file has more than 500 lines, because events, facts and frames all use the state sim_window, which no other
+ * file uses.
  */
 #include "app/sim/window.h"
 
@@ -28,16 +28,18 @@
 
 enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
 static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
-/* interval between updates of numbers; interval between checks of a hidden window */
+/*
+ * FACTS_S is the interval between updates of the numbers. HIDDEN_S is the interval between checks of a hidden window.
+ */
 static const double FACTS_S = 0.1, HIDDEN_S = 0.1;
 
 typedef struct rates {
-    double since; /* s */
+    double since; /* begin of the measurement in s */
     uint64_t ticks, frames;
     double ticks_s, frames_s, takes_us, frame_ms;
 } rates;
 
-/* The inputs of a frame. The frame is redrawn only if one of them changes. */
+/* The inputs from which a frame is drawn. The frame is redrawn only if an input changes. */
 typedef struct sight {
     ost_pose pose;
     ost_orbit orbit;
@@ -56,8 +58,8 @@ struct sim_window {
     ost_mouse_input *mouse; /* NULL if another device is used */
     sim_handle now, home;
     sim_camera camera;
-    bool lifted;       /* the window has moved the hand elsewhere, and the device has not yet received the new pose */
-    bool key_down[512]; /* keys that are down, indexed by key code */
+    bool lifted; /* true if the window has moved the hand elsewhere and the device has not yet received the new pose */
+    bool key_down[512]; /* true for each key that is down, indexed by key code */
     bool button[3];
     unsigned mods;
     double x, y;       /* position of the pointer */
@@ -70,8 +72,8 @@ struct sim_window {
     sim_hud_facts facts;
     double facts_s;
     sight seen;
-    bool outdated;     /* set if the HUD has changed */
-    bool follows;      /* set if the previous frame was presented */
+    bool outdated;     /* true if the HUD has changed */
+    bool follows;      /* true if the previous frame was presented */
     ost_cells changed; /* owned; cells that differ between the last two frames */
     simulation *s;
     ost_status status; /* failure that ended the window; OST_OK if the user ended it */
@@ -138,8 +140,8 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     w->s = s;
     char title[MESSAGE];
     snprintf(title, sizeof title, "osteon sim: %.100s", args->bone);
-    /* Without this setting, Mesa's software renderer creates one thread for every processor. These
-       threads would run on the processors that the servo loop leaves free. */
+    /* Without this setting, Mesa's software renderer creates one thread for every processor. These threads would
+     * disturb the servo loop. */
     setenv("LP_NUM_THREADS", "0", 0);
     ost_status status = ost_window_open(title, args->width, args->height, &w->window, err);
     if (status != OST_OK)
@@ -181,7 +183,7 @@ ost_mouse_input *sim_window_mouse(const simulation *s)
 
 /* ------------------------------------------------------------------ events */
 
-/* Changes the tool. The new tool's tip is placed at the position of the previous tool's tip. */
+/* Changes the tool. The tip of the new tool is placed at the position of the previous tool's tip. */
 static void take_tool(sim_window *w, int number)
 {
     if (number < 0 || number >= w->args->tools.count || !w->mouse || number == w->now.tool)
@@ -293,13 +295,14 @@ static void take_events(sim_window *w, int height)
     }
 }
 
-/* Applies the keys that have an effect while they are down. */
+/* Applies the keys whose effect lasts while they are down. */
 static void hold_keys(sim_window *w, double dt)
 {
     const bool *k = w->key_down;
     sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN],
                     k[OST_KEY_PLUS] - k[OST_KEY_MINUS], w->mods & OST_WINDOW_SHIFT, dt);
-    /* Keys act like a device's buttons. For the device mouse, the window moves the hand itself. */
+    /* The keys have the same effect as the buttons of a device. For the device mouse, the window moves the hand
+     * itself. */
     ost_operation_keys(w->s->operation, w->mouse ? 0
                                                  : (uint32_t)k[' '] << OST_ACTION_MOTOR |
                                                        (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
@@ -312,8 +315,10 @@ static void hold_keys(sim_window *w, double dt)
     w->now.pedal = k[' '];
 }
 
-/* Passes the hand's pose to the device. A pose that is out of range, or far from the bone after a
-   drag in a window of a few pixels, is replaced by the previous one. */
+/*
+ * Passes the pose of the hand to the device. After a drag in a window of a few pixels, the pose may be out of range
+ * or far from the bone; it is then replaced by the previous pose.
+ */
 static void put_handle(sim_window *w, const sim_handle *before)
 {
     ost_haptic_state state;
@@ -348,7 +353,7 @@ static void count_rates(sim_window *w, double now)
     r->frames = w->frames;
 }
 
-/* Updates the facts of the HUD at most ten times per second, because faster changes are unreadable. */
+/* Updates the facts of the HUD at most ten times per second, because numbers that change faster are unreadable. */
 static void take_facts(sim_window *w, int height, double now)
 {
     const ost_viewer *viewer = &w->s->show->viewer;
@@ -399,7 +404,10 @@ static sight sight_of(const sim_window *w, int width, int height)
                    .height = height};
 }
 
-/* Returns the cells in which the frame may differ from the previous one; NULL if all cells may differ. */
+/*
+ * Returns the set of cells in which the frame may differ from the previous frame. Returns NULL if all cells may
+ * differ.
+ */
 static const ost_cells *changed_of(sim_window *w)
 {
     const ost_frame *f = &w->s->show->viewer.frame;
@@ -417,7 +425,7 @@ static const ost_cells *changed_of(sim_window *w)
     return c;
 }
 
-/* Presents a frame. follows is true if the previous frame was presented. */
+/* Presents a frame. `follows` is true if the previous frame was also presented. */
 static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
 {
     ost_window_picture picture = {
@@ -437,7 +445,7 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, o
     return status;
 }
 
-/* Processes events and draws a frame if necessary. Sets *drawn to true if a frame was drawn. */
+/* Processes events and draws a frame if one is needed. Sets *drawn to true if a frame was drawn. */
 static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
 {
     int width, height;
@@ -519,7 +527,7 @@ static void wait_until(int64_t due)
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
 }
 
-/* Draws frames at the requested rate while something changes. Otherwise waits for events. */
+/* Draws frames at the requested rate while something changes; otherwise, waits for events. */
 static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 {
     const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;

@@ -5,8 +5,8 @@
  *
  *   a folder of dumps, or a backend's name --campaign--> verdicts, margins --> table, --json, exit status
  *
- * It performs the comparison of `osteon validate` for developers of another program, without a
- * bundle and without a sensitivity proof.
+ * The comparison is that of `osteon validate`, but without a bundle and a sensitivity proof. The verb is intended for
+ * developers of another program.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,8 +43,10 @@ static const case_result *result_at(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* Prints one line per stage: the number of differences, their causes, and the greatest margin. A margin
-   is the distance of a decision from the border at which the decision changes. */
+/*
+ * Prints one line per stage with the number of differences, their causes, and the greatest margin. A margin is the
+ * distance of a value from the border at which a decision changes.
+ */
 static void print_margins(const app_state *app, const margins *m)
 {
     print_line(app, "  stage    differing   inherited   below thr.   unexplained   at borders   greatest margin");
@@ -85,8 +87,10 @@ static void print_case(const app_state *app, const plan_case *c, const subject *
         print_line(app, "  %s: %s%s%s", c->id, case_verdict_name(r->verdict), r->text[0] ? ": " : "", r->text);
 }
 
-/* Prints and stores the results. The verdict covers all backends. Margins are summed separately for
-   each compared backend. */
+/*
+ * Prints and stores the results. The verdict covers all backends. The margins are summed separately for each compared
+ * backend.
+ */
 static ost_status report(app_state *app, const campaign *c, bool apart, ost_error *err)
 {
     json_t *stages = json_array(), *list = json_array(), *cases = json_array();
@@ -104,7 +108,7 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
             if (r->margins)
                 margins_add(&all, r->margins);
             json_t *o = evidence_result(r);
-            json_object_del(o, "margins"); /* margins are summed by backend */
+            json_object_del(o, "margins"); /* removed, because margins are summed by backend */
             put_text(o, "case", c->plan->cases[i].id);
             put_text(o, "backend", c->subjects->subjects[s].spec);
             append(cases, o);
@@ -148,8 +152,10 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     return OST_OK;
 }
 
-/* Finds the subject to compare. A folder is a dump, whose header contains the tier and seed of its
-   campaign; any other name is a backend. */
+/*
+ * Finds the subject to compare. If the name is a folder, the subject is a dump, whose header contains the tier and
+ * the seed of its campaign. Any other name denotes a backend.
+ */
 static ost_status find_subject(const app_state *app, compare_args *args, char spec[SUBJECT_SPEC], char only[PLAN_ID],
                                ost_error *err)
 {

@@ -14,8 +14,10 @@ static void print_problem(void *user, bundle_problem_kind kind, const char *file
     print_line(user, "  %s %s", file, problem);
 }
 
-/* Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon
-   verify` would reject is not signed. */
+/*
+ * Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon verify` rejects must
+ * not be signed.
+ */
 static ost_status check_first(app_state *app, const char *folder, json_t **summary, ost_error *err)
 {
     json_t *signatures = NULL;

@@ -23,7 +23,7 @@
 #include "validation/suite_run.h"
 #include "validation/worker.h"
 
-/* Reads a number of up to six digits. Returns the position after it, or NULL if there is no digit. */
+/* Reads a number of up to six digits. Returns the position after the number, or NULL if there is no digit. */
 static const char *small_number(const char *at, int *out)
 {
     const char *begin = at;
@@ -32,7 +32,7 @@ static const char *small_number(const char *at, int *out)
     return at > begin ? at : NULL;
 }
 
-/* Parses --shard, such as "2/8". Without --shard the result is shard 1 of 1. */
+/* Parses the value of --shard, such as "2/8". If the option is not given, the result is shard 1 of 1. */
 static ost_status shard_of(const app_state *app, const char *text, int *shard, int *shards, ost_error *err)
 {
     *shard = *shards = 1;
@@ -45,7 +45,7 @@ static ost_status shard_of(const app_state *app, const char *text, int *shard, i
     return OST_OK;
 }
 
-/* Writes the results of one backend to files. The results are first written to a trace. */
+/* Writes the results of one backend to a trace, and then from the trace to files. */
 static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
 {
     char path[SCRATCH_NAME];
@@ -68,7 +68,7 @@ static ost_status dump_worker(const plan *p, const char *spec, const char *folde
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
-    enum { LIMIT_OWN = 36000 }; /* the duration of the user's own cases is unknown */
+    enum { LIMIT_OWN = 36000 }; /* large, because the duration of the user's own cases is unknown */
     validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
     const option options[] = {
         {.name = "out",

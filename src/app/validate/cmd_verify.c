@@ -45,8 +45,10 @@ static void show(void *user, const char *what, double share)
     progress_show(NULL, what, share);
 }
 
-/* Reads the bundle's record of the user's own files. The caller owns *out, which is NULL if there
-   is no such record. */
+/*
+ * Reads the record of the user's own files in the bundle. The caller owns *out, which is NULL if the bundle has no
+ * such record.
+ */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
     json_t *protocol;
@@ -56,7 +58,7 @@ static ost_status record_of(const char *folder, json_t **out, ost_error *err)
     return status;
 }
 
-/* Runs the bundle's cases again. The user's files are read first, because without them nothing can be run. */
+/* Runs the cases of the bundle again. The user's files are read first, because no case can be run without them. */
 static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
                             int *found, ost_error *err)
 {
@@ -140,7 +142,7 @@ static ost_status check_signatures(app_state *app, const signature_args *args, c
     return status;
 }
 
-/* Returns the part of the last output line that reports signatures. */
+/* Returns the part of the last output line that describes the signatures. */
 static const char *about_signatures(const app_state *app, const signature_args *args)
 {
     const size_t n = json_array_size(json_object_get(app->result, "signatures"));
@@ -149,8 +151,10 @@ static const char *about_signatures(const app_state *app, const signature_args *
     return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
 }
 
-/* Reports the test suite's counts. A bundle may be valid although tests failed. The failures are
-   therefore printed but not counted as problems of the bundle. */
+/*
+ * Reports the counts of the test suite. A bundle may be valid although tests failed, so failures are printed but not
+ * counted as problems of the bundle.
+ */
 static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
 {
     json_t *suite;

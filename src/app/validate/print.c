@@ -82,7 +82,10 @@ void validate_print_difference(const app_state *app, const plan_case *c, const s
                    r->found->reproduce, s->spec, c->family == PLAN_USER ? " and the same files" : "");
 }
 
-/* Stores the code paths that a backend's workers entered and those that they did not enter. Prints the latter. */
+/*
+ * Stores the code paths that the workers of a backend entered, and the paths that they did not enter. Prints the
+ * paths that were not entered.
+ */
 static void print_paths(const app_state *app, const path_list *list, json_t *o)
 {
     json_t *entered, *missing;
@@ -100,7 +103,7 @@ static void print_paths(const app_state *app, const path_list *list, json_t *o)
     put(o, "not_entered", missing);
 }
 
-/* Prints the result of the second implementation, which checks the steps that no other comparison checks. */
+/* Prints the result of the second implementation, which checks steps that are not covered by any other comparison. */
 static void print_second(const app_state *app, const campaign *c, bool equal)
 {
     char ticks[FORMAT_TEXT], tools[FORMAT_TEXT];
@@ -111,8 +114,10 @@ static void print_second(const app_state *app, const campaign *c, bool equal)
                format_count(tools, (int64_t)c->stage_records[TRACE_SNAP]));
 }
 
-/* Prints whether a plugin computed the steps that precede the voxels (snapping, sweep, map, boxes,
-   poses) itself, or received them from src/core. */
+/*
+ * Prints who computed the steps that precede the voxels (snapping, sweep, map, boxes, poses): the plugin itself, or
+ * src/core.
+ */
 static void print_made(const app_state *app, const campaign *c, int s)
 {
     uint64_t made = 0;
@@ -198,7 +203,7 @@ void validate_print_last(app_state *app, const char *out, const json_t *summary)
     put_text(app->result, "report", path);
 }
 
-/* Prints up to three rows of a list and the number of remaining rows. */
+/* Prints up to three rows of a list, and the number of the remaining rows. */
 static void print_changes(const app_state *app, const json_t *list, const char *what)
 {
     enum { SHOWN = 3 };
@@ -269,7 +274,7 @@ ost_status validate_nothing(ost_error *err)
                     "that the reference accepted");
 }
 
-/* Adds to the JSON object the results that the summary does not contain. All others are in the bundle. */
+/* Adds to the JSON object the results that the summary lacks. All other results are in the bundle. */
 ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
                           const sensitivity *proof, const json_t *common, ost_error *err)
 {

@@ -54,8 +54,10 @@ ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err)
     return status == OST_OK ? bundle_log(b, "protocol frozen", err, "%s", ost_digest_hex(&digest, hex)) : status;
 }
 
-/* Makes {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}} for the backends that
-   count their code paths. */
+/*
+ * Makes an object such as {"cl": {"entered": {"kernel ost_remove": 12}, "not_entered": [...]}}, with one member for
+ * each backend that counts its code paths.
+ */
 static json_t *paths_of(const campaign *c)
 {
     json_t *all = json_object();
@@ -82,7 +84,7 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
     return OST_OK;
 }
 
-/* Makes {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}}. */
+/* Makes {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}} with times in seconds. */
 static json_t *times_of(const campaign *c)
 {
     json_t *times = json_object(), *seconds = json_object(), *cases = json_object();
@@ -122,7 +124,10 @@ static ost_status put_machine(bundle *b, const campaign *c, const char *program,
     return status;
 }
 
-/* Compares with the bundle of --against and writes the changes. Without --against, *out stays NULL. */
+/*
+ * Compares the results with the bundle of --against and writes the changes. If --against is not given, *out remains
+ * NULL.
+ */
 static ost_status put_impact(bundle *b, const char *against, json_t **out, ost_error *err)
 {
     if (!against)
@@ -151,7 +156,7 @@ static ost_status put_evidence(bundle *b, const campaign *c, const json_t *proto
     return status == OST_OK ? log_end(b, summary, err) : status;
 }
 
-/* Runs the test suite and stores its result in *out. Without --with-suite, *out stays NULL. */
+/* Runs the test suite and stores its result in *out. If --with-suite is not given, *out remains NULL. */
 static ost_status run_suite(const validate_args *args, int jobs, json_t **out, ost_error *err)
 {
     if (!args->suite)
@@ -168,7 +173,7 @@ static ost_status run_suite(const validate_args *args, int jobs, json_t **out, o
     return status;
 }
 
-/* All resources of a run, freed together by job_free. */
+/* All resources of a run; freed together by job_free. */
 typedef struct job {
     char program[1024];
     subject_list subjects;
@@ -192,7 +197,7 @@ static void job_free(job *j)
     json_decref(j->suite);
 }
 
-/* Stores the evidence of a batch's cases while the reference's trace of them still exists. */
+/* Stores the evidence of a batch's cases. Called while the reference's trace of these cases still exists. */
 static ost_status take_batch(void *user, const campaign *c, int first, int count, ost_error *err)
 {
     job *j = user;
@@ -228,7 +233,7 @@ static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_
     }
     if (status == OST_OK)
         status = evidence_results(&j->run, j->cases, err);
-    /* Only the first of several shards runs the sensitivity proof. */
+    /* If there are several shards, only the first one runs the sensitivity proof. */
     if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
         status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j->run.jobs, show, NULL, &j->proof, err);
         if (status == OST_OK)

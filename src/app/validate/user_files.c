@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Uses the user's own files as cases. They are read with the options of import, voxelize and ream,
- * recorded in a bundle by size and digest, and found again among given files for a rerun.
+ * Uses the user's own files as cases. The files are read with the options of import, voxelize and ream, and recorded
+ * in a bundle by size and digest. For a rerun, the recorded files are found again among the given files.
  *
- * The file has more than 500 lines, because the record of a file is written and compared here, next
- * to the reader whose options it stores.
+ * This source file has more than 500 lines, because the record of a file is written and compared next to the reader
+ * whose options the record stores.
  */
 #include "app/validate/user_files.h"
 
@@ -49,8 +49,10 @@ json_t *user_files_how(int argc, char **argv)
     return how;
 }
 
-/* Parses the options stored in a bundle. The bundle may come from an untrusted source, so only
-   the options in the verb's table are accepted. */
+/*
+ * Parses the options stored in a bundle. Only the options in the verb's table are accepted, because the bundle may
+ * come from an untrusted source.
+ */
 static ost_status parse_how(app_state *app, const json_t *how, user_files *u, ost_error *err)
 {
     const option table[] = {USER_FILES_HOW(*u), {.name = NULL}};
@@ -81,8 +83,10 @@ static const char *builtin_of(const char *name)
     return strncmp(name, "builtin:", 8) == 0 ? name + 8 : NULL;
 }
 
-/* Finds a file's size and digest. A file that can be read only once, such as a pipe, is an error,
-   because it could not be verified later. */
+/*
+ * Computes the size and the digest of a file. A file that can be read only once, such as a pipe, is an error, because
+ * it could not be verified later.
+ */
 static ost_status identify_file(const char *path, int64_t *bytes, ost_digest *digest, ost_error *err)
 {
     struct stat info;
@@ -115,7 +119,7 @@ static ost_status add_file(json_t *files, const char *kind, const char *name, os
     return status;
 }
 
-/* Returns the name of file i in the order of the record: CTs, tools, paths. */
+/* Returns the name of file i, counted in the order of the record: CTs, tools, paths. */
 static const char *file_name(const user_files *u, int i)
 {
     if (i < u->cts.count)
@@ -136,7 +140,7 @@ static ost_status add_files(const user_files *u, json_t *files, ost_error *err)
     return status;
 }
 
-/* Computes the digests again. Fails if a file changed while it was being read. */
+/* Computes the digests of all files again. Returns an error if a file changed while it was being read. */
 static ost_status still_the_same(const user_files *u, const json_t *files, ost_error *err)
 {
     json_t *again = json_array();
@@ -155,7 +159,7 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
 
 /* --------------------------------------------------------------------- CTs */
 
-/* Returns true if a sample lies in the grid. Positions are within 8 m, so their differences are below 2^54. */
+/* Returns true if a sample lies within the grid. Positions are within 8 m, so their differences are below 2^54. */
 static bool lies_in(const ost_geometry *g, const ost_text_row *row)
 {
     const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z},
@@ -169,8 +173,10 @@ static bool lies_in(const ost_geometry *g, const ost_text_row *row)
     return true;
 }
 
-/* Stores every line of a CT given as text, in the order of the file. With crop, stores only lines
-   whose samples lie within the grid. */
+/*
+ * Stores every line of a CT given as text, in the order of the file. If `crop` is set, stores only the lines whose
+ * samples lie within the grid.
+ */
 static ost_status put_text_samples(const char *path, const ost_geometry *rect, bool crop, user_store *store,
                                    ost_error *err)
 {
@@ -204,7 +210,7 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
     return status;
 }
 
-/* Stores every voxel as a sample at its lattice point; x varies fastest. */
+/* Stores every voxel as a sample at its lattice point, with x varying fastest. */
 static ost_status put_volume_samples(const char *path, const ost_import_options *options, const ost_geometry *rect,
                                      user_store *store, ost_error *err)
 {
@@ -258,8 +264,10 @@ static void put_imported(json_t *to, const ost_import_result *r, const ost_bone_
     put(to, "import_sha256", stages);
 }
 
-/* Adds a CT. The reference also imports it once, as `osteon import` does, so that errors in the
-   file are reported before the campaign. */
+/*
+ * Adds a CT. The reference also imports the CT once, as `osteon import` does, so that errors in the file are reported
+ * before the campaign.
+ */
 static ost_status put_ct(const app_state *app, const user_files *u, const char *path, user_store *store, scene *head,
                          ost_meta *meta, json_t *one, ost_error *err)
 {
@@ -328,7 +336,7 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
         append(tools, o);
     }
     out->rule = (ost_fill_rule)u->how.rule;
-    out->raw[0] = mesh; /* freed with the tool */
+    out->raw[0] = mesh; /* the mesh is freed with the tool */
     return status;
 }
 
@@ -354,7 +362,7 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
 static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store,
                            json_t *one, ost_error *err)
 {
-    scene head = *tools; /* the caller retains ownership of the tools */
+    scene head = *tools; /* copied, because the caller retains ownership of the tools */
     ream_gaps counted = {0};
     ost_meta meta = {0};
     const ost_tool_geometry *grids[SCENE_TOOLS_MAX] = {NULL};
@@ -436,7 +444,7 @@ ost_status user_files_of(const app_state *app, const user_files *u, int argc, ch
 
 /* ------------------------------------------------------------------- rerun */
 
-/* Writes to text the number of files of each kind, such as "1 with --ct, 2 with --tool". */
+/* Writes the number of files of each kind to `text`, such as "1 with --ct, 2 with --tool". */
 static void describe_needed(const json_t *files, char text[96])
 {
     static const char *const kinds[] = {"ct", "tool", "path"};
@@ -452,7 +460,7 @@ static void describe_needed(const json_t *files, char text[96])
     }
 }
 
-/* Finds the given file whose size and digest equal those in the record. */
+/* Finds the given file whose size and digest equal the size and digest in the record. */
 static ost_status find_file(const option_list *given, const char *kind, const json_t *file, const char **out,
                             ost_error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Uses the user's own files as cases of a campaign. Each CT, with all tools and paths, is one case.
- * Tools without a CT form one case.
+ * Uses the user's own files as cases of a campaign. Each CT forms one case together with all tools and paths. If
+ * there is no CT, the tools form one case.
  *
  *   --ct, --tool, --path  --user_files_read--> user_store (integers), record
  *   record, the files again --user_files_again--> user_store          osteon verify --rerun
@@ -29,13 +29,16 @@ typedef struct user_files {
 
 #define USER_FILES_DEFAULT {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1}
 
-/* Rows for a verb's table of options: the options that name the files. */
+/* Rows for a verb's table of options, for the options that name the files. */
 #define USER_FILES(u, about_ct, about_tool, about_path)                                                \
     {.name = "ct", .kind = OPTION_LIST, .out = &(u).cts, .value = "FILE", .help = about_ct},           \
     {.name = "tool", .kind = OPTION_LIST, .out = &(u).tools, .value = "FILE", .help = about_tool},     \
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
-/* Rows for a verb's table of options: how the files are read, as in import, voxelize and ream. */
+/*
+ * Rows for a verb's table of options, for the options that state how the files are read. They are the options of
+ * import, voxelize and ream.
+ */
 #define USER_FILES_HOW(u)                                                                                              \
     CT_OPTIONS((u).ct), TOOL_OPTIONS((u).how),                                                                         \
         TARGET_OPTIONS((u).target, "centre of the glenoid's face, for the built-in paths (default: as in the CT)"),    \
@@ -43,20 +46,24 @@ typedef struct user_files {
 
 bool user_files_given(const user_files *u);
 
-/* Returns the options of USER_FILES_HOW that a command line contains, in the table's order:
-   ["--cubic=0.5", ...]. The caller owns the result. */
+/*
+ * Returns the options of USER_FILES_HOW that a command line contains, in the order of the table, such as
+ * ["--cubic=0.5"]. The caller owns the result.
+ */
 json_t *user_files_how(int argc, char **argv);
 
-/* Reads the files. how: the result of user_files_how. The caller owns *store and *record. */
+/* Reads the files. `how` is the result of user_files_how. The caller owns *store and *record. */
 ost_status user_files_read(const app_state *app, const user_files *u, json_t *how, user_store **store, json_t **record,
                            ost_error *err);
 
-/* Reads the files named on a verb's command line. If there are none, *store and *record are NULL. */
+/* Reads the files that are named on the command line of a verb. If there are none, sets *store and *record to NULL. */
 ost_status user_files_of(const app_state *app, const user_files *u, int argc, char **argv, user_store **store,
                          json_t **record, ost_error *err);
 
-/* Finds the files of a bundle's record among the given files, by size and digest, and reads these files
-   with the options in the record. *again is a new record of the files. */
+/*
+ * Finds the files of a bundle's record among the given files, by size and digest. Reads these files with the options
+ * in the record. *again is a new record of the files.
+ */
 ost_status user_files_again(app_state *app, const user_files *given, const json_t *record, user_store **store,
                             json_t **again, ost_error *err);
 

@@ -24,20 +24,20 @@ typedef struct validate_args {
     int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
-    json_t *record; /* record of the user's files in `own`; NULL if there are no files */
+    json_t *record; /* record of the user's files in `own`; NULL without such files */
     sign_key *key;  /* key of --sign; NULL if the bundle is not signed */
 } validate_args;
 
 /* ------------------------------------------------------------------- run.c */
 
-/* Runs a campaign. from_file contains the cases of --case, or is NULL; the caller owns it. */
+/* Runs a campaign. from_file contains the cases of --case and is owned by the caller; it may be NULL. */
 ost_status validate_run(app_state *app, const validate_args *args, const plan *p, json_t *from_file, ost_error *err);
 ost_status validate_faults(app_state *app, const validate_args *args, ost_error *err);
 
-/* Signs the bundle at args->out with the key of --sign. Does nothing without a key. */
+/* Signs the bundle at args->out with the key of --sign. Does nothing if there is no key. */
 ost_status validate_sign(app_state *app, const validate_args *args, ost_error *err);
 
-/* Writes the protocol and its hash. Called before any case is run. */
+/* Writes the protocol and its hash to the bundle. Called before any case is run. */
 ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
 /* Implements evidence_sink; user is a bundle. */
 ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
@@ -48,23 +48,28 @@ ost_status validate_merge(app_state *app, const validate_args *args, ost_error *
 
 /* ----------------------------------------------------------------- print.c */
 
-/* Prints the results of a campaign and returns the verb's status. proof: NULL if there is none. */
+/* Prints the results of a campaign and returns the status of the verb. `proof` is NULL if there is none. */
 ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
                           const sensitivity *proof, const json_t *common, ost_error *err);
-/* Prints the last lines: the command that checks the bundle, the verdict, and the names of picture and report. */
+/*
+ * Prints the last lines: the command that checks the bundle, the verdict, and the names of the picture and the
+ * report.
+ */
 void validate_print_last(app_state *app, const char *out, const json_t *summary);
 /* Prints where a result differs from the reference: the position, both values, and the pattern. */
 void validate_print_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
-/* Prints the sensitivity proof. A mistake that was never triggered, or that never changed a result, is
-   listed, because the proof does not cover this mistake. */
+/*
+ * Prints the sensitivity proof. If a mistake was never triggered or never changed a result, it is listed, because the
+ * proof does not cover it.
+ */
 void validate_print_faults(const app_state *app, const sensitivity *s);
-/* Prints the suite's counts and the first tests that failed. suite: the contents of suite.json. */
+/* Prints the counts of the suite and the first tests that failed. `suite` contains the contents of suite.json. */
 void validate_print_suite(const app_state *app, const json_t *suite);
 /* Returns OST_ERR_DIFFER if a test of the suite failed, and OST_ERR_UNAVAILABLE if no test passed. */
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
-/* Prints the changes since the bundle of --against. impact: the contents of impact.json. */
+/* Prints the changes since the bundle of --against. `impact` contains the contents of impact.json. */
 void validate_print_impact(app_state *app, const char *against, json_t *impact);
-/* Returns an error because nothing was compared. This is not a difference. */
+/* Returns the error for a campaign in which nothing was compared. This is not a difference. */
 ost_status validate_nothing(ost_error *err);
 
 #endif

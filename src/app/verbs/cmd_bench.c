@@ -37,7 +37,7 @@ static void put_figures(json_t *o, const char *name, const bench_figures *f)
     put_integer(o, key, (int64_t)f->count);
 }
 
-/* Stores a whole number as a JSON integer and any other value as a real. */
+/* Stores an integral value as a JSON integer, and any other value as a real. */
 static void put_extra(json_t *o, const char *key, double value)
 {
     if (value >= 0 && value < 9e15 && (double)(int64_t)value == value)
@@ -159,7 +159,7 @@ static void print_row(const app_state *app, const bench_row *row)
     print_deadlines(app, row);
 }
 
-/* Prints a warning if rows were disturbed. An interrupted baseline makes the ratio appear better than it is. */
+/* Prints a warning if rows were disturbed. If the baseline was interrupted, the ratio appears better than it is. */
 static void print_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
@@ -172,7 +172,7 @@ static void print_disturbed(const app_state *app, const bench_table *table)
     }
 }
 
-/* Prints each distinct baseline of a suite once, and the reason for each missing one. */
+/* Prints each distinct baseline of a suite once. For each missing baseline, prints the reason. */
 static void print_baselines(const app_state *app, const bench_table *table)
 {
     for (size_t i = 0; i < table->count; i++) {
@@ -250,14 +250,14 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* Totals over all rows of a run. */
+/* Totals over all rows of a run of the verb. */
 typedef struct tally {
     size_t rows, run;
     bool wrong;
     char reason[BENCH_TEXT]; /* reason for which the first skipped row was not run */
 } tally;
 
-/* Prints the rows of a suite; if they are the first ones, the heading is printed before them. */
+/* Prints the rows of a suite. Before the first rows, prints the heading. */
 static void show_rows(app_state *app, const bench_options *options, const char *suite, const bench_table *table,
                       tally *all, bool markdown)
 {
@@ -301,8 +301,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
         if (strcmp(suite, "all") != 0 && strcmp(suite, s->name) != 0)
             continue;
         status = s->run(options, &table, err);
-        /* If a suite cannot be prepared, a row with the suite's name records the failure, and the next
-           suite begins. */
+        /* If a suite cannot be prepared, a row with the suite's name records the failure, and the next suite is run. */
         status = bench_row_not_run(&every_row, &table, &s->name, 1, "ms", options->threads, status, err);
         show_rows(app, options, suite, &table, &all, markdown);
         fflush(stdout);

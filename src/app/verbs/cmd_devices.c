@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements `osteon devices`: lists backends, renderers and devices, and for each unavailable one
- * the reason.
+ * Implements `osteon devices`: lists backends, renderers and devices. If one of these is not available, states the
+ * reason.
  */
 #include "config.h"
 
@@ -30,7 +30,7 @@ static void one(const app_state *app, json_t *array, const char *name, bool avai
     print_line(app, "  %-11s %-4s %s", name, available ? "yes" : "no", reason);
 }
 
-/* User data of the callback of ost_backend_devices: the verb's state and its list. */
+/* User data for the callback of ost_backend_devices: the state of the verb and its list. */
 typedef struct device_list {
     const app_state *app;
     json_t *array;
@@ -55,7 +55,7 @@ static void one_device(const ost_device_info *device, void *user)
         print_line(list->app, "  %-24s      %s", "", device->notes);
 }
 
-/* Lists the devices that the backends offer for selection. Only the OpenCL backend offers any. */
+/* Lists the devices that the backends offer for selection. Only the OpenCL backend offers devices. */
 static ost_status list_devices(const app_state *app, ost_error *err)
 {
     device_list list = {.app = app, .array = json_array()};
@@ -88,8 +88,10 @@ static void list_choices(const app_state *app, json_t *row, const ost_backend_se
                settings->threads == 1 ? "" : "s", text);
 }
 
-/* Lists the backends. Each one is opened briefly with the given --backend and --threads, so that
-   the list shows the settings that a verb would use. */
+/*
+ * Lists the backends. Each backend is opened briefly with the given --backend and --threads, so that the list shows
+ * the settings that a verb would use.
+ */
 static ost_status list_backends(const app_state *app, ost_error *err)
 {
     json_t *array = json_array();
@@ -104,7 +106,7 @@ static ost_status list_backends(const app_state *app, ost_error *err)
         known = known || chosen;
         if (info.available) {
             ost_error why = {0};
-            /* A plugin can be opened only if --backend names its file. */
+            /* The backend "plugin" can be opened only if --backend names the file of the plugin. */
             const bool named = strcmp(info.name, "plugin") != 0 || chosen;
             const ost_status status = chosen  ? backend_choose(app, &backend, &why)
                                       : named ? ost_backend_open(info.name, &backend, &why)

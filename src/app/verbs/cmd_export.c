@@ -6,7 +6,7 @@
  *   .stl .ply .obj                 the surface, closed
  *   .png                           slices, or a view of the surface
  *
- * It also writes a session as a table, .csv.
+ * The verb also writes a session as a table, .csv.
  */
 #include <math.h>
 #include <string.h>
@@ -35,7 +35,7 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
 {
     ost_mesh mesh = {0};
     ost_pm3 lo, hi;
-    /* A bone stores zeros instead of densities below its threshold, so there is nothing to interpolate. */
+    /* A bone stores 0 for each density below its threshold, so its densities cannot be interpolated. */
     const bool densities = in->kind == LOAD_CT && !args->before;
     ost_surface_placement placement = densities ? OST_SURFACE_DENSITY : OST_SURFACE_SMOOTH;
     progress_show(NULL, "extracting the surface", 0);
@@ -62,8 +62,10 @@ static ost_status export_surface(const app_state *app, const export_args *args, 
     return status;
 }
 
-/* Computes the indices of the voxel that contains --at. If --at is not given, each index is -1,
-   which means the middle. */
+/*
+ * Computes the indices of the voxel that contains the position of --at. If --at is not given, each index is -1, which
+ * means the middle.
+ */
 static ost_status voxel_at(const app_state *app, const export_args *args, const ost_geometry *g, int32_t at[3],
                            ost_error *err)
 {

@@ -111,7 +111,7 @@ static ost_status info_volume(const app_state *app, const char *name, const char
     return OST_OK;
 }
 
-/* Lists the series of a DICOM folder, and describes the one that would be read. */
+/* Lists the series of a DICOM folder, and describes the series that would be read. */
 static ost_status info_folder(const app_state *app, const char *name, const dicom_options *dicom, bool digest,
                               ost_error *err)
 {
@@ -142,8 +142,10 @@ static ost_status info_folder(const app_state *app, const char *name, const dico
     return status;
 }
 
-/* Describes a CT given as text. Such a file has no header, so it is read to the end, and the voxels
-   are then discarded. */
+/*
+ * Describes a CT given as text. Such a file has no header, so the complete file is read, and its voxels are
+ * discarded.
+ */
 static ost_status info_text(const app_state *app, const char *name, ost_error *err)
 {
     ost_backend *backend = NULL;
@@ -168,7 +170,7 @@ static ost_status info_text(const app_state *app, const char *name, ost_error *e
     return OST_OK;
 }
 
-/* Describes slices, which state neither spacing nor position. */
+/* Describes a stack of slices, which states neither spacing nor position. */
 static ost_status info_stack(const app_state *app, const char *name, ost_error *err)
 {
     ost_stack_facts facts;
@@ -196,7 +198,7 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
     ost_mesh_report report = {0};
     ost_pm3 lo, hi;
     size_t open_edges = 0;
-    /* Any size is accepted, because the mesh is only described. */
+    /* The unit is irrelevant: any size is accepted, because the mesh is only described. */
     progress_show(NULL, "reading the mesh", 0);
     ost_status status = ost_mesh_read(name, OST_UNIT_MM, &mesh, &report, err);
     if (status == OST_OK)

@@ -26,7 +26,7 @@ static ost_status find_kind(const app_state *app, const char *name, ost_phantom_
                        "trabecular2 or foam", name);
 }
 
-/* Reads --scale. The factor is a parameter of the shape and may have up to nine decimal places. */
+/* Reads the value of --scale. The factor is a parameter of the shape and may have up to nine decimal places. */
 static ost_status take_scale(const app_state *app, const option_decimal *given, double *out, ost_error *err)
 {
     int64_t billionths;

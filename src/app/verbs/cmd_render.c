@@ -7,7 +7,7 @@
  *   tool, --pose ---------------------- +--camera--> frame --> legend --> .png
  *   clip plane, ghost, lines -----------'
  *
- * It uses the simulator's renderer. The picture consists of the same bytes on every machine.
+ * The verb uses the simulator's renderer. On every machine, the picture consists of the same bytes.
  */
 #include <string.h>
 
@@ -92,7 +92,7 @@ static ost_status check_args(app_state *app, render_args *args, ost_error *err)
     return status == OST_OK ? out_check(app, args->out, "png", err) : status;
 }
 
-/* Adds the tool to the picture. Without --pose, the pose is the first one of the built-in reaming path. */
+/* Adds the tool to the picture. If --pose is not given, the pose is the first pose of the built-in reaming path. */
 static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoid *glenoid, bool known, ost_error *err)
 {
     ost_path path = {0};
@@ -117,7 +117,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     return status;
 }
 
-/* Sets the uncut surface from the bone of --before, or from the bone itself if --before is not given. */
+/* Sets the uncut surface from the bone of --before or, if --before is not given, from the bone itself. */
 static ost_status add_uncut(const app_state *app, const render_args *args, drawing *d, const ost_glenoid *glenoid,
                             bool known, ost_error *err)
 {

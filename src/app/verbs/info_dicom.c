@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lists the series of a folder of DICOM files, with what distinguishes them. */
+/* Lists the series of a folder of DICOM files, with the attributes that distinguish them. */
 #include "app/verbs/info_dicom.h"
 
 #include <inttypes.h>

@@ -164,8 +164,10 @@ static ost_status read_lines(reader *r, ost_input *input, size_t *count)
                     r->path, (unsigned long long)ost_input_offset(input));
 }
 
-/* Splits the lines into fields. Reading a line may move the buffer, so pointers into the lines are stored only after
- * all lines have been read. */
+/*
+ * Splits the lines into fields. Reading a line may move the buffer, so pointers into the lines are stored only after
+ * all lines have been read.
+ */
 static ost_status read_fields(reader *r, ost_input *input, ost_data_names *names)
 {
     size_t count;

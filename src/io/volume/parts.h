@@ -29,8 +29,10 @@ typedef struct ost_parts {
 
 /* Checks that every part exists and can contain its data. Called before memory is allocated. */
 ost_status ost_parts_check(const ost_parts *parts, ost_error *err);
-/* Reads exactly `size` bytes. If the data end earlier, the error message states the offset of their end. Must not be
- * called for text. */
+/*
+ * Reads exactly `size` bytes. If the data end earlier, the error message states the offset of their end. Must not be
+ * called for text.
+ */
 ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error *err);
 /* Checks the end of the data. Called after the last byte; returns an error if further data follow. */
 ost_status ost_parts_end(ost_parts *parts, ost_error *err);
