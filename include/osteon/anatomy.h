@@ -6,10 +6,9 @@
  *   voxels --surface--> points, normals --votes along the normals--> candidates --least squares--> spheres
  *   spheres --the one that faces a vault--> face --rim--> centre, axis; blade --spine--> trigonum, inferior angle
  *
- * The results are proposals, not measurements: each has figures that state how sure it is, and a
- * surgeon confirms or corrects it.  They are computed from additions, multiplications, divisions
- * and square roots of doubles in a fixed order, and lengths are rounded to 0.01 mm, so they are
- * the same on every machine.
+ * The results are proposals, not measurements. Each proposal has figures that state its uncertainty, and a surgeon
+ * confirms or corrects it. The results are the same on every machine: they are computed from additions,
+ * multiplications, divisions and square roots of doubles in a fixed order, and lengths are rounded to 0.01 mm.
  *
  * Threads: the functions have no state and may run on any thread; a volume that is passed
  * as const may be shared.
@@ -24,8 +23,8 @@ extern "C" {
 #endif
 
 /*
- * The voxels that are bone: those whose values are from low to high.  For label k of a label map
- * both are k; for a CT they are the threshold and 32767.  low must be at least 1.
+ * The bone voxels of a volume, which are the voxels with values from low to high. For label k of a label map, both
+ * low and high are k. For a CT, low is the threshold and high is 32767. low must be at least 1.
  */
 typedef struct ost_anatomy_bone {
     const ost_volume *volume;
@@ -34,52 +33,53 @@ typedef struct ost_anatomy_bone {
 
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
-    bool concave;                   /* the bone lies outside the sphere, as at the glenoid; default: inside */
-    ost_pm radius_min, radius_max;  /* 5 to 100 mm; 0, 0: 17 and 32 mm, or 20 and 45 mm if concave */
-    bool has_near;                  /* only spheres whose centres are within `reach` of `near` are found */
+    bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
+    ost_pm radius_min, radius_max;  /* range of the radius, 5 to 100 mm; if both are 0, 17 to 32 mm, or 20 to 45 mm if
+                                     * concave */
+    bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;
     ost_pm reach;
 } ost_sphere_options;
 
 /* A sphere that fits a part of the surface of a bone. */
 typedef struct ost_sphere {
-    ost_pm3 centre;     /* rounded to 0.01 mm, as the radius */
+    ost_pm3 centre;     /* centre and radius, rounded to 0.01 mm */
     ost_pm radius;
-    double coverage;    /* share of the sphere that lies on the surface of the bone, 0 to 1 */
-    double area_mm2;    /* area of the surface of the bone that lies on the sphere */
-    double residual_mm; /* RMS distance of this surface from the sphere */
-    double facing[3];   /* unit vector from the centre to the middle of this surface */
+    double coverage;    /* share of the sphere's area that lies on the bone's surface, 0 to 1 */
+    double area_mm2;    /* area of the bone's surface that lies on the sphere */
+    double residual_mm; /* RMS distance between this part of the surface and the sphere */
+    double facing[3];   /* unit vector from the centre to the middle of this part of the surface */
 } ost_sphere;
 
 enum { OST_SPHERES_MAX = 16 };
 /*
- * Finds spheres on the surface of a bone.  Cavities in the bone are ignored.  Stores at most `most` (1 to
- * OST_SPHERES_MAX) spheres in out, in descending order of coverage, or of area if they are concave, and their
- * number in *count.  Spheres have at least 10 mm between their centres.  A sphere is reported if it covers a share of
- * at least 0.15, or at least 200 mm2 if it is concave.  Returns OST_ERR_RANGE if an option is out of range,
- * and OST_ERR_INPUT if there is no bone or no sphere.
+ * Finds spheres on the surface of a bone. Cavities in the bone are ignored. Stores at most `most` (1 to
+ * OST_SPHERES_MAX) spheres in out, and their number in *count. Convex spheres are in descending order of coverage,
+ * which is at least 0.15. Concave spheres are in descending order of area, which is at least 200 mm2. The centres
+ * of two spheres are at least 10 mm apart. Returns OST_ERR_RANGE if an option is out of range, and OST_ERR_INPUT if
+ * there is no bone or no sphere.
  */
 OST_API ost_status ost_spheres_find(const ost_anatomy_bone *bone, const ost_sphere_options *options, ost_sphere *out,
                                     int most, int *count, ost_error *err);
 
-enum { OST_RIM_MAX = 72 }; /* number of directions, 5 degrees apart, in which the rim of the glenoid is searched */
+enum { OST_RIM_MAX = 72 }; /* number of directions, 5 degrees apart, in which the glenoid's rim is searched for */
 
 /*
- * Landmarks of a scapula, as docs/reference/landmarks.md defines them.  Lengths and positions are rounded to 0.01 mm,
+ * Landmarks of a scapula, defined in docs/reference/landmarks.md. Lengths and positions are rounded to 0.01 mm, and
  * components of the axis to 0.000001.
  */
 typedef struct ost_scapula_landmarks {
     ost_pm3 glenoid;       /* centre of the glenoid's face */
-    double axis[3];        /* unit vector perpendicular to the plane of the rim, into the bone */
+    double axis[3];        /* unit vector into the bone, perpendicular to the plane of the rim */
     ost_pm3 trigonum, inferior; /* trigonum spinae, inferior angle */
     bool left;
-    ost_sphere curvature;  /* sphere of the face */
+    ost_sphere curvature;  /* sphere that fits the face */
     ost_pm height, width;  /* extents of the rim */
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*
-     * How sure the proposal is.  A spread is the greatest change when the surface is moved in or out, when only the
-     * even or the odd directions of the rim are used, and when the grid is coarser.
+     * The uncertainty of the proposal. A spread is the greatest change of a value when the surface is moved inward
+     * or outward, when only the even or only the odd directions of the rim are used, and when the grid is coarser.
      */
     double rim_share;      /* share of the directions in which the rim was found */
     double rim_residual_mm; /* RMS distance of the rim from its plane */
@@ -87,16 +87,16 @@ typedef struct ost_scapula_landmarks {
 } ost_scapula_landmarks;
 
 /*
- * Proposes the landmarks of a scapula.  head is the sphere of the humeral head, or NULL if it is not known.  Returns
- * OST_ERR_INPUT with the reason if the bone is not a complete scapula with one glenoid, or if it has no glenoid that
- * can be seen from outside.
+ * Proposes the landmarks of a scapula. head is the sphere of the humeral head, or NULL if it is not known. Returns
+ * OST_ERR_INPUT with the reason if the bone is not a complete scapula with one glenoid, or if its glenoid is not
+ * visible from outside.
  */
 OST_API ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, const ost_sphere *head,
                                               ost_scapula_landmarks *out, ost_error *err);
 
 /*
- * Finds the rim of a glenoid whose centre (mm) and inward axis are given: up to OST_RIM_MAX positions, in their order
- * around the axis. Returns OST_ERR_INPUT if the volume ends before the glenoid.
+ * Finds the rim of a glenoid, given its centre (mm) and its inward axis. The result has up to OST_RIM_MAX
+ * positions, ordered around the axis. Returns OST_ERR_INPUT if the volume ends before the glenoid.
  */
 OST_API ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centre_mm[3], const double axis[3],
                                         ost_pm3 rim[OST_RIM_MAX], int *count, ost_error *err);

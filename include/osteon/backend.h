@@ -15,17 +15,15 @@
  *   samples --ct_to_rect--> grid --rect_to_cubic--> grid --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool                      event --remove--> bone, report
  *
- * Lifetimes: grids, bones and tools are owned by the caller and must be freed
- * before their backend is closed.  All objects of a call must belong to one
- * backend; otherwise the call returns OST_ERR_USAGE.
- * Threads: a backend and its objects may be used by one thread at a time; different backends may be used
- * by different threads at the same time.  After fork(), the child must not call osteon before exec,
- * because the OpenMP runtime's threads do not exist in the child.
- * Errors: these functions check their arguments.  A failed call leaves the objects that it would have
- * changed as they were, unless its comment says otherwise.  The exception is a device that fails while it
- * changes a grid or a bone: the state of that object is then unknown, and every later call with the
- * object, except the one that frees it, returns OST_ERR_UNAVAILABLE.  The caller can create the object
- * again; ost_world_failover (sim.h) does this for a world, on another backend.
+ * Lifetimes: grids, bones and tools are owned by the caller and must be freed before their backend is closed. All
+ * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE. Threads: a backend and
+ * its objects may be used by one thread at a time; different backends may be used by different threads at the same
+ * time. After fork(), the child must not call osteon before exec, because the OpenMP runtime's threads do not exist
+ * in the child. Errors: these functions check their arguments. If a call fails, the objects that it would have
+ * changed remain unchanged, unless the comment of the function states otherwise. The exception is a device that
+ * fails while it changes a grid or a bone. The state of this object is then unknown; the object can only be freed,
+ * and every other call with it returns OST_ERR_UNAVAILABLE. The caller can create the object again;
+ * ost_world_failover (sim.h) does this for a world, on another backend.
  */
 #ifndef OSTEON_BACKEND_H
 #define OSTEON_BACKEND_H
@@ -47,7 +45,7 @@ typedef struct ost_backend_info {
     const char *name;        /* "ref" */
     const char *description; /* one sentence */
     bool available;
-    char reason[256]; /* if the backend is not available: the reason, and the package to install */
+    char reason[256]; /* if the backend is not available: the reason, and the package that must be installed */
 } ost_backend_info;
 
 /* Returns the number of backends. The backends are numbered from 0 in a fixed order. */
@@ -61,12 +59,12 @@ OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_er
 /* A device on which a backend can be opened, as listed by `osteon devices`. */
 typedef struct ost_device_info {
     const char *spec;     /* string for ost_backend_open: "cl:platform=0,device=1" */
-    const char *platform; /* name and version of the platform */
+    const char *platform; /* name and version of the OpenCL platform */
     const char *name;     /* name of the device and version of its driver */
     bool available;
-    const char *reason; /* if the device is not available: the reason */
-    const char *notes;  /* floating-point properties of the device, for records; they have no effect on any voxel */
-    const char *facts;  /* lines "CL_DEVICE_VENDOR=..." as the driver reports them, for records; may be "" */
+    const char *reason; /* if the device is not available: the reason; otherwise "" */
+    const char *notes;  /* floating-point properties of the device, for reports; they do not affect any voxel */
+    const char *facts;  /* lines "CL_DEVICE_VENDOR=..." with the properties that the driver reports; may be "" */
 } ost_device_info;
 
 /* Receives one device. The texts are valid until the function returns. */
@@ -88,11 +86,11 @@ OST_API void ost_backend_close(ost_backend *backend);
 /* Returns the name of a backend without options, for example "cpu". The text is static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
-/* Settings of an open backend, as determined by its options, the environment and the machine. */
+/* Settings of an open backend, which follow from its options, the environment and the machine. */
 typedef struct ost_backend_settings {
     const char *isa; /* instruction set in use, for instance "avx2"; "" if the backend has no choice */
     int threads;     /* maximum number of threads, >= 1 */
-    /* indices of the platform and the device, as in "cl:platform=0,device=1"; -1 if the backend has no devices */
+    /* Indices of the platform and of the device, as in "cl:platform=0,device=1"; -1 if the backend has no devices. */
     int platform, device;
 } ost_backend_settings;
 
@@ -109,25 +107,25 @@ OST_API void ost_grid_free(ost_grid *grid);
 OST_API const ost_geometry *ost_grid_geometry(const ost_grid *grid);
 /* Copies dims.x * dims.y * count elements, x fastest, from host memory to slices z0 <= k < z0 + count of a grid. */
 OST_API ost_status ost_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
-/* Copies slices from a grid to host memory, in the layout of ost_grid_upload. */
+/* Copies slices from a grid to host memory. The layout is that of ost_grid_upload. */
 OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
 /* ---------------------------------------------------------------- import */
 
 /*
- * One line of a CT in text form (thesis, Alg. 2.2).  The `line` member counts from the first line of the batch, so that
- * 32 bits suffice for a file of any length.
+ * One line of a CT in text form (thesis, Alg. 2.2). The `line` member counts from the first line of the batch, so
+ * that 32 bits are sufficient for a file of any length.
  */
 typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
-    /* density, which must fit int16; otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample */
+    /* Density, which must fit int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
     int32_t density;
-    uint32_t line;   /* line number minus the number of the batch's first line */
+    uint32_t line;   /* line number, minus the line number of the batch's first line */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */
 typedef enum ost_duplicates {
-    OST_DUPLICATES_ERROR, /* samples of different densities are an error */
+    OST_DUPLICATES_ERROR, /* samples with different densities for one voxel are an error */
     OST_DUPLICATES_FIRST, /* the first density in file order is used */
     OST_DUPLICATES_LAST,
     OST_DUPLICATES_MAX
@@ -139,16 +137,16 @@ typedef enum ost_duplicates {
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
-    uint64_t duplicates;         /* number of samples whose voxel already had a density, equal or not */
-    uint64_t off_lattice;        /* number of samples more than 1/8 of a voxel off the lattice */
+    uint64_t duplicates;         /* number of samples whose voxel already had a density, whether equal or different */
+    uint64_t off_lattice;        /* number of samples that are more than 1/8 of a voxel off the lattice */
     /* greatest distance of a sample from the lattice, in millionths of a voxel, rounded down */
     uint64_t worst_offset_ppm;
-    int64_t worst_line;          /* line of the first sample with this greatest distance */
-    /* line of the first sample more than 3/8 of a voxel off the lattice, or outside the grid */
+    int64_t worst_line;          /* line of the first sample with the greatest distance */
+    /* Line of the first sample that is more than 3/8 of a voxel off the lattice, or outside the grid. */
     int64_t rejected_line;
     /* line of the first sample whose voxel already has a different density (only with OST_DUPLICATES_ERROR) */
     int64_t conflict_line;
-    /* for the sample on conflict_line: the voxel's density, and the sample's density */
+    /* For the sample on conflict_line: density that the voxel already had, and density of the sample. */
     int16_t conflict_had, conflict_has;
 } ost_scatter_report;
 
@@ -162,10 +160,10 @@ OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, siz
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
 
 /*
- * The resampling rule (AR-CUB).  On each axis, let s be the spacing of the rect grid and c the edge length of a cubic
- * voxel.  t = ((2i + 1) c - s) / (2s) is the centre of cubic voxel i, in units of rect voxels.  LINEAR interpolates
- * between the eight voxels around t, NEAREST uses the voxel that contains t, and THESIS uses the voxel floor(i c / s)
- * (Alg. 2.5).
+ * The resampling rule (AR-CUB). On each axis, let s be the spacing of the rect grid and c the edge length of a
+ * cubic voxel. The centre of cubic voxel i, in units of rect voxels, is t = ((2i + 1) c - s) / (2s). LINEAR
+ * interpolates between the eight voxels around t, NEAREST uses the voxel that contains t, and THESIS uses the voxel
+ * floor(i c / s) (Alg. 2.5).
  */
 typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAMPLE_THESIS } ost_resample;
 
@@ -181,8 +179,8 @@ OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_res
                                      ost_error *err);
 
 /*
- * Creates a bone from a cubic grid (AR-CHK).  Voxels of density >= threshold are active; all others are stored as 0.
- * chunk_size is 16, 32 or 64, and 1 <= threshold <= 32767.
+ * Creates a bone from a cubic grid (AR-CHK). Voxels whose density is at least threshold are active; all other
+ * voxels are stored as 0. chunk_size is 16, 32 or 64, and 1 <= threshold <= 32767.
  */
 OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                        ost_error *err);
@@ -200,7 +198,7 @@ typedef struct ost_bone_info {
     int64_t active_chunks;
     int64_t active_voxels;
     int64_t chunk_bytes; /* size in bytes of the densities and the occupancy of all active chunks */
-    /* the bone's total memory use in bytes, including tables and unused capacity; depends on the backend */
+    /* Total memory of the bone in bytes, including tables and unused capacity. The value depends on the backend. */
     int64_t resident_bytes;
 } ost_bone_info;
 
@@ -219,21 +217,21 @@ OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, o
  * elements, x fastest, without the padding of chunks.  Densities below the threshold are stored as 0.
  */
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
-/* Copies slices from a bone to host memory, in the layout of ost_bone_upload. Voxels that are not active are 0. */
+/* Copies slices from a bone to host memory. The layout is that of ost_bone_upload. Voxels that are not active are 0. */
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
- * Reads the densities of `count` single voxels.  Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y and
- * z.  The density of a voxel that is not active or is outside the grid is 0.  The function allocates no memory, so it
- * may be called in a tick.  Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
+ * Reads the densities of `count` single voxels. Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y
+ * and z. If a voxel is not active or is outside the grid, its density is 0. The function allocates no memory, so it
+ * may be called in a tick. Returns OST_ERR_UNAVAILABLE on a backend whose voxels are not in host memory.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
 /*
- * Reads the occupancy of `count` chunks.  chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
- * cz).  words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
- * and is bit v % 32 of word v / 32.  The function allocates no memory, so it may be called in a tick.  If the bone is
- * on a device, the function blocks until the data has arrived.  Returns OST_ERR_UNAVAILABLE if the backend can read
- * only slices, as is the case for `plugin`.
+ * Reads the occupancy of `count` chunks. chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
+ * cz). words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
+ * and is bit v % 32 of word v / 32. The function allocates no memory, so it may be called in a tick. If the bone is
+ * on a device, the function blocks until the data has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read
+ * only slices, like the backend `plugin`.
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
@@ -246,8 +244,8 @@ OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost
 /* ----------------------------------------------------------------- tools */
 
 /*
- * The rule that decides whether a point is inside a mesh (AR-VOX-4).  WINDING: the winding number of the point is not
- * zero.  PARITY: the number of crossings is odd.
+ * The rule that determines whether a point is inside a mesh (AR-VOX-4). WINDING: the point is inside if its winding
+ * number is not zero. PARITY: the point is inside if the number of crossings is odd.
  */
 typedef enum ost_fill_rule { OST_FILL_WINDING, OST_FILL_PARITY } ost_fill_rule;
 
@@ -258,14 +256,14 @@ typedef struct ost_voxelize_report {
 } ost_voxelize_report;
 
 /*
- * Voxelizes two meshes that are snapped to the same grid (AR-VOX).  A voxel that is solid in both meshes is cutting.
- * noncutting and report may be NULL.
+ * Voxelizes one or two meshes that are snapped to the same grid (AR-VOX). A voxel that is solid in both meshes is
+ * cutting. noncutting and report may be NULL.
  */
 OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                 ost_tool **out, ost_error *err);
 /*
- * Creates a tool from voxels in host memory (classes 0, 1 and 2; AR-TOOL-4), which are copied. The caller frees *out.
+ * Creates a tool by copying voxels from host memory (classes 0, 1 and 2; AR-TOOL-4). The caller frees *out.
  */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /*
@@ -282,10 +280,10 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
 /* ---------------------------------------------------------------- events */
 
 /*
- * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM): its density
- * becomes 0 and its occupancy bit is cleared.  ost_bone_collide reports the same voxels without removing them.
- * *report is cleared first; after an error it is undefined.  The tool's dims must be <= OST_TOOL_DIM_REMOVE_MAX, and
- * the event's maps must have been made for this bone and this tool.
+ * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM): its
+ * density becomes 0 and its occupancy bit is cleared. ost_bone_collide reports the same voxels without removing
+ * them. *report is cleared first, and is undefined after an error. The tool's dims must be <=
+ * OST_TOOL_DIM_REMOVE_MAX, and the event's maps must have been made for this bone and this tool.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
@@ -294,8 +292,8 @@ OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, 
                                     ost_removal_report *report, ost_error *err);
 
 /*
- * Blocks until all previous calls are complete. If the work of a previous call failed after that call had returned,
- * returns the error.
+ * Blocks until all previous calls are complete. Returns the error if the work of a previous call failed after that
+ * call had returned.
  */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 

@@ -2,8 +2,8 @@
 /*
  * Digests of grids (docs/spec/arithmetic.md, AR-DIG).
  *
- * Tests for equality compare the voxels by memcmp; digests are stored in records.  The digest of a grid is
- * the SHA-256 of a canonical form that does not depend on the chunk size or the backend:
+ * To test grids for equality, the voxels are compared by memcmp; digests are stored in files. The digest of a grid
+ * is the SHA-256 of a canonical form that does not depend on the chunk size or the backend:
  *
  *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero outside the grid)
  *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
@@ -31,7 +31,7 @@ typedef struct ost_digest {
     uint8_t bytes[OST_DIGEST_BYTES];
 } ost_digest;
 
-/* Kinds of grids; the header contains the kind as a uint32. */
+/* Kinds of grids. The header contains the kind as a uint32. */
 typedef enum ost_grid_kind {
     OST_GRID_RECT = 1,
     OST_GRID_CUBIC = 2,
@@ -66,7 +66,7 @@ OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volum
 OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels,
                                     size_t voxel_size, ost_digest *out, ost_error *err);
 
-/* Computes the SHA-256 of bytes, as printed by sha256sum. */
+/* Computes the SHA-256 of `size` bytes, as the program sha256sum does. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
 
 /* Writes the digest as 64 lower-case hexadecimal digits and a NUL. Returns hex. */
@@ -74,8 +74,10 @@ OST_API char *ost_digest_hex(const ost_digest *digest, char hex[OST_DIGEST_HEX])
 /* Returns true if two digests have the same bytes. */
 OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
 
-/* An incremental SHA-256 for streams, such as the samples of a text file. The type is opaque. A hasher has one
-   owner. */
+/*
+ * An incremental SHA-256 for streams, such as the samples of a text file. The type is opaque. A hasher is owned by
+ * the caller that opened it.
+ */
 typedef struct ost_hasher ost_hasher;
 /* Creates a hasher. The caller frees it by ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);

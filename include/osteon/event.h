@@ -35,25 +35,25 @@ typedef struct ost_int128 {
 enum { OST_SWEEP_MAX = 4096 };
 
 /*
- * Computes the number of poses n of AR-SWEEP-2: the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2, where d is the
- * displacement of a corner of the tool's box from pose a to pose b, and s is the edge length of a bone voxel.
- * Both positions of a corner are rounded RHE to picometres, and the maximum is over all corners.  Returns
+ * Computes the number of poses n of a sweep (AR-SWEEP-2): the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2. Here, d
+ * is the displacement of a corner of the tool's box from pose a to pose b, and s is the edge length of a bone
+ * voxel. Both positions of a corner are rounded to picometres (RHE), and the maximum is over all corners. Returns
  * OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
                                    ost_pm bone_voxel, int *count, ost_error *err);
 
 /*
- * Returns pose k of n between a and b, 1 <= k <= n (AR-SWEEP-4).  The pose is ((n-k) a + k b) / n, with each component
- * rounded RHE and with the quaternion of b negated if q_a . q_b < 0.
+ * Returns pose number k of a sweep of n poses from a to b, 1 <= k <= n (AR-SWEEP-4). The pose is ((n-k) a + k b) /
+ * n with each component rounded (RHE). If q_a . q_b < 0, the quaternion of b is negated first.
  */
 OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
 /* ------------------------------------------------------------------- map */
 
 /*
- * Tool coordinates are fixed-point numbers: one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned to voxel
- * (0, 0, 0).
+ * Tool coordinates are fixed-point numbers in which one tool voxel is 2^20. Blocks of 16^3 bone voxels are aligned
+ * to voxel (0, 0, 0).
  */
 enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
 
@@ -76,8 +76,8 @@ typedef struct ost_map {
 } ost_map;
 
 /*
- * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE if a limit of AR-MAP-2 is
- * exceeded.
+ * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE if the map exceeds a
+ * limit of AR-MAP-2.
  */
 OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
                                 ost_map *out, ost_error *err);
@@ -91,17 +91,19 @@ OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base
 
 /* ------------------------------------------------------------------ event */
 
-/* A box of voxels: the voxels (i, j, k) with lo <= (i, j, k) < hi on each axis. The box is empty if lo >= hi on any
-   axis. */
+/*
+ * A box of voxels. It contains the voxels (i, j, k) with lo <= (i, j, k) < hi on each axis. If lo >= hi on any
+ * axis, the box is empty.
+ */
 typedef struct ost_voxel_box {
     int32_t lo[3], hi[3];
 } ost_voxel_box;
 
 enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
-/* Half-open density classes: class c is [border[c], border[c + 1]); the last class has no upper border. */
+/* Density classes as half-open ranges: class c is [border[c], border[c + 1]). The last class has no upper border. */
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
-    /* lower borders, at least 1 and strictly increasing; voxels below border[0] belong to class 0 */
+    /* Lower borders of the classes, at least 1 and strictly increasing. A voxel below border[0] belongs to class 0. */
     int16_t border[OST_CLASS_MAX];
     char name[OST_CLASS_MAX][OST_CLASS_NAME];
 } ost_density_classes;
@@ -116,12 +118,12 @@ OST_API ost_density_classes ost_density_classes_default(void);
  * (AR-CLS-1).
  */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
-/* Parses density classes of the form "name:border,name:border,...", which is used on the command line. */
+/* Parses density classes of the form "name:border,name:border,...", as used on the command line. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 
 /*
- * An event.  All pointers are borrowed until the call returns.  boxes[k] must contain every voxel that pose k maps into
- * the tool's grid.  A box that contains the complete bone is always valid.
+ * An event. All pointers are borrowed until the call returns. boxes[k] must contain every voxel that pose k maps
+ * into the tool's grid. A box that contains the complete bone is always valid.
  */
 typedef struct ost_removal_event {
     int pose_count; /* 1..OST_SWEEP_MAX */
@@ -133,12 +135,12 @@ typedef struct ost_removal_event {
 typedef struct ost_chunk_report {
     int32_t chunk; /* number of the chunk: cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
     uint32_t voxels[OST_CLASS_MAX];
-    int64_t density[OST_CLASS_MAX]; /* for each class, the sum of the densities that the removed voxels had */
+    int64_t density[OST_CLASS_MAX]; /* for each class, the sum of the removed voxels' densities before the removal */
 } ost_chunk_report;
 
 /*
- * The report of an event: the chunks with at least one hit, in ascending order, and totals.  Zero-initialise a report
- * once, reuse it for every event, and free it by ost_removal_report_free.
+ * The report of an event. It contains totals, and the chunks with at least one hit in ascending order.
+ * Zero-initialise a report once, reuse it for every event, and free it by ost_removal_report_free.
  */
 typedef struct ost_removal_report {
     size_t count, capacity;
@@ -146,10 +148,10 @@ typedef struct ost_removal_report {
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
-    uint64_t touched_voxels; /* number of active voxels covered only by non-cutting voxels; they are not removed */
+    uint64_t touched_voxels; /* number of active voxels that only non-cutting voxels cover; these are not removed */
 } ost_removal_report;
 
-/* Clears the content of a report and keeps its memory for reuse. */
+/* Clears the content of a report. Its memory is kept for reuse. */
 OST_API void ost_removal_report_clear(ost_removal_report *report);
 /* Appends a copy of chunk and adds its counts to the totals. Returns OST_ERR_MEMORY on failure. */
 OST_API ost_status ost_removal_report_add(ost_removal_report *report, const ost_chunk_report *chunk, ost_error *err);

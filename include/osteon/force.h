@@ -14,7 +14,7 @@
  *             that touches bone advances at the speed at which the cutting power that
  *             results from its pressure removes the bone, so dense bone takes longer.
  *             A non-cutting point that touches bone stops the tool.
- *   instant   The tool is at the device's pose, as in the thesis.  The force is
+ *   instant   The tool is at the device's pose, as in the thesis. The force is
  *             that of an elastic layer of bone, compressed around the tool.
  *
  * The force is computed in floating point.  The removal of bone uses integers only:
@@ -39,7 +39,7 @@ typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mo
 /* Parameters of the force, in SI units. docs/reference/force.md lists the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    /* ratio of hand force to contact force; a device limited to 3.3 N cannot render the 40 N of a reamer */
+    /* Ratio of hand force to contact force. A device limited to 3.3 N cannot render the 40 N of a reamer. */
     double scale;
     double stiffness;          /* stiffness of the coupling for the hand force, N/m */
     double damping;            /* damping of the coupling for the hand force, N s/m */
@@ -50,36 +50,38 @@ typedef struct ost_force_params {
     double density_at_0;       /* density at 0 HU, g/cm^3 */
     double density_per_hu;     /* increase of density per HU, g/cm^3 */
     double layer;              /* thickness of the compressed layer, m; only for OST_FORCE_INSTANT */
-    /* force per area and per depth of the layer at the reference density, N/m^3; only for OST_FORCE_INSTANT */
+    /* Force per area and per depth of the layer, N/m^3, for bone of the reference density; only for
+     * OST_FORCE_INSTANT. */
     double layer_stiffness;
-    /* angular stiffness of the coupling for the hand torque, N m/rad; with 0, the tool always has the device's
-       orientation */
+    /* Angular stiffness of the coupling for the hand torque, N m/rad. With 0, the tool always has the device's
+     * orientation. */
     double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    /* ratio of the force amplitude at the tooth-passing frequency to shaking_n; 0: no vibration */
+    /* Ratio of the force amplitude at the tooth-passing frequency to shaking_n; 0 means no vibration. */
     double vibration;
-    /* ratio of the force amplitude across the axis, at the frequency of rotation, to shaking_n; 0: no runout */
+    /* Ratio of the force amplitude perpendicular to the axis, at the frequency of rotation, to shaking_n; 0 means
+     * no runout. */
     double runout;
-    double teeth;              /* number of teeth that pass a point in one revolution */
+    double teeth;              /* number of teeth that pass a fixed point during one revolution */
 } ost_force_params;
 
 /* Returns the default parameters listed in docs/reference/force.md. */
 OST_API ost_force_params ost_force_defaults(void);
-/* Returns the density in g/cm^3 of bone with hu Hounsfield units. */
+/* Returns the density, in g/cm^3, of bone with `hu` Hounsfield units. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
-/* Returns the energy in J/m^3 to cut bone with hu Hounsfield units: energy * (density / reference_density)^2. */
+/* Returns the energy, in J/m^3, to cut bone with `hu` Hounsfield units: energy * (density / reference_density)^2. */
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
 
 typedef struct ost_shell_point {
     double at[3], inward[3]; /* position in m and inward unit normal, in the tool's frame */
-    double area;             /* area of the surface represented by the point, m^2 */
+    double area;             /* surface area that the point represents, m^2 */
     bool cutting;
 } ost_shell_point;
 
 enum { OST_SHELL_MAX = 512 };
-/* The points of a tool's surface. */
+/* A tool's surface as a set of points. */
 typedef struct ost_shell {
     size_t count;
     ost_shell_point *points; /* owned */
@@ -98,8 +100,8 @@ OST_API void ost_shell_free(ost_shell *shell);
 typedef struct ost_force ost_force;
 
 /*
- * Creates a force for a bone.  The bone must outlive the force.  params is copied; NULL selects the defaults.  Returns
- * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels within a tick, as is the case for `cl` and
+ * Creates a force for a bone. The bone must outlive the force. params is copied; NULL selects the defaults. Returns
+ * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels within a tick, like the backends `cl` and
  * `plugin`.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
@@ -108,39 +110,39 @@ OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params
 OST_API void ost_force_free(ost_force *force);
 /* Adds a tool. Tools must be added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
-/* Adds a tool that is represented by the given shell, which is copied. */
+/* Adds a tool that is represented by the given shell. The shell is copied. */
 OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err);
 
-/* The result of a step, in the bone's frame; torques are about the tool's origin. */
+/* The result of a step, in the bone's frame. Torques are about the tool's origin. */
 typedef struct ost_force_result {
     ost_pose tool;        /* pose of the tool after the step */
     double force_n[3], torque_nm[3];           /* hand force and hand torque before the safety layer */
-    double axial_n;       /* contact force along the tool's axis, positive if it opposes the tool's advance */
+    double axial_n;       /* contact force along the tool's axis, positive if the force opposes the tool's advance */
     double off_axis_n;    /* contact force perpendicular to the tool's axis */
     double cutting_nm;    /* contact torque about the tool's axis */
     double power_w;       /* power used to cut bone */
-    /* sum of the hand forces of the cutting points, each weighted by density / reference_density */
+    /* Sum of the hand forces of the cutting points, each weighted by density / reference_density. */
     double shaking_n;
     int touching;         /* number of points that touch bone */
 } ost_force_result;
 
 /*
- * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose.  Does not remove bone;
- * to remove bone, the caller passes out->tool to ost_world_step.  Allocates no memory and does not block.  In its first
- * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
+ * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Bone is not
+ * removed; for this, the caller passes out->tool to ost_world_step. Allocates no memory and does not block. In its
+ * first step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
 /*
- * Computes the same step as ost_force_step without changing the state.  Afterwards, the data that the next
- * ost_force_step needs is in the caches (see ost_world_rehearse).
+ * Computes the same step as ost_force_step but does not change the state. Afterwards, the caches contain the data
+ * that the next ost_force_step needs (see ost_world_rehearse).
  */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
 /*
- * Sets the motor of the current tool (AR-MOTOR).  speed is the angular speed in rad/s from now on; 0 means that the
- * motor is off, so that the tool presses on bone but does not cut.  turned is the angle in radians, about the tool's z
- * axis, by which the motor has turned the tool and the device's pose since the last step.
+ * Sets the motor of the current tool (AR-MOTOR). speed is the angular speed in rad/s from now on. If speed is 0,
+ * the motor is off, and the tool presses on bone without cutting. turned is the angle in radians by which the motor
+ * has turned the tool and the device's pose about the tool's z axis since the last step.
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
 /* Makes `tool` the current tool and sets its pose, which may differ from the device's pose. */
@@ -148,17 +150,21 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
 
 /* ------------------------------------------------------------------ safety */
 
-/* Limits applied to the computed force before it is sent to the device. docs/reference/force.md lists the sources. */
+/*
+ * Limits that are applied to the computed force before it is sent to the device. docs/reference/force.md lists
+ * their sources.
+ */
 typedef struct ost_safety_params {
-    double max_force_n, max_torque_nm;       /* greatest force, N, and torque, N m; the limiting is smooth */
+    double max_force_n, max_torque_nm; /* greatest force, N, and torque, N m; the limits are approached smoothly */
     double slew_n;              /* greatest change of the force in one tick, N */
-    double ramp_s;              /* time in which the force rises from 0 after a start or a fault, s */
-    int max_ticks_without_sample; /* number of consecutive ticks without a new pose after which the force is 0 */
-    /* bit mask of dead-man buttons, at least one of which must be held; 0: no button is required */
+    double ramp_s;              /* time, s, in which the force rises from 0 after a start or a fault */
+    int max_ticks_without_sample; /* the force becomes 0 after this number of consecutive ticks without a new pose */
+    /* Bit mask of dead-man buttons, at least one of which must be held; 0 means that no button is required. */
     uint32_t dead_man;
-    /* greatest energy that the coupling can store, J; the passivity observer limits the stored energy to this value */
+    /* Greatest energy, J, that the coupling can store. The passivity observer limits the stored energy to this
+     * value. */
     double stored_j;
-    double max_damping;         /* greatest damping that the passivity controller adds, N s/m; 0: no controller */
+    double max_damping;         /* greatest damping, N s/m, that the passivity controller adds; 0 means no controller */
 } ost_safety_params;
 
 /* Returns the default limits listed in docs/reference/force.md. */
@@ -167,8 +173,8 @@ OST_API ost_safety_params ost_safety_defaults(void);
 /* ------------------------------------------------------------ parameter files */
 
 /*
- * A parameter of ost_force_params or ost_safety_params: name ("stiffness"), unit ("N/m"), a sentence that gives its
- * source, and the accepted range.
+ * A parameter of ost_force_params or ost_safety_params: its name ("stiffness"), its unit ("N/m"), a sentence that
+ * states its source, and the accepted range.
  */
 typedef struct ost_force_key {
     const char *name, *unit, *about;
@@ -180,9 +186,9 @@ typedef struct ost_force_key {
  * 0 in a fixed order.
  */
 OST_API int ost_force_key_count(void);
-/* Returns the description of parameter number `index`, which is static, or NULL if index is out of range. */
+/* Returns the description of parameter number `index`, which is static. Returns NULL if index is out of range. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Returns the value of parameter number `index`, read from the struct that contains the parameter. */
+/* Returns the value of parameter number `index` from the one struct, *force or *safety, that contains the parameter. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value to text in the format of a parameter file. Returns text. */
@@ -208,7 +214,7 @@ typedef struct ost_safety {
 } ost_safety;
 
 /*
- * The decision of the safety layer on the force of a tick. After OST_SAFETY_WITHHELD and OST_SAFETY_FAULT, the force
+ * The safety layer's decision on the force of a tick. After OST_SAFETY_WITHHELD and OST_SAFETY_FAULT, the force
  * rises gradually from 0.
  */
 typedef enum ost_safety_answer {
@@ -222,8 +228,8 @@ OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *param
 /* Sets the force to 0 after a fault. In the following steps, the force rises gradually from 0. */
 OST_API void ost_safety_stop(ost_safety *safety);
 /*
- * Applies the limits to force_n and torque_nm in place.  device is the newest pose of the device; The parameter fresh
- * is true if this pose is new in this tick.  Allocates no memory and does not block.
+ * Applies the limits to force_n and torque_nm in place. device is the newest pose of the device. fresh is true if
+ * this pose is new in this tick. Allocates no memory and does not block.
  */
 OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,
                                           double period_s, double force_n[3], double torque_nm[3]);

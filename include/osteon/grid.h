@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Dense grids: dims, spacing, origin, and int16 densities.
+ * Dense grids with dims, spacing, origin, and int16 densities.
  *
  * Voxel (i, j, k) is element i + dims.x * (j + dims.y * k): x fastest
  * (thesis, Alg. 1.1).  Its centre is origin + (i*sx, j*sy, k*sz), in the
@@ -38,18 +38,20 @@ enum { OST_DIM_MAX = 16384 };
 
 /* Returns the number of voxels, x * y * z. The product does not overflow for dims within AR-GRID. */
 OST_API int64_t ost_dims_count(ost_dims dims);
-/* Returns OST_ERR_RANGE if a value is outside the ranges of AR-GRID. The error message refers to the grid by the
-   text in `what`. */
+/*
+ * Returns OST_ERR_RANGE if a value is outside the ranges of AR-GRID. In the error message, `what` is the name of
+ * the grid.
+ */
 OST_API ost_status ost_geometry_check(const ost_geometry *geometry, const char *what, ost_error *err);
 /* Returns true if dims, spacing and origin are equal. */
 OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
- * Facts about a grid, such as the position of the glenoid, the threshold of the bone and the
- * arithmetic version.  When a grid is copied from file to file, its facts are copied too.  They
- * have no effect on the voxels.  A key is [a-z0-9_]{1,40}; a value is one printable line of up to
- * 200 bytes without surrounding blanks.  There are at most OST_META_MAX entries.  Setting an
- * existing key replaces its value; the entry keeps its position (AR-FILE-8).
+ * Facts about a grid that are stored in a file's header, such as the position of the glenoid, the threshold of the
+ * bone and the arithmetic version. When a grid is copied from file to file, its facts are also copied. They do not
+ * affect the voxels. A key is [a-z0-9_]{1,40}. A value is one printable line of up to 200 bytes without surrounding
+ * blanks. There are at most OST_META_MAX entries. If an existing key is set again, its value is replaced, and the
+ * entry keeps its position (AR-FILE-8).
  */
 enum { OST_META_MAX = 32, OST_META_KEY = 41, OST_META_VALUE = 201 };
 /* Facts in the order in which they were set. Zero-initialise the struct before use. */
@@ -63,8 +65,10 @@ typedef struct ost_meta {
 
 /* Returns the value of key, or NULL if key is not set. The pointer is valid until meta is changed. */
 OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
-/* Returns true if key is "dims", "spacing_mm" or "origin_mm". These keys describe a grid's geometry and are never
-   written as facts. */
+/*
+ * Returns true if key is "dims", "spacing_mm" or "origin_mm". These keys describe the geometry of a grid and are
+ * never written as facts.
+ */
 OST_API bool ost_meta_key_is_geometry(const char *key);
 /* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
@@ -79,9 +83,9 @@ OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *val
 #define OST_META_SIDE "side"                   /* "left" or "right" */
 #define OST_META_TRIGONUM "trigonum_mm"       /* point at which the scapular spine meets the medial border */
 #define OST_META_INFERIOR_ANGLE "inferior_angle_mm" /* lowest point of the scapula */
-/* "stated XYZ" or "assumed LPS"; set only if the file of the CT contains no orientation (AR-FILE-6) */
+/* "stated XYZ" or "assumed LPS"; set only if the CT's file contains no orientation (AR-FILE-6) */
 #define OST_META_ORIENTATION "orientation"
-#define OST_META_TOOL_CORNER "tool_corner_mm"  /* exact corner of a tool's grid, which is MinVoxelCoords in Alg. 2.1 */
+#define OST_META_TOOL_CORNER "tool_corner_mm"  /* exact corner of a tool's grid, MinVoxelCoords in Alg. 2.1 */
 
 /* A dense grid of densities in host memory. */
 typedef struct ost_volume {
@@ -90,7 +94,7 @@ typedef struct ost_volume {
     int16_t *voxels; /* owned; ost_dims_count(dims) elements */
 } ost_volume;
 
-/* Allocates a volume filled with zeros. On failure *volume has no voxels and can still be freed. */
+/* Allocates a volume filled with zeros. On failure, *volume has no voxels but can still be freed. */
 OST_API ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost_error *err);
 /* Frees the voxels of a volume, which is then empty. */
 OST_API void ost_volume_free(ost_volume *volume);

@@ -36,14 +36,14 @@ enum {
 };
 
 /*
- * Action of a button.  The buttons of each device have default actions.  `osteon devices` lists the default actions,
- * and the `--buttons` option of `osteon sim` changes them.
+ * The action of a button. The buttons of each device have default actions. `osteon devices` lists them, and the
+ * option --buttons of `osteon sim` changes them.
  */
 typedef enum ost_action {
     OST_ACTION_NONE,
     OST_ACTION_MOTOR,        /* the motor is on while the button is held */
     OST_ACTION_SWITCH,       /* each press switches the motor on or off */
-    OST_ACTION_TOOL,         /* each press selects the next tool, which starts at the device's pose */
+    OST_ACTION_TOOL,         /* each press selects the next tool, whose first pose is the device's pose */
     OST_ACTION_CLUTCH,       /* while the button is held, the tool does not move and the device moves freely */
     OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
     OST_ACTION_COUNT
@@ -62,7 +62,7 @@ typedef struct ost_haptic_info {
     const char *description; /* one sentence */
     uint32_t caps;           /* OST_HAPTIC_* bits */
     bool available;
-    char reason[256];        /* if the device is not available: the reason and a remedy */
+    char reason[256];        /* if the device is not available: the reason, and how to make it available */
     double max_force_n;      /* greatest force, N; 0 if the device renders no force */
     double max_stiffness_n_m;
     int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
@@ -70,10 +70,9 @@ typedef struct ost_haptic_info {
 } ost_haptic_info;
 
 /*
- * Writes the actions of a device's buttons to out.  These are the default actions with the changes that text specifies,
- * for instance "stylus1=next-tool,2=none".  In the text, a button is identified by its name or by its number, counted
- * from 1.  The parameter text may be NULL.  Returns OST_ERR_USAGE, with the name in err, for an unknown button or
- * action.
+ * Writes the actions of a device's buttons to out. These are the default actions, changed as `text` specifies, for
+ * instance "stylus1=next-tool,2=none". In `text`, a button is identified by its name or by its number, counted from
+ * 1; `text` may be NULL. Returns OST_ERR_USAGE, with the unknown name in err, for an unknown button or action.
  */
 OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
                                      ost_error *err);
@@ -92,11 +91,11 @@ typedef struct ost_haptic_setup {
     const char *session;  /* file name of the session that the `replay` device repeats */
     ost_mouse_input *mouse; /* input of the `mouse` device, which a window sets; borrowed until ost_haptic_close */
     /*
-     * For the `null` device: the pose of the tool.  For the `motion` device: its first pose.  For a real device: the
-     * pose of the tool when the handle is at its centre.
+     * First pose of the tool. The `null` device keeps this pose, and the `motion` device begins at it. For a real
+     * device, it is the pose of the tool when the handle is at its centre.
      */
     ost_pose start;
-    ost_path_options gaps; /* rules by which the `motion` device finds gaps in its file */
+    ost_path_options gaps; /* rules by which the `motion` device finds gaps in the file */
 } ost_haptic_setup;
 
 /*
@@ -123,7 +122,7 @@ typedef struct ost_haptic_setup {
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
 /* Sets the device's force to 0, and closes and frees the device. NULL is allowed. */
 OST_API void ost_haptic_close(ost_haptic *device);
-/* Returns the name of an open device without options; valid until the device is closed. */
+/* Returns the name of an open device without its options. The string is valid until the device is closed. */
 OST_API const char *ost_haptic_name(const ost_haptic *device);
 
 enum { OST_HAPTIC_TEXT = 160 };
@@ -137,7 +136,7 @@ OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAP
 /* The force limits that an open device reports, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega". */
 typedef struct ost_haptic_limits {
     double force_n;                 /* peak force that the device reports, N; may be NAN */
-    /* continuous force, N, and torque, N m; 0 if the device does not report the value */
+    /* Continuous force, N, and continuous torque, N m; 0 if the device does not report the value. */
     double continuous_n, torque_nm;
     char from[48];
 } ost_haptic_limits;
@@ -161,7 +160,7 @@ OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
-    /* tracking is lost; when tracking resumes, the device continues from the tool's last pose */
+    /* tracking is lost; when tracking resumes, the device continues from the last pose of the tool */
     OST_HAPTIC_NOT_TRACKED,
     OST_HAPTIC_ENDED, /* the input, for example a path, has ended; no more poses will follow */
     OST_HAPTIC_LOST   /* the device failed or was unplugged; no more poses will follow */
@@ -170,15 +169,15 @@ typedef enum ost_haptic_answer {
 /* A sample of a device. */
 typedef struct ost_haptic_state {
     ost_pose pose;
-    int32_t tool; /* index of the tool; -1 if the device does not report the tool */
+    int32_t tool; /* index of the tool in use; -1 if the device does not report it */
     uint32_t buttons; /* bit i is set while button i is held */
     bool lifted;  /* true if the tool was lifted before this pose (path.h) */
-    /* set by the `replay` device: the pose already includes the rotation of the motor at `rpm` (motor.h) */
+    /* True if the pose already includes the rotation of the motor at `rpm` (motor.h). Set by the `replay` device. */
     bool turned;
     int32_t rpm;  /* motor speed in revolutions per minute; valid if `turned` is true */
 } ost_haptic_state;
 
-/* Force and torque on the hand, in the bone's frame; the torque is about the tool's origin. */
+/* Force and torque on the hand, in the bone's frame. The torque is about the tool's origin. */
 typedef struct ost_wrench {
     double force_n[3], torque_nm[3];
 } ost_wrench;
@@ -214,8 +213,8 @@ OST_API void ost_mouse_input_put(ost_mouse_input *mouse, const ost_haptic_state 
 /* ------------------------------------------------------------- histograms */
 
 /*
- * Number of bins in each of the two parts of a histogram. The bins of the first part are 1 us wide and hold times below
- * 4096 us. The bins of the second part are 1 ms wide and hold longer times, up to 4096 ms.
+ * Number of bins in each of the two parts of a histogram. The bins of the first part are 1 us wide, for times below
+ * 4096 us. The bins of the second part are 1 ms wide, for longer times up to 4096 ms.
  */
 enum { OST_TIMES_BINS = 4096 };
 /* A histogram of times. Zero-initialise it before use. */
@@ -235,14 +234,14 @@ OST_API double ost_times_share_us(const ost_times *times, double share);
 /* ------------------------------------------------------------------ servo */
 
 /*
- * Returns the core to reserve for the servo loop: the last core in the calling thread's affinity mask, or -1 if the
- * mask has only one core or is unknown.  Must be called before ost_servo_core_leave.  If the loop has a core of its
- * own, a renderer that uses all other cores does not make the loop miss deadlines.
+ * Returns the core to reserve for the servo loop. This is the last core in the calling thread's affinity mask, or
+ * -1 if the mask has only one core or is unknown. Must be called before ost_servo_core_leave. With a reserved core,
+ * the loop does not miss deadlines because of a renderer that uses all other cores.
  */
 OST_API int ost_servo_core(void);
 /*
- * Removes a core from the affinity mask of the calling thread and thus of the threads that it creates later. Returns
- * false on failure.
+ * Removes a core from the affinity mask of the calling thread, and thus of all threads that it creates later.
+ * Returns false on failure.
  */
 OST_API bool ost_servo_core_leave(int core);
 
@@ -258,40 +257,40 @@ typedef struct ost_servo_sample {
     int64_t t_ns;         /* time of the world: number * period */
     ost_haptic_state state;
     bool declared;        /* true if there is no new pose; `state` is then the last state */
-    /* true if tracking is lost; `state` is then the last state, whose quaternion is zero if tracking was lost from
-       the start */
+    /* True if tracking is lost. `state` is then the last state; its quaternion is zero if tracking was lost from
+     * the start. */
     bool tracking_lost;
-    uint32_t wake_ns;     /* delay between the due time and the start of the tick */
+    uint32_t wake_ns;     /* delay of the tick's start after its due time */
     uint32_t missed;      /* number of ticks skipped before this tick */
 } ost_servo_sample;
 
 /*
- * Called on the servo thread for each tick.  *wrench is zero on entry and is written to the device after the return.
- * Returns false to stop the loop.  Must not block.
+ * Called on the servo thread for each tick. *wrench is zero on entry; after the return, it is written to the
+ * device. Returns false to stop the loop. Must not block.
  */
 typedef bool ost_servo_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench);
 /* Called on the servo thread after the wrench has been written. exec_ns is the duration of the tick. */
 typedef void ost_servo_done(void *user, uint64_t number, uint32_t exec_ns);
 
 /*
- * Called on the servo thread before a tick is due, when the tick's pose is not yet available. Must not block; see
- * lead_ns.
+ * Called on the servo thread before a tick is due, when the pose of the tick is not yet available. Must not block.
+ * See lead_ns.
  */
 typedef void ost_servo_rehearse(void *user);
 
 /* Options of the servo loop. A zero-initialised struct selects the defaults. */
 typedef struct ost_servo_options {
-    int64_t period_ns;    /* 0 selects 1,000,000 */
-    uint64_t ticks;       /* number of ticks; with 0, the loop runs until the device ends or tick returns false */
-    bool no_clock;        /* if true, ticks run without waiting; for devices whose poses do not depend on time */
-    bool no_realtime;     /* if true, neither real-time priority nor locked memory is requested */
-    bool pinned;          /* if true, the loop runs only on `core`; the affinity mask is restored afterwards */
+    int64_t period_ns;    /* period of the ticks in ns; 0 selects 1,000,000 */
+    uint64_t ticks; /* number of ticks; if 0, the loop runs until the device ends or the tick function returns false */
+    bool no_clock;        /* true to run ticks without waiting, for devices whose poses do not depend on time */
+    bool no_realtime;     /* true to request neither real-time priority nor locked memory */
+    bool pinned;          /* true to run the loop only on `core`; the affinity mask is restored afterwards */
     int core;
     /*
-     * The loop wakes lead_ns before a tick is due, calls rehearse, and then spins until the tick is due.  The core is
-     * therefore awake when the tick starts, and its caches contain the tick's data.  The range of lead_ns is 0 to half
-     * a period.  There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has a clock of
-     * its own.
+     * Time in ns before a tick is due at which the loop wakes, calls rehearse, and then spins until the tick is
+     * due. When the tick starts, the core is therefore awake and its caches contain the tick's data. The range is 0
+     * to half a period. There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has
+     * a clock of its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -307,37 +306,37 @@ typedef enum ost_servo_end {
 } ost_servo_end;
 
 /*
- * The results of the servo loop. The struct contains histograms and has a size of about 260 kB, so it should not be
- * placed on the stack.
+ * The results of the servo loop. The struct has a size of about 260 kB, because it contains histograms. It should
+ * not be placed on the stack.
  */
 typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
     /*
-     * number of missed deadlines: ticks that ended after the next tick was due, and ticks that were skipped for this
-     * reason
+     * Number of missed deadlines. A deadline is missed by a tick that ends after the next tick was due, and by a
+     * tick that is skipped for this reason.
      */
     uint64_t missed;
     /*
-     * The missed deadlines by cause; the sum of the three numbers is `missed`. missed_by_work: the tick used more than
-     * half a period of thread CPU time. missed_woken_late: the tick used less, but the loop woke at least one period
-     * late. missed_preempted: all other missed deadlines; the thread was preempted.
+     * Missed deadlines by cause; their sum is `missed`. missed_by_work counts ticks that used more than half a
+     * period of thread CPU time. Of the other ticks, missed_woken_late counts those for which the loop woke at
+     * least one period late. missed_preempted counts all remaining ticks, whose thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
     int64_t lead_ns;           /* time by which a rehearsal precedes its tick; 0 if there were no rehearsals */
-    uint64_t longest_miss;     /* greatest number of consecutive ticks skipped */
+    uint64_t longest_miss;     /* greatest number of consecutive skipped ticks */
     uint64_t without_sample;   /* number of ticks without a new pose */
-    uint64_t tracking_lost;    /* ticks without tracking */
-    /* time in ms that the hypervisor stole during the run, summed over all cores; -1 if unknown */
+    uint64_t tracking_lost;    /* number of ticks during which tracking was lost */
+    /* Time in ms that the hypervisor stole during the run, summed over all cores; -1 if unknown. */
     int64_t stolen_ms;
     ost_times wake, exec, completion;
-    /* thread CPU time of the ticks, that is, their durations excluding preemption */
+    /* Thread CPU time of the ticks, which is their duration without preemption. */
     ost_times own;
     ost_realtime realtime;
 } ost_servo_report;
 
 /*
- * Number of consecutive ticks without a new sample after which the watchdog ends the loop.  At 1 kHz, this is 5 ms.  A
+ * The watchdog ends the loop after this number of consecutive ticks without a new sample. At 1 kHz, this is 5 ms. A
  * report that tracking is lost counts as a sample.
  */
 enum { OST_SERVO_WATCHDOG_TICKS = 5 };

@@ -2,11 +2,10 @@
 /*
  * Reads and writes files.
  *
- * Input is treated as hostile: every reader reports an error in one line that contains
- * the file, the line or offset, the value, and the expected value. Memory is bounded
- * by the size of the resulting grid, not by the size of the file.
- * An output file appears under its name only when it is complete: it is written to the same folder
- * as an unnamed or temporary file, synced, and then given its name.
+ * Input files may be malicious. Every reader reports an error in one line that contains the file, the line or
+ * offset, the value, and the expected value. Memory is bounded by the size of the resulting grid, not by the size
+ * of the file. An output file appears under its name only when it is complete. Until then, it is an unnamed or
+ * temporary file in the same folder; when it is synced, it gets its name.
  *
  * The kind of a file is determined by its content if it has a signature, and otherwise
  * by its name.  Text is read in the C locale, regardless of the program's locale.
@@ -29,32 +28,32 @@ typedef enum ost_file_kind {
     OST_FILE_NIFTI,
     OST_FILE_MESH,
     OST_FILE_PATH_CSV,
-    OST_FILE_SESSION, /* session.h */
+    OST_FILE_SESSION, /* a recorded operation; see session.h */
     OST_FILE_METAIMAGE,
-    OST_FILE_DICOM, /* a DICOM file, or any folder that is no stack */
+    OST_FILE_DICOM, /* a DICOM file, or any folder that is not a stack */
     OST_FILE_STACK  /* slices as TIFF or PNG: a folder, a pattern with '*', or one file */
 } ost_file_kind;
 
 /*
- * Determines the kind of a file by its content or, without a signature, by its name. A folder is a
- * stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, without
- * being searched. For a format that osteon does not read (compressed files and others), returns
+ * Determines the kind of a file by its content. If the content has no signature, the name determines the kind. A
+ * folder is a stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, and its
+ * files are not examined further. For a format that osteon does not read, such as a compressed file, returns
  * OST_ERR_INPUT with a message that names a program for its conversion.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
 /* --------------------------------------------------------------- volumes */
 
-/* The findings in a DICOM series. docs/reference/dicom.md describes the treatment of each case. */
+/* The properties of a DICOM series that was read. docs/reference/dicom.md describes how each case is treated. */
 typedef struct ost_dicom_report {
     int64_t images;         /* number of slices that were read; 0 if the volume is not DICOM */
     int64_t other_files;    /* number of files without a DICOM image, which were ignored */
     int64_t localizers;     /* number of localizer images of the series, which were ignored */
     int64_t doubled;        /* number of images with the same position and pixels as another image */
-    int64_t interpolated;   /* number of slices that were interpolated, which the options must allow */
+    int64_t interpolated;   /* number of interpolated slices; interpolation is an option */
     ost_pm largest_gap;     /* greatest distance between neighbouring slices */
     ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
-    ost_pm sheared;         /* distance by which slices were shifted to undo a tilt, which the options must allow */
+    ost_pm sheared;         /* distance by which slices were shifted to undo a tilt; shifting is an option */
     uint64_t padded;        /* number of pixels that had a padding value and were set to air */
     bool lossy;             /* true if the pixels were compressed with loss */
     bool no_rescale;        /* true if the files contain no rescale slope and intercept */
@@ -65,66 +64,69 @@ typedef struct ost_dicom_report {
 typedef struct ost_volume_report {
     char type[24];             /* type of the file's elements: "int16", "float32", ... */
     char encoding[24];         /* "raw", "gzip", "zlib" or "text" */
-    char orientation[16];      /* orientation stored in the file, e.g. "LPS" or "RAS"; "" if there is none */
+    char orientation[16];      /* orientation stored in the file, e.g. "LPS" or "RAS"; "" if it contains none */
     bool reoriented;           /* true if axes were flipped or permuted to LPS+ */
-    bool assumed;              /* true if the file contains no orientation, so that LPS was assumed */
-    bool resampled;            /* true if the grid was oblique and was resampled, which the options must allow */
-    /* true for a label map: a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D Slicer) */
+    bool assumed;              /* true if LPS was assumed, because the file contains no orientation */
+    bool resampled;            /* true if the grid was oblique and was resampled; resampling is an option */
+    /* True for a label map. This is a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D
+     * Slicer). */
     bool labels;
-    uint64_t rounded_values;   /* number of non-integer densities, which were rounded RHE */
-    uint64_t clamped_values;   /* number of densities outside the range of int16, which were saturated */
+    uint64_t rounded_values;   /* number of densities that were not integers and were rounded (RHE) */
+    uint64_t clamped_values;   /* number of densities outside int16, which were saturated */
     ost_dicom_report dicom;
-    uint64_t nan_values;       /* number of NaN, which became -1024 if the options allow this */
-    double pixel_mm[2];        /* size of a pixel that a stack's first slice states, which is not used; 0: none */
+    uint64_t nan_values;       /* number of NaN values, which were replaced by -1024; the replacement is an option */
+    double pixel_mm[2];        /* pixel size that the first slice of a stack states, for information only; 0 if it
+                                * states none */
 } ost_volume_report;
 
 /*
- * Selects the transform of a NIfTI file (sform or qform) that determines the grid's position. AUTO selects the
- * transform according to the codes in the file; it is then an error if the two transforms differ by more than a voxel.
+ * The transform of a NIfTI file (sform or qform) that determines the grid's position. AUTO selects a transform
+ * according to the codes in the file. With AUTO, it is an error if the two transforms differ by more than a voxel.
  */
 typedef enum ost_nifti_form { OST_FORM_AUTO, OST_FORM_QFORM, OST_FORM_SFORM } ost_nifti_form;
 
 typedef struct ost_volume_options {
-    /* if true, densities outside the range of int16 are saturated; otherwise they are an error */
+    /* True to saturate densities outside the range of int16, which are otherwise an error. */
     bool clamp;
-    bool resample_oblique;  /* if true, an oblique grid is resampled (nearest); otherwise it is an error */
-    char orientation[4];    /* orientation to assume if a file contains none, e.g. "RAS"; "" if not specified */
+    bool resample_oblique;  /* true to resample an oblique grid (nearest), which is otherwise an error */
+    char orientation[4];    /* orientation to assume for a file that contains none, e.g. "RAS"; "" for LPS */
     ost_nifti_form form;
-    const char *series;     /* of DICOM: number, description or UID; NULL: the only series that is a volume */
-    bool even_slices;       /* resample unevenly spaced slices of DICOM (linear) instead of failing */
-    bool untilt;            /* shear tilted slices of DICOM back (linear) instead of failing */
-    bool nan_as_air;        /* convert NaN to -1024 HU, the density of air, instead of failing */
-    ost_pm3 stack_spacing;  /* spacing of a stack's columns, rows and slices, which states none; else unused */
+    const char *series;     /* for DICOM: number, description or UID of the series; NULL selects the only volume */
+    bool even_slices; /* for DICOM: true to resample unevenly spaced slices (linear), which are otherwise an error */
+    bool untilt;            /* for DICOM: true to shear tilted slices back (linear), which are otherwise an error */
+    bool nan_as_air;        /* true to convert NaN to -1024 HU, the density of air; NaN is otherwise an error */
+    ost_pm3 stack_spacing;  /* for a stack, which states no spacing: spacing of columns, rows and slices */
     ost_progress *progress; /* called with the stage "reading"; may be NULL */
     void *progress_user;
 } ost_volume_options;
 
 /*
- * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, a DICOM series in a folder, or a
- * stack, as int16 with axes in LPS+. options may be NULL (all false); report may be NULL. DICOM is parsed by
- * processes, which have ended when the function returns. A stack needs options->stack_spacing.
+ * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, a DICOM series in a folder, or a stack, as
+ * int16 with axes in LPS+. options may be NULL, which means that all options are false; report may be NULL. DICOM
+ * is parsed by separate processes, which have ended when the function returns. A stack requires
+ * options->stack_spacing.
  */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
                                    ost_volume_report *report, ost_error *err);
-/* Reads geometry, meta and report without the voxels. Each of the three pointers may be NULL. */
+/* Reads geometry, meta and report, but not the voxels. Each of the three pointers may be NULL. */
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
                                           ost_volume_report *report, ost_error *err);
 
-/* A series in a folder of DICOM files. All texts are printable; a text is "" if the files do not contain it. */
+/* A series in a folder of DICOM files. All texts are printable. A text is "" if the files do not contain it. */
 typedef struct ost_dicom_series {
-    bool numbered;            /* number is set */
+    bool numbered;            /* true if number is valid */
     int32_t number;           /* SeriesNumber */
     char description[65];     /* SeriesDescription, which may contain names */
     char uid[65];             /* SeriesInstanceUID */
     char modality[17], kernel[65];
     int64_t images;           /* number of images that can be slices, that is, neither localizers nor colour images */
     int64_t localizers;       /* number of localizer images */
-    /* true if ost_volume_read can read the series with the options that were given for the list */
+    /* True if ost_volume_read can read the series with the options that were passed to ost_dicom_list_read. */
     bool is_volume;
     ost_geometry geometry;    /* valid if is_volume */
     char orientation[4];      /* directions of the axes, e.g. "LPS"; valid if `is_volume` is true */
     ost_pm thickness;         /* SliceThickness; 0 if it is not stated or differs between the images */
-    /* the error that prevents reading the series, if it has at least two images; otherwise "" */
+    /* If the series has at least two images: the error that prevents reading the series. Otherwise "". */
     char fault[OST_ERROR_TEXT];
 } ost_dicom_series;
 
@@ -132,7 +134,7 @@ typedef struct ost_dicom_series {
 typedef struct ost_dicom_list {
     size_t count;
     ost_dicom_series *items; /* owned */
-    /* index of the series that ost_volume_read reads with these options; -1 if there is none */
+    /* Index of the series that ost_volume_read reads with the same options; -1 if there is none. */
     int64_t selected;
     int64_t files, other_files; /* number of all files; number of files without a DICOM image */
 } ost_dicom_list;
@@ -147,52 +149,56 @@ OST_API ost_status ost_dicom_list_read(const char *path, const ost_volume_option
 OST_API void ost_dicom_list_free(ost_dicom_list *list);
 
 typedef struct ost_write_options {
-    bool compress;        /* compress .nrrd by gzip; .nii.gz is always compressed */
-    int text_decimals;    /* number of decimals in .txt, up to 9; 0: as many as the positions need */
-    bool omit_empty;      /* .txt has no lines for voxels of density 0; it is then read as the box of the others */
+    bool compress;        /* true to compress .nrrd by gzip; .nii.gz is always compressed */
+    int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects as many as the positions need */
+    bool omit_empty;      /* for .txt: true to write no lines for voxels of density 0; a reader then finds the box of
+                           * the remaining voxels */
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
     void *progress_user;
 } ost_write_options;
 
 /*
  * Writes a volume. The file name selects the format: .nrrd, .nii, .nii.gz, .mha or .txt (the text format of the
- * thesis, with one line "x y z density" per voxel). A volume of kind labels is written so that 3D Slicer opens it as a
- * segmentation: with a field group for each label in a NRRD, with the intent 1002 in a NIfTI. options may be NULL.
+ * thesis, with one line "x y z density" per voxel). A label map, whose kind is "labels", is written so that 3D
+ * Slicer opens it as a segmentation. For this, an NRRD file has a group of fields for each label, and a NIfTI file
+ * has the intent 1002. options may be NULL.
  */
 OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
                                     ost_error *err);
 
-/* Reads a tool grid from a uint8 NRRD. *out need not be initialised; the caller frees it by ost_tool_volume_free. */
+/*
+ * Reads a tool grid from a uint8 NRRD file. *out need not be initialised. The caller frees *out by
+ * ost_tool_volume_free.
+ */
 OST_API ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_error *err);
-/* Writes a tool grid as a uint8 NRRD. The file appears only when it is complete. */
+/* Writes a tool grid as a uint8 NRRD file. The file appears only when it is complete. */
 OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, ost_error *err);
 
 /* ---------------------------------------------------------------- meshes */
 
-/* The unit of a mesh file's coordinates; AUTO means millimetres, with a check that the size is plausible. */
+/* The unit of the coordinates in a mesh file. AUTO means millimetres, and the size is checked for plausibility. */
 typedef enum ost_unit { OST_UNIT_AUTO, OST_UNIT_MM, OST_UNIT_CM, OST_UNIT_M, OST_UNIT_INCH, OST_UNIT_UM } ost_unit;
 
 typedef struct ost_mesh_report {
     char format[24];           /* "STL (binary)", "OBJ", ... */
-    /* number of faces in the file, before polygons are divided into triangles and before lines and points are
-       omitted */
+    /* Number of faces in the file, before polygons are divided into triangles, and before lines and points are
+     * omitted. */
     size_t file_triangles;
-    size_t bodies;             /* number of parts in the file, which are joined into one mesh */
-    double bounds_mm[6];       /* bounds: min x y z, max x y z */
+    size_t bodies;             /* number of separate meshes in the file, which are joined into one mesh */
+    double bounds_mm[6];       /* min x, y, z, and max x, y, z */
 } ost_mesh_report;
 
 /*
- * The greatest number of triangles in a mesh file; the greatest number of vertices is three times
- * as large.  assimp needs up to 230 bytes per triangle of a text format, which is 2 GB for a file
- * at the limit.  Larger files are rejected before this memory is allocated.
+ * Greatest number of triangles in a mesh file. The greatest number of vertices is three times as large. For a text
+ * format, assimp needs up to 230 bytes per triangle, which is 2 GB for a file at the limit. Larger files are
+ * rejected before this memory is allocated.
  */
 enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
 
 /*
- * Reads a mesh with assimp.  AUTO interprets the numbers in the file as millimetres; an implausible
- * size (greatest extent less than 1 mm or more than 1 m) is then an error, whose message lists the
- * plausible units.  With any other unit, the size is not checked.  NaN, infinity, a mesh without
- * triangles and indices out of range are errors.
+ * Reads a mesh with assimp. AUTO interprets the numbers in the file as millimetres. With AUTO, a greatest extent of
+ * less than 1 mm or more than 1 m is an error, and the message lists the plausible units. With any other unit, the
+ * size is not checked. NaN, infinity, a mesh without triangles and indices out of range are errors.
  */
 OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report,
                                  ost_error *err);
@@ -202,10 +208,10 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 /* ----------------------------------------------------------------- paths */
 
 /*
- * A path file is CSV text, plain or gzip, with the columns
- * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or x_m,y_m,z_m in metres.  Decimals are
- * read exactly, and t strictly increases (AR-PATH-1 to 3).  A row with nan in its pose is not a
- * tick; the tick after such a row begins lifted.
+ * The report of reading a path. A path file is CSV text, plain or gzip, with the columns
+ * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in metres. Decimals are read exactly,
+ * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; in the next tick, the tool
+ * is lifted.
  */
 typedef struct ost_path_report {
     size_t rows, lost_rows;   /* number of all rows, and number of rows without a pose */
@@ -216,9 +222,9 @@ typedef struct ost_path_report {
 /* Reads a path. options and report may be NULL. */
 OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out,
                                  ost_path_report *report, ost_error *err);
-/* Calls ost_path_read with NULL for options and report. */
+/* Reads a path as ost_path_read does, with options and report NULL. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
-/* Writes a path with the `lifted` and `rpm` columns. The `tool` column is written if any tool index is not 0. */
+/* Writes a path with the columns `lifted` and `rpm`. If any tool index is not 0, the column `tool` is also written. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
 
 /* ------------------------------------------------------------- landmarks */
@@ -231,14 +237,14 @@ typedef enum ost_landmark_role {
     OST_LANDMARK_INFERIOR_ANGLE  /* labels: inferior angle, angulus inferior, AI, IA */
 } ost_landmark_role;
 
-/* Returns the role of a label, ignoring case, blanks, '-' and '_'. */
+/* Returns the role of a label. Case, blanks, '-' and '_' are ignored. */
 OST_API ost_landmark_role ost_landmark_role_of(const char *label);
 
 enum { OST_LANDMARK_LABEL = 64 };
 typedef struct ost_landmark {
     char label[OST_LANDMARK_LABEL]; /* label, truncated if longer; control characters are replaced by '?' */
     ost_landmark_role role;
-    ost_pm3 at;                     /* LPS */
+    ost_pm3 at;                     /* position in LPS */
 } ost_landmark;
 
 /* Landmarks in the order of their file. */
@@ -248,20 +254,23 @@ typedef struct ost_landmarks {
 } ost_landmarks;
 
 /*
- * Reads landmarks from .mrk.json and .fcsv files of 3D Slicer, in the coordinate system stated in
- * the file, or from a CSV file with lines label,x,y,z (LPS, mm).  It is an error if the file has no
- * landmarks, or two positions for one role.  *out is empty on failure.
+ * Reads landmarks from .mrk.json and .fcsv files of 3D Slicer, in the coordinate system stated in the file, or from
+ * a CSV file with lines label,x,y,z (LPS, mm). Returns an error if the file contains no landmarks, or two positions
+ * for one role. *out is empty on failure.
  */
 OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
-/* Writes landmarks as a .mrk.json of 3D Slicer, in LPS. ost_landmarks_read reads the same positions from it. */
+/*
+ * Writes landmarks as a .mrk.json file of 3D Slicer, in LPS. ost_landmarks_read reads exactly the same positions
+ * from this file.
+ */
 OST_API ost_status ost_landmarks_write(const char *path, const ost_landmarks *landmarks, ost_error *err);
 /* Frees landmarks, which are then empty. */
 OST_API void ost_landmarks_free(ost_landmarks *landmarks);
 
 /*
- * Replaces the facts in the file of a volume: the osteon_ lines in the header of an NRRD,
- * or the comment of a NIfTI written by osteon.  The voxels do not change.  On failure, the
- * file is unchanged.  Returns OST_ERR_INPUT for other files.
+ * Replaces the header facts in the file of a volume. For an NRRD file, these are the osteon_ lines of the header;
+ * for a NIfTI file written by osteon, they are in a comment. The voxels do not change. On failure, the file is
+ * unchanged. Returns OST_ERR_INPUT for all other files.
  */
 OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_error *err);
 
@@ -269,54 +278,54 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 enum { OST_MASK_LABELS_MAX = 128 };
 /*
- * Makes a label map of a CT with the threshold of the import, for example by ost_segment_volume.
- * The function initialises *labels, which has the grid of the CT and is freed by ost_import.  The
- * facts in its meta are added to those of the bone.
+ * Makes a label map of a CT, for example by ost_segment_volume. threshold is the threshold of the import. The
+ * function initialises *labels, whose grid is the grid of the CT; ost_import frees *labels. The facts in the meta
+ * of *labels are added to the facts of the bone.
  */
 typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                                      ost_error *err);
 /* Options of an import. A zero-initialised struct selects the defaults. */
 typedef struct ost_import_options {
-    /* replaces the spacing in the file; 0: the spacing is read from the file, or inferred for text; a stack
-       has volume.stack_spacing instead */
+    /* Spacing that replaces the spacing in the file. If 0, the spacing is read from the file or, for text,
+     * inferred. For a stack, volume.stack_spacing is used instead. */
     ost_pm3 spacing;
     ost_pm cubic;             /* spacing of the cubic grid; 0 selects the x spacing of the rect grid */
-    /* threshold; 0 selects the threshold stored in the file if the file is a bone, and otherwise 120 */
+    /* Threshold. If 0, the threshold is the one stored in the file if the file is a bone, and otherwise 120. */
     int32_t threshold;
-    int chunk_size;           /* 0: 32 */
-    /* true if `resample` selects the rule; otherwise the rule is linear, or nearest for a label map */
+    int chunk_size;           /* side length of a chunk in voxels; 0 selects 32 */
+    /* True if `resample` selects the rule. Otherwise the rule is linear or, for a label map, nearest. */
     bool has_resample;
-    ost_resample resample;    /* used if has_resample */
+    ost_resample resample;    /* rule; used only if has_resample is true */
     ost_duplicates duplicates;
     ost_volume_options volume;
-    bool crop;                /* if true, only the voxels of the rect grid within crop_box are imported */
+    bool crop;                /* true to import only the voxels of the rect grid within crop_box */
     ost_voxel_box crop_box;
     int threads;              /* number of threads that read text; 0 selects one for each processor */
-    /* if true, the SHA-256 of every stage's grid is computed, which takes one pass over each grid */
+    /* True to compute the SHA-256 of every stage's grid, which takes one pass over each grid. */
     bool digests;
     ost_progress *progress;   /* may be NULL */
     void *progress_user;
-    /* file name of a label map on the CT's grid; NULL: the complete CT is imported (AR-SEG-6) */
+    /* File name of a label map on the CT's grid (AR-SEG-6). If NULL, the complete CT is imported. */
     const char *mask;
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
     /*
-     * Names of further labels that are selected.  The values of names are read from the file mask_names_file or, if
-     * this is NULL, from the header of the label map (NRRD of 3D Slicer, NIfTI of TotalSegmentator).
+     * Names of further selected labels. The file mask_names_file or, if it is NULL, the header of the label map
+     * (NRRD of 3D Slicer, NIfTI of TotalSegmentator) states the values of the names.
      */
     const char *mask_names[OST_MASK_LABELS_MAX];
     int mask_name_count;
     const char *mask_names_file;
-    int mask_label_count;     /* number of selected labels; 0 selects all labels except 0 */
-    bool mask_fill;           /* densities of selected voxels below the threshold are set to the threshold */
+    int mask_label_count; /* number of selected labels; if 0 and there are no names, all labels except 0 are selected */
+    bool mask_fill;           /* true to set selected voxels below the threshold to the threshold */
     /*
-     * NULL, or a function that is called after the mask was applied.  The voxels with a label are the bone, as with a
-     * mask of all labels and mask_fill.  Not for CTs given as text.
+     * Function that is called after the mask was applied, or NULL. The voxels to which the function gives a label
+     * are the bone, as with a mask of all labels and mask_fill. Not supported for CTs given as text.
      */
     ost_import_labels *labels;
     void *labels_user;
 } ost_import_options;
 
-/* The effect of a mask, in voxels of the CT. */
+/* The effect of a mask, in numbers of CT voxels. */
 typedef struct ost_mask_report {
     uint64_t selected;        /* number of voxels whose label is selected */
     uint64_t removed;         /* number of voxels at or above the threshold that are not selected and were set to 0 */
@@ -324,7 +333,7 @@ typedef struct ost_mask_report {
 } ost_mask_report;
 
 enum { OST_STAGES_MAX = 8 };
-/* The duration and, if requested, the digest of a stage of an import. */
+/* A stage of an import: its duration and, if requested, its digest. */
 typedef struct ost_stage {
     char name[16];       /* one of "samples" (text only), "rect", "cubic" and "chunks" */
     double time_ms;
@@ -332,22 +341,22 @@ typedef struct ost_stage {
     ost_digest digest;
 } ost_stage;
 
-/* The results of an import: geometries, facts, counts and stages. */
+/* The results of an import: geometries, header facts, counts and stages. */
 typedef struct ost_import_result {
     ost_file_kind kind;
     ost_geometry rect;
     ost_geometry cubic;
-    /* facts copied from the file; the import sets the facts `kind`, `threshold` and `resample` */
+    /* Header facts copied from the file. The import itself sets the facts `kind`, `threshold` and `resample`. */
     ost_meta meta;
     ost_resample resample;         /* the resampling rule that was used */
     ost_volume_report volume;      /* set for NRRD, NIfTI, MetaImage, DICOM and stacks */
-    ost_scatter_report scatter;    /* for text */
+    ost_scatter_report scatter;    /* set for CTs given as text */
     bool spacing_inferred[3];
     uint64_t rounded_positions;    /* number of coordinates with more than nine decimals */
     int stage_count;
     ost_stage stages[OST_STAGES_MAX];
-    ost_mask_report mask;          /* zero without a mask */
-    ost_mask_report labels;        /* zero without a function `labels` */
+    ost_mask_report mask;          /* zero if there is no mask */
+    ost_mask_report labels;        /* zero if the function `labels` is NULL */
 } ost_import_result;
 
 /*
@@ -358,8 +367,9 @@ OST_API ost_status ost_import(ost_backend *backend, const char *path, const ost_
                               ost_import_result *result, ost_error *err);
 
 /*
- * Writes the cubic grid of a bone as int16, with meta and the facts kind = bone, threshold and arithmetic. The format
- * is NRRD unless the file name ends in .nii, .nii.gz, .mha or .txt. meta and options may be NULL.
+ * Writes the cubic grid of a bone as int16. The header contains meta and the facts kind = bone, threshold and
+ * arithmetic. The format is NRRD unless the file name ends in .nii, .nii.gz, .mha or .txt. meta and options may be
+ * NULL.
  */
 OST_API ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta,
                                   const ost_write_options *options, ost_error *err);

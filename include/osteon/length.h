@@ -5,9 +5,8 @@
  *   1 mm = 1,000,000,000 pm, so 0.48828125 mm and every decimal in mm with up
  *   to nine places is exact.  |length| <= OST_LENGTH_MAX (8 m).
  *
- * Decimals are read from text exactly; a float from a file represents the
- * shortest decimal that reads back as that float.  No result in this header
- * depends on floating-point rounding or on the locale, except ost_pm_to_mm.
+ * Decimals are read from text exactly. A float from a file represents the shortest decimal that reads back as this
+ * float. Except for ost_pm_to_mm, no result in this header depends on floating-point rounding or on the locale.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -57,7 +56,7 @@ typedef struct ost_decimal {
     int32_t places;
     bool inexact;
     bool more;
-    bool negative; /* true if a minus sign was written; distinguishes -0 from 0 */
+    bool negative; /* true if a minus sign was written, which distinguishes -0 from 0 */
 } ost_decimal;
 
 /*
@@ -69,43 +68,42 @@ typedef struct ost_decimal {
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
- * Computes RHE(value * factor), factor >= 1. The result is exact for decimals of up to 36
- * significant digits. If the factor is a product of powers of 2 and 10 whose ties have at most 36
- * digits, the result is exact for any number of digits. Returns false if the result does not fit
- * int64. If exact is not NULL, *exact is set to true if nothing was rounded, and otherwise to
- * false.
+ * Computes RHE(value * factor) for factor >= 1. The result is exact for decimals of up to 36 significant digits. If
+ * the factor is a product of powers of 2 and 10 whose ties have at most 36 digits, the result is exact for any
+ * number of digits. Returns false if the result does not fit int64. If exact is not NULL, sets *exact to true if
+ * nothing was rounded, and to false otherwise.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 
 /*
- * Returns true if the value is an integer with a magnitude below 2^64, and writes the magnitude to *magnitude; the sign
- * is value->negative.
+ * Returns true if the value is an integer with a magnitude below 2^64, and writes the magnitude to *magnitude. The
+ * sign of the value is value->negative.
  */
 OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 
 /*
- * Converts a decimal in millimetres to picometres, rounded RHE. Returns false if the length is outside
+ * Converts a decimal in millimetres to picometres, rounded half to even. Returns false if the length is outside
  * +-OST_LENGTH_MAX.
  */
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
 /*
- * Converts a text such as "0.47", in millimetres, to picometres. Fails unless the text is exactly one decimal within
- * +-OST_LENGTH_MAX.
+ * Converts a text such as "0.47", in millimetres, to picometres. Returns an error unless the text is exactly one
+ * decimal within +-OST_LENGTH_MAX.
  */
 OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
 
 /*
- * Converts a float32 in millimetres to picometres: the shortest decimal that reads back as this float32 is
- * rounded RHE. Returns false if the number is NaN, infinite or out of range.
+ * Converts a float32 in millimetres to picometres. The shortest decimal that reads back as this float32 is rounded
+ * half to even. Returns false if the number is NaN, infinite or out of range.
  */
 OST_API bool ost_pm_from_float(float mm, ost_pm *out);
 /* Converts a float64 in millimetres to picometres by the rule of ost_pm_from_float. */
 OST_API bool ost_pm_from_double(double mm, ost_pm *out);
 
 /*
- * Converts a number in millimetres to picometres: its exact binary value is rounded RHE. Used for mesh vertices
- * (AR-MESH-2). Returns false if the number is NaN, infinite or out of range.
+ * Converts a number in millimetres to picometres. The exact binary value of the number is rounded half to even.
+ * Used for mesh vertices (AR-MESH-2). Returns false if the number is NaN, infinite or out of range.
  */
 OST_API bool ost_pm_from_binary(double mm, ost_pm *out);
 

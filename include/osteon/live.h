@@ -8,20 +8,20 @@
  *   viewer        <--ost_live_state_get-- the newest state
  *                 <--ost_live_take-- every chunk that changed since the last take
  *
- * Both sides are wait-free: they take no lock, allocate no memory, make no system call, and no loop depends on the
- * other thread.  A slow or absent viewer adds no work to a tick: if a chunk changes twice before the viewer takes it,
- * the viewer takes the chunk only once.  No change is lost: after the last tick and ost_live_flush, the chunks taken
- * are bit-identical to the bone.  Before that, a chunk may be partly updated when it is taken.  Because bone is only
- * removed, such a chunk may contain voxels that have just been removed; the next take corrects the chunk.
+ * Both threads are wait-free: they take no lock, allocate no memory and make no system call, and none of their
+ * loops depends on the other thread. A slow or absent viewer adds no work to a tick: if a chunk changes twice
+ * before the viewer takes it, the viewer takes the chunk only once. No change is lost: after the last tick and
+ * ost_live_flush, the chunks taken are bit-identical to the bone. Before that, a chunk may be partly updated when
+ * it is taken. Because bone is only removed, such a chunk may contain voxels that have just been removed; the next
+ * take corrects the chunk.
  *
- * ost_bone_occupancy copies the words from the backend.  `cpu` and `ref` copy
- * them fast enough for a tick.  `cl` reads them from the device and blocks until
- * they arrive, as for the report of a removal.  `plugin` cannot deliver words of
- * occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE.
+ * ost_bone_occupancy copies the words from the backend. `cpu` and `ref` copy them fast enough for a tick. `cl`
+ * reads them from the device and blocks until they arrive, as for the report of a removal. `plugin` cannot deliver
+ * words of occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE for it.
  *
- * Threads: changed, publish and flush are called on the servo thread, state_get
- * and take on one viewer thread.  create and free are called while neither thread
- * uses the object.
+ * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread, ost_live_state_get
+ * and ost_live_take on one viewer thread. ost_live_create and ost_live_free are called while neither thread uses
+ * the object.
  */
 #ifndef OSTEON_LIVE_H
 #define OSTEON_LIVE_H
@@ -41,15 +41,15 @@ typedef struct ost_live_state {
     int64_t t_ns;           /* time of the last tick */
     int32_t tool;           /* index of the current tool */
     int32_t rpm;            /* speed of the current tool's motor (path.h) */
-    ost_pose device, pose;  /* poses of the device and of the tool; the two poses differ while the tool is in contact */
+    ost_pose device, pose;  /* pose of the device and pose of the tool, which differ while the tool is in contact */
     double force_n[3], torque_nm[3]; /* hand force and hand torque, exerted by the device */
     double contact_n;       /* contact force of the tool on the bone */
     double reached_mm[OST_LIVE_TOOLS]; /* greatest depth at which each tool removed bone (depth_of in operation.h) */
     uint64_t removals, removed_voxels;
-    uint64_t missed;        /* skipped ticks */
-    uint32_t wake_ns, exec_ns; /* delay of the start of the last tick; duration of the last tick */
+    uint64_t missed;        /* number of skipped ticks */
+    uint32_t wake_ns, exec_ns; /* delay of the last tick's start, and duration of the last tick */
     uint32_t touching;      /* number of bone voxels that the tool touched or removed in the last tick */
-    int32_t fault;          /* the current fault, an ost_fault (operation.h); 0: no fault */
+    int32_t fault;          /* current fault, an ost_fault (operation.h); 0 without a fault */
     bool declared;          /* true if the device returned no new pose in the last tick */
 } ost_live_state;
 
@@ -63,33 +63,37 @@ OST_API void ost_live_free(ost_live_channel *live);
 
 /* ----------------------------------------------------------- servo thread */
 
-/* Queues the chunks of an event's report. report may be NULL for a tick without an event. */
+/* Queues the chunks that are listed in the report of an event. report may be NULL for a tick without an event. */
 OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *report);
 /*
- * Publishes the state and about 8 kB of queued chunks, that is, two chunks of 32^3 voxels. If the backend returns an
- * error, the chunks remain queued.
+ * Publishes the state, and about 8 kB of queued chunks, which are two chunks of 32^3 voxels. If the backend returns
+ * an error, the chunks remain queued.
  */
 OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
-/* Publishes all queued chunks. Called at the end of an operation or during a pause. */
+/* Publishes all chunks that are still queued. Called at the end of an operation or during a pause. */
 OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 
 /* ---------------------------------------------------------- viewer thread */
 
-/* Copies the newest state, which may be the same as in the previous call. Returns false if there is no state yet. */
+/*
+ * Copies the newest state, which may be the state of the previous call. Returns false if no state has been
+ * published.
+ */
 OST_API bool ost_live_state_get(ost_live_channel *live, ost_live_state *out);
 
 /*
- * Receives the occupancy of one chunk.  `at` is the index of the chunk along x, y and z; words has the layout of
- * ost_bone_occupancy and is valid until the function returns.  A status other than OST_OK ends the take.
+ * Receives the occupancy of one chunk. `at` is the index of the chunk along x, y and z. `words` has the layout of
+ * ost_bone_occupancy and is valid until the function returns. If the function returns a status other than OST_OK,
+ * the take ends.
  */
 typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_t *words, ost_error *err);
 
 /*
- * Calls visit for every chunk that changed since the last take.  The first take visits all active chunks.  If visit
- * ends the take, the next take visits the remaining chunks.  Returns the status of visit.
+ * Calls visit for every chunk that changed since the last take. The first take visits all active chunks. If visit
+ * ends a take, the next take visits the remaining chunks. Returns the status that visit returned last.
  */
 OST_API ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *user, ost_error *err);
-/* Returns the geometry of the bone; valid until the live state is freed. */
+/* Returns the geometry of the bone. The pointer is valid until the live state is freed. */
 OST_API const ost_geometry *ost_live_geometry(const ost_live_channel *live);
 /* Returns the edge length of the bone's chunks in voxels. */
 OST_API int ost_live_chunk_size(const ost_live_channel *live);

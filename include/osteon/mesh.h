@@ -24,7 +24,7 @@ typedef struct ost_mesh {
     size_t vertex_count;
     ost_pm3 *vertices; /* owned */
     size_t triangle_count;
-    uint32_t (*triangles)[3]; /* vertex indices of each triangle, < vertex_count; owned */
+    uint32_t (*triangles)[3]; /* owned; vertex indices of each triangle, below vertex_count */
 } ost_mesh;
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
@@ -34,15 +34,15 @@ OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t tri
 /* Frees the arrays of a mesh, which is then empty. */
 OST_API void ost_mesh_free(ost_mesh *mesh);
 /*
- * Computes the bounds of all vertices that are used by triangles. Returns OST_ERR_INPUT if there is no triangle, and
+ * Computes the bounds of all vertices that triangles use. Returns OST_ERR_INPUT if there is no triangle, and
  * OST_ERR_USAGE if a vertex index is out of range.
  */
 OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err);
 /* Returns the signed volume in mm^3, which is positive for outward faces. For reports only. */
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
 /*
- * Counts the edges that are not shared by exactly two triangles with opposite directions of the edge. Vertices with
- * equal positions count as one vertex.
+ * Counts the open edges. An edge is open unless exactly two triangles share it and have opposite directions along
+ * it. Vertices with equal positions count as one vertex.
  */
 OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err);
 
@@ -72,9 +72,9 @@ OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_p
                                                  ost_error *err);
 
 /*
- * A mesh whose vertices are integers, in units of voxel/2^fraction_bits from the
- * corner of the grid: 0 <= coordinate <= dims << fraction_bits <= 2^20.  Triangles
- * whose snapped cross product is zero are dropped and counted.
+ * A mesh whose vertices are integers. The unit is voxel / 2^fraction_bits, and the origin is the corner of the
+ * grid: 0 <= coordinate <= dims << fraction_bits <= 2^20. Triangles whose snapped cross product is zero are dropped
+ * and counted.
  */
 typedef struct ost_snapped_mesh {
     ost_tool_geometry grid;

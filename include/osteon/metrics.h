@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The outcome of an operation on a glenoid: the bone before and after the operation
- * is compared with a plan.  The values are floating-point numbers and are used only
- * in reports.
+ * The metrics of an operation on a glenoid. They compare the bone before and after the operation with a plan. The
+ * values are floating-point numbers and are used only in reports.
  *
  *   outward  ^        before            frame of the plan: w along its inward axis,
  *            |   ___________            from the centre of the face; u and v across
@@ -33,21 +32,22 @@ typedef struct ost_metrics_plan {
     /* Landmarks of the scapula, used to measure angles in the scapula's own frame. */
     bool landmarks;
     /*
-     * trigonum: point at which the scapular spine meets the medial border; inferior angle: lowest point of the scapula
+     * The trigonum is the point at which the scapular spine meets the medial border. The inferior angle is the
+     * lowest point of the scapula.
      */
     ost_pm3 trigonum, inferior;
 } ost_metrics_plan;
 
 /*
- * Size of the surface maps. A map is centred on the plan's axis and has OST_METRICS_MAP^2 cells, which are
- * OST_METRICS_PITCH_MM apart.
+ * Size of the surface maps. A map is centred on the plan's axis and has OST_METRICS_MAP^2 cells at distances of
+ * OST_METRICS_PITCH_MM.
  */
 enum { OST_METRICS_MAP = 81 };
 #define OST_METRICS_PITCH_MM 0.5
 
 /* The role of a tool in the metrics. */
 typedef enum ost_metrics_tool_kind { OST_METRICS_REAMER, OST_METRICS_DRILL, OST_METRICS_OTHER } ost_metrics_tool_kind;
-/* The properties of a tool that the metrics use. */
+/* Properties of a tool that the metrics use. */
 typedef struct ost_metrics_tool {
     ost_metrics_tool_kind kind;
     double radius_mm, length_mm; /* radius and length of the cutting part */
@@ -55,15 +55,15 @@ typedef struct ost_metrics_tool {
 
 /* A tick: the position of the tool, the force, and the numbers of voxels removed and touched. */
 typedef struct ost_motion {
-    /* time in s; position in mm of the tool's tip, which is the lowest point of the tool's axis */
+    /* Time in s, and position in mm of the tool's tip, which is the lowest point of the tool's axis. */
     double t_s, mm[3];
     double axis[3];            /* working direction of the tool (-z of its frame), a unit vector */
     double force_n;            /* hand force, N; 0 if there is no force */
-    uint32_t removed, touched; /* numbers of voxels */
+    uint32_t removed, touched; /* number of removed voxels, number of touched voxels */
     int32_t tool;
 } ost_motion;
 
-/* Ticks in ascending order of time, and the tools to which the indices in the ticks refer. */
+/* Ticks in ascending order of time, and the tools to which the ticks refer by index. */
 typedef struct ost_metrics_motion {
     const ost_metrics_tool *tools;
     int tool_count;
@@ -76,68 +76,72 @@ typedef struct ost_metrics {
     double removed_mm3, removed_by_class_mm3[OST_CLASS_MAX];
     /* The following values describe the floor, which is the exposed bone without the holes of drills. */
     double floor_mm2;
-    /* depths of the floor below the native face, along the plan's axis */
+    /* Depths of the floor below the native face, measured along the plan's axis. */
     double depth_mean_mm, depth_p95_mm, depth_max_mm;
     /* true if a reamer removed bone; the following values are then computed from the reamer's poses */
     bool reamed;
-    /* depth of reaming: the deepest position of the reamer's tip below the plan's centre, along the plan's axis */
+    /* Depth of reaming, which is the deepest position of the reamer's tip below the plan's centre, measured along
+     * the plan's axis. */
     double reach_mm;
-    double tilt_deg;        /* angle between the axes of the reamer and the plan */
+    double tilt_deg;        /* angle between the reamer's axis and the plan's axis */
     double entry_mm;        /* distance from the plan's centre to the reamer's axis, in the plane of the face */
     /*
-     * The angles are measured in the scapula's own frame if there are landmarks, and otherwise in
-     * the axial and coronal planes of the CT. Retroversion and superior inclination are positive.
+     * True if the plan has landmarks; angles are then measured in the scapula's own frame. Otherwise, they are
+     * measured in the axial and coronal planes of the CT. Retroversion and superior inclination are positive.
      */
     bool scapular;
     double version_planned_deg, inclination_planned_deg; /* angles of the plan's axis */
     double version_deg, inclination_deg;                 /* angles of the reamer's axis */
-    double version_error_deg, inclination_error_deg;     /* reamed minus planned */
+    double version_error_deg, inclination_error_deg;     /* angle of the reamer's axis minus planned angle */
     bool sphere;                                      /* true if the floor is large enough to fit a sphere */
-    /* radius of the fitted sphere; RMS deviation of the floor from the sphere */
+    /* Radius of the fitted sphere, and RMS deviation of the floor from this sphere. */
     double sphere_mm, fit_rms_mm;
-    /* depth of the fitted sphere below the plan's centre, along the plan's axis */
+    /* Depth of the fitted sphere below the plan's centre, measured along the plan's axis. */
     double centre_depth_mm;
     /*
-     * Fit of an implant whose back is the fitted sphere: backing contact as a percentage of the floor, and the largest
-     * gap, excluding the worst 1 % of the floor.
+     * Fit of an implant whose back is the fitted sphere. contact_percent is the percentage of the floor with
+     * backing contact. gap_max_mm is the largest gap, where the worst 1 % of the floor is ignored.
      */
     double contact_percent, gap_max_mm;
     /*
-     * Hard bone (650 HU or more) under the floor, within 4.5 mm below the native face: its volume before the operation,
-     * and the percentage of this volume that remains.
+     * Hard bone (650 HU or more) under the floor, within 4.5 mm below the native face. plate_mm3 is its volume
+     * before the operation, and plate_kept_percent is the percentage of this volume that remains.
      */
     double plate_mm3, plate_kept_percent;
-    double over_mm3; /* over-reaming: volume removed more than 1 mm below the plan's depth, except by drills */
-    /* percentage of the floor that is more than 1 mm below the plan's depth; greatest depth of the floor below the
-       plan's depth */
+    double over_mm3; /* over-reaming: volume that was removed, except by drills, more than 1 mm below the planned
+                      * depth */
+    /* Percentage of the floor that is more than 1 mm below the planned depth, and greatest depth of the floor below
+     * the planned depth. */
     double over_percent, over_max_mm;
     /*
-     * The rim of the face: percentage of the rim that lies on the map; percentage of this part that was lowered by more
-     * than 1 mm; greatest lowering.
+     * The rim of the face. rim_seen_percent is the percentage of the rim that lies on the map. rim_lowered_percent
+     * is the percentage of this part that was lowered by more than 1 mm, and rim_lowered_mm is its greatest
+     * lowering.
      */
     double rim_seen_percent, rim_lowered_percent, rim_lowered_mm;
     /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
     double width_before_mm, width_after_mm, height_before_mm, height_after_mm;
     bool hole;                          /* true if a drill removed bone below the plan's centre */
-    double hole_depth_mm;               /* deepest position of the drill's tip, measured like reach_mm */
-    /* angle and entry point of the drill, measured like tilt_deg and entry_mm */
+    double hole_depth_mm;               /* deepest position of the drill's tip, measured like `reach_mm` */
+    /* Angle and entry point of the drill, measured like `tilt_deg` and `entry_mm`. */
     double hole_angle_deg, hole_entry_mm;
-    /* diameter computed from the mean area of the hole's slices; NAN if no slice is complete */
+    /* Diameter, computed from the mean area of the hole's slices; NAN if no slice is complete. */
     double hole_diameter_mm;
     /*
-     * distance from the hole to the nearest voxel outside the bone, at most 6 mm; only the part of the hole that is at
-     * least 6 mm below the face is measured
+     * Distance from the hole to the nearest voxel outside the bone, at most 6 mm. Only the part of the hole that is
+     * at least 6 mm below the face is measured.
      */
     double hole_wall_mm;
-    bool hole_breach;    /* true if the hole breaks through to the outside at a depth of at least 6 mm below the face */
-    /* maps of the surfaces' positions along w; NAN where there is no bone */
+    bool hole_breach;    /* true if the hole perforates the wall at a depth of at least 6 mm below the face */
+    /* Maps of the positions of both surfaces along w; NAN where there is no bone. */
     float before_mm[OST_METRICS_MAP * OST_METRICS_MAP], after_mm[OST_METRICS_MAP * OST_METRICS_MAP];
-    float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* depth below the native face; NAN where no bone was exposed */
-    /* for each cell, true if a drill removed bone there; such a cell is not part of the floor */
+    float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* map of the depth below the native face; NAN where no bone
+                                                        * was exposed */
+    /* For each cell, true if a drill removed bone in the cell. Such a cell is not part of the floor. */
     bool drilled[OST_METRICS_MAP * OST_METRICS_MAP];
 } ost_metrics;
 
-/* greatest gap in um that counts as contact; gaps of up to 0.6 bone voxels also count */
+/* Greatest gap, in um, that counts as contact. A gap of up to 0.6 bone voxels also counts. */
 enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*
@@ -155,22 +159,22 @@ OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *
 OST_API bool ost_metrics_angles(const ost_metrics_plan *plan, double *retroversion_deg, double *superior_deg);
 
 /*
- * A plunge begins when the tip is in contact and moves inward faster than OST_PLUNGE_MM_S on average over 50 ms. The
- * plunge ends when the tip moves slower than OST_PLUNGE_END_MM_S.
+ * A plunge begins when the tip is in contact and moves inward faster than OST_PLUNGE_MM_S, averaged over 50 ms. It
+ * ends when the tip moves slower than OST_PLUNGE_END_MM_S.
  */
 #define OST_PLUNGE_MM_S 25.0
 #define OST_PLUNGE_END_MM_S 15.0
 
 typedef struct ost_technique {
-    double seconds, path_mm;     /* duration and path length from the first tick to the last */
-    int contacts, passes;        /* number of intervals in contact; number of intervals in which bone was removed */
+    double seconds, path_mm;     /* duration, and length of the path from the first tick to the last */
+    int contacts, passes;        /* number of intervals in contact, and number of intervals in which bone was removed */
     double contact_s, cutting_s, contact_path_mm;
     bool felt;                   /* true if the force was not 0 in at least one tick */
-    /* hand force: mean and 95th percentile while in contact, and maximum */
+    /* Hand force: mean and 95th percentile during contact, and maximum. */
     double force_mean_n, force_p95_n, force_max_n;
-    /* angle between the tool's working direction and the plan's axis while in contact */
+    /* Angle between the tool's working direction and the plan's axis during contact. */
     double tilt_mean_deg, tilt_max_deg;
-    double inward_max_mm_s;      /* greatest inward speed, averaged over 50 ms, while in contact */
+    double inward_max_mm_s;      /* greatest inward speed during contact, averaged over 50 ms */
     int plunges;
     double plunge_mm;            /* depth of the deepest plunge */
 } ost_technique;

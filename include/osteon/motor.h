@@ -29,37 +29,36 @@ typedef struct ost_motor {
 } ost_motor;
 
 /*
- * Advances the motor to the time of the tick, at the speed of the tick. A speed of 0 or OST_RPM_ON does
- * not change the phase.
+ * Advances the motor to the time of the tick, at the speed of the tick. If this speed is 0 or OST_RPM_ON, the phase
+ * does not change.
  */
 OST_API void ost_motor_advance(ost_motor *motor, const ost_tick *tick);
 /* Returns the pose of the tool, which is the hand's pose rotated by the motor's phase. */
 OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
 /*
- * Computes the pose of the hand from the pose of the tool. This is the inverse of ost_motor_pose, up to one unit of
- * rounding.
+ * Computes the pose of the hand from the pose of the tool. This is the inverse of ost_motor_pose, apart from one
+ * unit of rounding.
  */
 OST_API ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *tool);
 /* Returns the tool's rotation about its z axis in radians, from 0 to -2 pi. For forces and pictures. */
 OST_API double ost_motor_angle(const ost_motor *motor);
 /*
- * Converts a tick that contains the pose of the hand: sets the tick's speed to rpm, advances the motor,
- * and replaces the pose by the pose of the tool.
+ * Converts a tick that contains the pose of the hand. Sets the tick's speed to rpm, advances the motor, and
+ * replaces the pose by the pose of the tool.
  */
 OST_API void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm);
 
 /*
- * The greatest number of ticks into which a row of a path is divided. A row is divided if the motor rotates by more
- * than 1/8 turn between the previous row and this row.
+ * Greatest number of ticks into which a row of a path is divided. A row is divided if the motor rotates by more
+ * than 1/8 turn since the previous row.
  */
 enum { OST_MOTOR_PARTS_MAX = 4096 };
 
 /*
- * Replaces the rows of a path that are poses of a hand (OST_RPM_OF_DEVICE) by the ticks
- * of a tool that a motor rotates at rpm (AR-MOTOR-7); all other rows do not change.  On
- * entry, *motor is the state of the motor before the path, and on return its state after
- * the path.  Returns OST_ERR_RANGE if a row is too far from the previous row, and
- * OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
+ * Converts a path of a hand to the ticks of a tool that a motor rotates at rpm (AR-MOTOR-7). Only rows that are
+ * poses of a hand (OST_RPM_OF_DEVICE) are replaced; all other rows remain unchanged. *motor is the state of the
+ * motor: before the path on entry, and after the path on return. Returns OST_ERR_RANGE if a row is too far from the
+ * previous row, and OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
  */
 OST_API ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_error *err);
 

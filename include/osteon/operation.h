@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An operation: a world whose tools are moved by a device, with recording.
+ * An operation is a world whose tools are moved by a device, with recording.
  *
  *   ost_servo_run --sample--> pose check --> motor: rotation --> force: tool's pose --> ost_world_step --> digest
  *         ^                       |                                |                                        |
@@ -36,41 +36,44 @@ typedef struct ost_operation ost_operation;
 
 /* Options of an operation. A zero-initialised struct selects the defaults. */
 typedef struct ost_operation_options {
-    int32_t tool;            /* index of the tool in use, if the device does not report it */
+    int32_t tool;            /* index of the tool in use if the device does not report a tool */
     /*
-     * Speed of the motor while the motor is on, in revolutions per minute, 0 to OST_RPM_MAX.  With a speed of 0,
-     * the tool removes no bone.  OST_RPM_ON means that the poses of the device already include the rotation of the
-     * tool, and that the motor is on.
+     * Speed of the motor while it is on, in revolutions per minute, 0 to OST_RPM_MAX. With a speed of 0, the tool
+     * removes no bone. OST_RPM_ON means that the motor is on and that the poses of the device already include the
+     * rotation of the tool.
      */
     int32_t rpm;
-    /* true: the motor is off until it is switched on; false: the motor is on from the first tick */
+    /* If true, the motor is off until it is switched on. If false, the motor is on from the first tick. */
     bool motor_waits;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions of the device's buttons */
-    /* number of tools through which OST_ACTION_TOOL cycles; with 0, the action has no effect */
+    /* Number of tools through which OST_ACTION_TOOL cycles. With 0, the action has no effect. */
     int32_t tools;
     ost_pose home;           /* pose of the hand after OST_ACTION_HOME; a zero quaternion disables the action */
-    ost_recorder *recorder;  /* borrowed; NULL: nothing is recorded */
-    /* borrowed; contains the world's tools; with NULL, there is no force, and the tool has the device's pose */
+    ost_recorder *recorder;  /* borrowed; if NULL, nothing is recorded */
+    /* Borrowed; contains the world's tools. If NULL, there is no force, and the pose of the tool is the pose of the
+     * device. */
     ost_force *force;
-    ost_live_channel *live;          /* borrowed; created for the world's bone; NULL: no live state */
+    ost_live_channel *live;          /* borrowed; created for the bone of the world; NULL if there is no live state */
     const ost_safety_params *safety; /* read by ost_operation_create; NULL selects the defaults */
     /*
      * The following members are for an operation that continues an earlier one: the number of ticks of the earlier
-     * operation, its last tick, and the state of the motor after that tick.  For any other operation, they are zero
-     * and NULL.
+     * operation, its last tick, and the state of the motor after that tick. For any other operation, these members
+     * are zero and NULL.
      */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
     ost_motor motor;
-    /* Returns the depth in mm of a tool at a pose, for the live state; called on the servo thread. May be NULL. */
+    /* Returns the depth of a tool at a pose, in mm, for the live state. Called on the servo thread. The function
+     * pointer may be NULL. */
     double (*depth_of)(void *user, int32_t tool, const ost_pose *pose);
     void *depth_user;
 } ost_operation_options;
 
 /*
- * Creates an operation on a world.  The world must outlive the operation; while the loop runs, only the servo thread
- * may use the world.  An operation that continues an earlier one begins 1 ms after the last tick, at the last pose of
- * the tool.  If the device is more than 5 mm away from this pose, there is a fault until the device returns to it.
+ * Creates an operation on a world. The world must outlive the operation, and while the loop runs, only the servo
+ * thread may use the world. An operation that continues an earlier operation begins 1 ms after its last tick, at
+ * the last pose of the tool. If the device is more than 5 mm away from this pose, there is a fault until the device
+ * returns to the pose.
  */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
                                         ost_error *err);
@@ -78,15 +81,15 @@ OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_op
 OST_API void ost_operation_free(ost_operation *operation);
 
 /*
- * Runs one tick.  This function is an ost_servo_tick.  A pose that a hand cannot have reached is a fault: the tool does
- * not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.  While the
- * device reports that tracking is lost (a drop-out), the tool does not move either.  A drop-out is not a fault; it is
- * recorded and counted.  If the backend fails, returns false, which stops the loop.
+ * Runs one tick. This function is an ost_servo_tick. A pose that a hand cannot have reached is a fault: the tool
+ * does not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.
+ * The tool also does not move during a drop-out, while the device reports that tracking is lost. A drop-out is not
+ * a fault, but it is recorded and counted. If the backend fails, returns false, which stops the loop.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /*
- * Sets the actions whose keys are held.  For each ost_action whose key is held, active contains the bit 1 << action.
- * One thread other than the servo thread may call this function at any time.
+ * Sets the actions whose keys are held. `active` is a bit mask with the bit 1 << action for each ost_action whose
+ * key is held. One thread other than the servo thread may call this function at any time.
  */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t active);
 /*
@@ -100,25 +103,25 @@ OST_API void ost_operation_done(void *operation, uint64_t number, uint32_t exec_
 /* The counts, peak values and final status of an operation. */
 typedef struct ost_operation_report {
     uint64_t steps;        /* number of ticks of the world */
-    uint64_t faults;       /* number of faults */
-    uint64_t fault_ticks;  /* ticks during faults */
+    uint64_t faults;       /* number of intervals with a fault */
+    uint64_t fault_ticks;  /* number of ticks during faults */
     ost_fault last_fault;  /* the most recent fault */
-    /* number of drop-outs; number of ticks in all drop-outs; number of ticks in the longest drop-out */
+    /* Number of drop-outs, number of ticks in all drop-outs, and number of ticks in the longest drop-out. */
     uint64_t dropouts, dropout_ticks, longest_dropout;
     double peak_n;         /* greatest hand force */
-    double peak_axial_n, energy_j; /* greatest contact force along the tool's axis, N; energy used for cutting, J */
-    /* number of ticks in contact; number of ticks in which the passivity controller added damping */
+    double peak_axial_n, energy_j; /* greatest contact force along the tool's axis, N, and energy used for cutting, J */
+    /* Number of ticks in contact, and number of ticks in which the passivity controller added damping. */
     uint64_t touching_ticks, damped_ticks;
-    /* status of the live state; not OST_OK if the backend failed to deliver it, in which case it is no longer
-       updated */
+    /* Status of the live state. It is not OST_OK if the backend failed to deliver the occupancy; the live state is
+     * then no longer updated. */
     ost_status shown;
-    /* status of the world; not OST_OK if the world failed, in which case `error` contains the message */
+    /* Status of the world. It is not OST_OK if the world failed; `error` then contains the message. */
     ost_status status;
     ost_error error;
 } ost_operation_report;
 /* Copies the report. May be called only after the loop has ended. */
 OST_API void ost_operation_report_get(const ost_operation *operation, ost_operation_report *out);
-/* Returns a short description of a fault, for instance "the pose jumped"; static. */
+/* Returns a short description of a fault, for instance "the pose jumped". The text is static. */
 OST_API const char *ost_fault_text(ost_fault fault);
 
 #ifdef __cplusplus

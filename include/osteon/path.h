@@ -19,8 +19,8 @@ extern "C" {
 
 /*
  * OST_RPM_ON: the motor is on at an unknown speed, and the pose includes the rotation of the tool.
- * OST_RPM_OF_DEVICE: the pose is that of the device and does not include the motor's rotation,
- * which the operation adds (motor.h).  A world does not accept a tick with OST_RPM_OF_DEVICE.
+ * OST_RPM_OF_DEVICE: the pose is the pose of the device, without the rotation of the motor, which the operation
+ * adds (motor.h). A world does not accept a tick with OST_RPM_OF_DEVICE.
  */
 enum { OST_RPM_ON = -1, OST_RPM_OF_DEVICE = -2, OST_RPM_MAX = 3000 };
 
@@ -32,12 +32,12 @@ typedef struct ost_tick {
     int64_t t_ns; /* time in nanoseconds */
     int32_t tool; /* index into the world's tools */
     /*
-     * speed of the motor: 1 to OST_RPM_MAX, OST_RPM_ON or OST_RPM_OF_DEVICE; with 0, the motor is off and the tool
-     * removes no bone
+     * Speed of the motor: 1 to OST_RPM_MAX, OST_RPM_ON or OST_RPM_OF_DEVICE. With 0, the motor is off and the tool
+     * removes no bone.
      */
     int32_t rpm;
     ost_pose pose;
-    /* true if the tool was lifted before this tick, so that there is no sweep from the previous tick (AR-SWEEP-5) */
+    /* True if the tool was lifted before this tick, so that there is no sweep from the previous tick (AR-SWEEP-5). */
     bool lifted;
 } ost_tick;
 
@@ -52,16 +52,16 @@ enum { OST_PATH_TICKS_MAX = 100000000 };
 
 enum { OST_PATH_NO_GAPS = -1 };
 /*
- * If two rows are farther apart than max_gap_ns or max_jump_pm, there is a gap between them and the second row begins
- * with the tool lifted.  The value 0 means that the limit is computed from the rows (AR-PATH-5).  OST_PATH_NO_GAPS
- * means that there is no limit.
+ * Limits that determine gaps. If two rows are farther apart than max_gap_ns or max_jump_pm, there is a gap between
+ * the rows, and the second row begins with the tool lifted. If a limit is 0, it is computed from the rows
+ * (AR-PATH-5). OST_PATH_NO_GAPS means that there is no limit.
  */
 typedef struct ost_path_options {
     int64_t max_gap_ns;
     ost_pm max_jump_pm;
 } ost_path_options;
 
-/* Allocates count rows without initialising them. */
+/* Allocates `count` rows without initialising them. */
 OST_API ost_status ost_path_init(ost_path *path, size_t count, ost_error *err);
 /* Frees the rows of a path, which is then empty. */
 OST_API void ost_path_free(ost_path *path);

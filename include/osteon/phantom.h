@@ -32,12 +32,12 @@ typedef enum ost_phantom_kind {
 } ost_phantom_kind;
 
 typedef struct ost_phantom_options {
-    uint64_t seed;     /* 0: 1 */
-    /* spacing; 0 selects the spacing of the thesis; the physical size does not change, so dims = ceil(size /
-       spacing) */
+    uint64_t seed;     /* seed of the noise; 0 selects 1 */
+    /* Spacing; 0 selects the spacing of the thesis. The physical size does not depend on the spacing, so dims =
+     * ceil(size / spacing). */
     ost_pm3 spacing;
-    double scale;      /* scale of the anatomy and its box; 0 selects 1 */
-    bool left;         /* default: right */
+    double scale;      /* scale of the anatomy and of its box; 0 selects 1 */
+    bool left;         /* true for a left scapula; the default is a right scapula */
     ost_progress *progress; /* called with the stage "generating"; may be NULL */
     void *progress_user;
 } ost_phantom_options;
@@ -68,7 +68,7 @@ typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } 
 
 typedef struct ost_tool_options {
     ost_pm diameter; /* diameter; the default is 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
-    /* length; the default is 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft */
+    /* Length; the default is 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft. */
     ost_pm length;
     int segments;    /* number of segments around the axis; 0 selects 96 */
     ost_tool_part part;
@@ -76,7 +76,7 @@ typedef struct ost_tool_options {
 
 /* Returns the name of a kind of tool, as used by `osteon tool`; static. */
 OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
-/* Returns true for kinds that have a shaft. */
+/* Returns true if tools of the given kind have a shaft. */
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
  * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_RANGE

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pictures without a display: slices through a volume and a shaded view of
- * its surface.  Nothing here affects the removal of voxels.
+ * Draws pictures without a display: slices through a volume, and a shaded view of its surface. The functions do not
+ * affect the removal of voxels.
  */
 #ifndef OSTEON_PICTURE_H
 #define OSTEON_PICTURE_H
@@ -18,58 +18,59 @@ typedef struct ost_picture {
     uint8_t *rgb; /* owned; 3 * width * height */
 } ost_picture;
 
-/* Allocates a picture filled with zeros. On failure *picture has no pixels and can still be freed. */
+/* Allocates a picture filled with zeros. On failure, *picture has no pixels but can still be freed. */
 OST_API ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_error *err);
 /* Frees the pixels of a picture, which is then empty. */
 OST_API void ost_picture_free(ost_picture *picture);
 /* Writes the picture as a PNG file. Returns OST_ERR_UNAVAILABLE if the library was built without libpng. */
 OST_API ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err);
-/* Encodes the picture as a PNG in memory, for embedding; the caller frees *bytes with free(). */
+/* Encodes the picture as a PNG in memory, for embedding in a page. The caller frees *bytes with free(). */
 OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err);
 
 /*
- * Options of ost_picture_slices, which draws three slices through a voxel (axial,
- * coronal, sagittal; radiological convention, isotropic pixels).
+ * Options of ost_picture_slices. This function draws the axial, coronal and sagittal slice through a voxel, with
+ * isotropic pixels and in the radiological convention.
  */
 typedef struct ost_slices_options {
-    /* indices of the voxel through which the slices pass; -1 selects the middle of the grid or, if `before` is not
-       NULL, of the removed voxels */
+    /* Indices of the voxel through which the slices pass. -1 selects the middle of the removed voxels or, if
+     * `before` is NULL, the middle of the grid. */
     int32_t at[3];
     int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
-    /* level and width of the grey-scale window in HU; if both are 0, they are set to 400 and 1800 */
+    /* Level and width of the grey-scale window in HU. If both are 0, they are set to 400 and 1800. */
     int level, width;
     int pixels;           /* length of the longest side of a slice in pixels; 0 selects 480 */
-    bool unoriented;      /* the patient's directions are unknown and are not drawn */
+    bool unoriented;      /* true if the patient's directions are unknown, so that they are not drawn */
 } ost_slices_options;
 /*
- * Draws the slices.  `before` may be NULL; otherwise, voxels that are active in `before` but not in `volume` are
- * coloured.  The caller owns *out.
+ * Draws the slices. If `before` is not NULL, voxels that are active in `before` but not in `volume` are coloured.
+ * The caller owns *out.
  */
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
                                       const ost_slices_options *options, ost_picture *out, ost_error *err);
 
 /*
- * Options of ost_picture_view.  The angle of view is 45 degrees.  The scale bar applies to the plane through the centre
- * of the view.
+ * Options of ost_picture_view. The angle of view is 45 degrees. The scale bar is valid in the plane through the
+ * centre of the view.
  */
 typedef struct ost_view_options {
-    /* direction of view, from the eye into the scene, in the bone's frame; 0 0 0 selects posterior (0 1 0) in LPS */
+    /* Direction of view, from the eye into the scene, in the bone's frame. 0 0 0 selects the direction to
+     * posterior, which is (0 1 0) in LPS. */
     double direction[3];
-    double up[3];         /* upward direction in the bone's frame; 0 0 0 selects superior (0 0 1) */
+    double up[3];         /* upward direction in the bone's frame; 0 0 0 selects superior, which is (0 0 1) */
     int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
     int width, height;    /* size of the picture in pixels; if both are 0, they are set to 800 */
-    double centre_mm[3];  /* centre of the view, used if extent_mm > 0 */
-    /* height of the view in the plane through the centre; with 0, the view shows the complete bone */
+    double centre_mm[3];  /* centre of the view; used only if extent_mm > 0 */
+    /* Height of the view in the plane through its centre. With 0, the view shows the complete bone. */
     double extent_mm;
     bool tool;            /* true if the volume is a tool, which is drawn as steel */
-    bool unoriented;      /* the patient's directions are unknown and are not drawn */
-    bool no_legend;       /* if true, the legend, the scale bar and the patient's directions are not drawn */
+    bool unoriented;      /* true if the patient's directions are unknown, so that they are not drawn */
+    bool no_legend;       /* true to omit the legend, the scale bar and the patient's directions */
     int threads;          /* number of threads; 0 selects one for each processor */
 } ost_view_options;
 /*
- * Draws a view of the active voxels, as osteon render does (render.h), with a scale bar and the patient's directions.
- * The voxels must be cubes.  If `before` is not NULL, the newly exposed surface is coloured by its depth below the
- * surface of the `before` volume, and a legend is drawn.  The caller owns *out.
+ * Draws a view of the active voxels with a scale bar and the patient's directions, as `osteon render` does
+ * (render.h). The voxels must be cubes. If `before` is not NULL, the newly exposed surface is coloured by its depth
+ * below the surface of `before`, and a legend is drawn. The caller owns *out.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

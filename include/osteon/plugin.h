@@ -64,17 +64,18 @@ typedef enum ost_plugin_status {
     OST_PLUGIN_USAGE = 1,       /* options or arguments are wrong */
     OST_PLUGIN_RANGE = 2,       /* a value is beyond the limits of this plugin */
     OST_PLUGIN_MEMORY = 3,
-    /* the device does not exist, or support for it was not built in; the error text states what to install */
+    /* The device does not exist, or the plugin was built without support for it. The error text states what must be
+     * installed. */
     OST_PLUGIN_UNAVAILABLE = 4,
     OST_PLUGIN_FAILED = 5,      /* any other failure; no object has changed */
-    OST_PLUGIN_LOST = 6         /* the content of the object is unknown from now on */
+    OST_PLUGIN_LOST = 6         /* the content of the object is unknown from this time on */
 } ost_plugin_status;
 
 /* Memory for the text of an error, provided by the host. */
 typedef struct ost_plugin_error {
     uint32_t size;
-    uint32_t text_size; /* size of text in bytes, including the NUL */
-    char *text;         /* one line; empty before the call */
+    uint32_t text_size; /* size of `text` in bytes, including the NUL */
+    char *text;         /* one line of text; empty before the call */
 } ost_plugin_error;
 
 /* A dense grid. Lengths are exact, in picometres (10^-9 mm). Voxel (i, j, k) is element i + dims[0] (j + dims[1] k). */
@@ -85,7 +86,7 @@ typedef struct ost_plugin_geometry {
     int64_t origin_pm[3]; /* centre of voxel (0, 0, 0) */
 } ost_plugin_geometry;
 
-/* The grid of a tool: the centre of voxel (i, j, k) is corner + (i + 1/2, j + 1/2, k + 1/2) voxel (AR-TOOL). */
+/* The grid of a tool. The centre of voxel (i, j, k) is corner + (i + 1/2, j + 1/2, k + 1/2) * voxel (AR-TOOL). */
 typedef struct ost_plugin_tool_geometry {
     uint32_t size;
     int32_t dims[3];
@@ -99,32 +100,35 @@ typedef struct ost_plugin_tool_geometry {
 typedef struct ost_plugin_sample { /* the layout of this struct and its size of 32 bytes never change */
     int64_t x_pm, y_pm, z_pm;
     int32_t density;
-    uint32_t line; /* line number minus first_line of the batch */
+    uint32_t line; /* line number of the sample minus first_line of the batch */
 } ost_plugin_sample;
 
 /* A batch of samples. */
 typedef struct ost_plugin_samples {
     uint32_t size;
-    int32_t duplicates; /* rule if a voxel has several samples: 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
+    int32_t duplicates; /* rule for voxels with several samples: 0 error, 1 first, 2 last, 3 max (AR-CT-6) */
     uint64_t count;
     int64_t first_line;
     const ost_plugin_sample *sample;
 } ost_plugin_samples;
 
 /*
- * On entry, the struct contains the results of the previous batches; on return, it includes this batch. See
- * ost_scatter_report in backend.h.
+ * The results of scattering samples; see ost_scatter_report in backend.h. On entry, the struct contains the results
+ * of the previous batches. On return, it also includes this batch.
  */
 typedef struct ost_plugin_scatter_report {
     uint32_t size;
     int16_t conflict_had, conflict_has;
     uint64_t samples, duplicates, off_lattice, worst_offset_ppm;
-    int64_t worst_line, rejected_line, conflict_line; /* 0: none */
+    int64_t worst_line, rejected_line, conflict_line; /* line numbers; 0 means that there is no such line */
 } ost_plugin_scatter_report;
 
 /* ----------------------------------------------------------------- tools */
 
-/* A mesh with integer vertices in units of voxel / 2^fraction_bits from the corner of the tool's grid (AR-MESH). */
+/*
+ * A mesh with integer vertices. The unit is voxel / 2^fraction_bits, and the origin is the corner of the tool's
+ * grid (AR-MESH).
+ */
 typedef struct ost_plugin_mesh {
     uint32_t size;
     int32_t fraction_bits;
@@ -149,8 +153,7 @@ typedef struct ost_plugin_int128 {
 } ost_plugin_int128;
 
 /*
- * Maps bone voxel (i, j, k) to tool coordinate a at one pose (AR-MAP), in three
- * forms:
+ * The map from bone voxel (i, j, k) to tool coordinate a at one pose (AR-MAP), in three forms:
  *
  *   exact     (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *             in units of 2^-20 tool voxel
@@ -163,7 +166,7 @@ typedef struct ost_plugin_map {
     int32_t step[3][3]; /* [bone axis][tool axis] */
     ost_plugin_int128 origin[3], column[3][3], divisor;
     double affine[3][4];
-    int32_t box_lo[3], box_hi[3]; /* no voxel outside [box_lo, box_hi) can be inside the tool's grid at this pose */
+    int32_t box_lo[3], box_hi[3]; /* at this pose, no voxel outside [box_lo, box_hi) can be inside the tool's grid */
 } ost_plugin_map;
 
 /* An event: the maps of its poses and the density classes (AR-REM). */
@@ -174,16 +177,16 @@ typedef struct ost_plugin_event {
     const ost_plugin_map *maps;
     int32_t class_count;      /* 1 to 8 */
     /*
-     * borders of the classes; a voxel belongs to the last class whose border is <= the voxel's density, or to class 0
-     * if there is no such class
+     * Borders of the classes. A voxel belongs to the last class whose border is at most the voxel's density. If
+     * there is no such class, it belongs to class 0.
      */
     const int16_t *class_from;
 } ost_plugin_event;
 
 /*
- * A mesh as read from a file, which is the input of the `snap` slot.  This struct and the three
- * structs below are inputs and results of the steps that precede the work on voxels.  They are used
- * by plugins that execute these steps themselves, in the `snap` and `steps` slots.
+ * A mesh as read from a file. It is the input of the `snap` slot. This struct and the three following structs are
+ * inputs and results of the steps that precede the work on voxels. They are used only by plugins that execute these
+ * steps themselves, in the slots `snap` and `steps`.
  */
 typedef struct ost_plugin_raw_mesh {
     uint32_t size;
@@ -210,21 +213,21 @@ typedef struct ost_plugin_pose {
 } ost_plugin_pose;
 
 /*
- * The input of the `steps` slot.  Of each map that is passed to `add`, the host reads the members
- * `divisor`, `origin`, `column` and `step`.  From these members, the host's function block_base
- * computes the base of a block.
+ * The input of the `steps` slot. The plugin passes maps to the function `add`, which reads only the members
+ * `divisor`, `origin`, `column` and `step` of a map. From these members, the host's function block_base computes
+ * the base of a block.
  */
 typedef struct ost_plugin_steps {
     uint32_t size;
     uint32_t reserved;
     const ost_plugin_geometry *bone;
     const ost_plugin_tool_geometry *tool;
-    const ost_plugin_pose *from; /* start of the sweep; if NULL, the only pose of the event is `to` */
+    const ost_plugin_pose *from; /* start of the sweep; NULL if `to` is the only pose of the event */
     const ost_plugin_pose *to;
     void *sink;
     /*
-     * Receives a pose and its map. If `add` does not return OST_PLUGIN_OK, the slot stops and returns the value that
-     * `add` returned.
+     * Receives a pose and its map. If the function does not return OST_PLUGIN_OK, the slot stops and returns the
+     * function's value.
      */
     int32_t (*add)(void *sink, const ost_plugin_pose *pose, const ost_plugin_map *map);
 } ost_plugin_steps;
@@ -238,12 +241,11 @@ typedef struct ost_plugin_report {
     uint32_t reserved;
     void *sink;
     /*
-     * Receives the counts of one chunk. voxels contains class_count counts, and density contains
-     * class_count sums. If `add` does not return OST_PLUGIN_OK, the slot stops and returns the
-     * value that `add` returned.
+     * Receives the counts of one chunk. `voxels` contains class_count counts, and `density` contains class_count
+     * sums. If the function does not return OST_PLUGIN_OK, the slot stops and returns the function's value.
      */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
-    uint64_t touched_voxels; /* active voxels covered only by non-cutting tool voxels */
+    uint64_t touched_voxels; /* number of active voxels that only non-cutting tool voxels cover */
 } ost_plugin_report;
 
 /* The counts of a bone; see ost_bone_info in backend.h. */
@@ -254,8 +256,8 @@ typedef struct ost_plugin_bone_stats {
 } ost_plugin_bone_stats;
 
 /*
- * The rule by which the rect grid is resampled to the cubic grid (AR-CUB-2 to 4). The enumeration was added in version
- * 2 of the interface.
+ * The rule for resampling the rect grid to the cubic grid (AR-CUB-2 to 4). The enumeration was added in version 2
+ * of the interface.
  */
 typedef enum ost_plugin_resample {
     OST_PLUGIN_LINEAR = 0,
@@ -265,7 +267,7 @@ typedef enum ost_plugin_resample {
 
 /* ------------------------------------------------------------------ host */
 
-/* Functions and values provided by the host; valid until the plugin is closed. */
+/* Functions and values that the host provides. They are valid until the plugin is closed. */
 typedef struct ost_plugin_host {
     uint32_t size;
     uint32_t abi;
@@ -273,9 +275,9 @@ typedef struct ost_plugin_host {
     uint32_t reserved;
     const char *version; /* version of osteon */
     /*
-     * Computes the base of the block of 16^3 voxels whose first voxel has the indices 16 block[0],
-     * 16 block[1] and 16 block[2] (AR-MAP-5). Returns 0 without setting base if no voxel of the
-     * block can be inside the tool's grid.
+     * Computes the base of a block of 16^3 voxels (AR-MAP-5). The first voxel of the block has the indices 16
+     * block[0], 16 block[1] and 16 block[2]. Returns 0 without setting `base` if no voxel of the block can be
+     * inside the tool's grid.
      */
     int32_t (*block_base)(const ost_plugin_map *map, const int32_t block[3], int32_t base[3]);
 } ost_plugin_host;
@@ -294,21 +296,22 @@ typedef struct ost_plugin_tool ost_plugin_tool; /* a tool grid: 0 empty, 1 cutti
 typedef struct ost_plugin {
     uint32_t size;
     uint32_t abi;            /* OST_PLUGIN_ABI */
-    int32_t arithmetic;      /* version of docs/spec/arithmetic.md that the plugin implements; 0: none */
+    int32_t arithmetic; /* version of docs/spec/arithmetic.md that the plugin implements; 0 if it implements none */
     uint32_t reserved;
     const char *name;        /* one line, for example "mine 1.2" */
     const char *description; /* one sentence */
 
-    /* Creates an instance. options is the text after the file name and its comma, or "". */
+    /* Creates an instance. `options` is the text after the file name and the comma; it may be "". */
     int32_t (*open)(const char *options, const ost_plugin_host *host, ost_plugin_instance **out,
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
     /*
-     * Waits until all work is complete. If work failed after the slot that started it had returned, returns the error.
+     * Waits until all work is complete. Returns the error if work failed after the slot that started this work had
+     * returned.
      */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
-    /* A new grid is filled with 0. Uploads and downloads copy the slices z0 <= k < z0 + count. */
+    /* A new grid is filled with 0. An upload or download copies the slices z0 <= k < z0 + count. */
     int32_t (*grid_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, ost_plugin_grid **out,
                            ost_plugin_error *error);
     void (*grid_free)(ost_plugin_grid *grid);
@@ -320,7 +323,8 @@ typedef struct ost_plugin {
     /* Scatters samples into a rect grid (AR-CT-4 to 6; thesis, Alg. 2.4). */
     int32_t (*ct_to_rect)(ost_plugin_grid *rect, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error);
-    /* Resamples to a new grid of the given geometry (AR-CUB; Alg. 2.5). rule is an ost_plugin_resample. */
+    /* Resamples a rect grid to a new grid with the given geometry (AR-CUB; Alg. 2.5). `rule` is an
+     * ost_plugin_resample. */
     int32_t (*rect_to_cubic)(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
                              ost_plugin_grid **out, ost_plugin_error *error);
     /* Creates a bone from a cubic grid (AR-CHK; Alg. 2.6). */
@@ -328,8 +332,8 @@ typedef struct ost_plugin {
                                ost_plugin_bone **out, ost_plugin_error *error);
 
     /*
-     * A new bone has no active voxels. An upload to a bone sets densities below the threshold to 0. The slices have no
-     * padding.
+     * A new bone has no active voxels. If a bone is uploaded, densities below the threshold become 0. The slices
+     * have no padding.
      */
     int32_t (*bone_create)(ost_plugin_instance *self, const ost_plugin_geometry *geometry, int32_t chunk_size,
                            int32_t threshold, ost_plugin_bone **out, ost_plugin_error *error);
@@ -341,8 +345,8 @@ typedef struct ost_plugin {
                              ost_plugin_error *error);
 
     /*
-     * Voxelizes a tool (AR-VOX; Alg. 2.1 and section 2.3). noncutting may be NULL. parity is the fill rule: 0 winding,
-     * 1 parity.
+     * Voxelizes a tool (AR-VOX; Alg. 2.1 and section 2.3). noncutting may be NULL. `parity` selects the fill rule:
+     * 0 is winding, 1 is parity.
      */
     int32_t (*voxelize)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                         const ost_plugin_mesh *cutting, const ost_plugin_mesh *noncutting, int32_t parity,
@@ -353,7 +357,7 @@ typedef struct ost_plugin {
     void (*tool_free)(ost_plugin_tool *tool);
 
     /*
-     * Executes an event (AR-REM; Algs. 2.8 to 2.10). `collide` makes the same report as `remove`, but does not change
+     * Executes an event (AR-REM; Algs. 2.8 to 2.10). `collide` makes the same report as `remove` without changing
      * the bone.
      */
     int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,
@@ -362,29 +366,28 @@ typedef struct ost_plugin {
                        ost_plugin_report *report, ost_plugin_error *error);
 
     /*
-     * The two slots below execute the steps that precede the work on voxels. A plugin that executes
-     * these steps itself sets the slots. If a slot is NULL or beyond the size of the table, the
-     * host executes the step and passes the results to the plugin. `osteon validate` calls these
-     * slots in every case and compares their results bit by bit with the results of the host
-     * (stages `snap` and `steps`). The verdict of `osteon validate` states which of these two steps
-     * the plugin executed itself.
+     * The two slots below execute the steps that precede the work on voxels. A plugin that executes these steps
+     * itself sets the two slots. If a slot is NULL or beyond the size of the table, the host executes the step and
+     * passes the results to the plugin. `osteon validate` calls these slots in every case and compares their
+     * results bit by bit with the results of the host (stages `snap` and `steps`). The verdict of `osteon validate`
+     * states which of these two steps the plugin executed itself.
      */
     /*
-     * Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes the result to *made. The triangles that are not dropped remain in
-     * their order.
+     * Snaps a mesh (AR-MESH-3, AR-MESH-4) and writes the result to *made. Triangles that are not dropped keep their
+     * order.
      */
     int32_t (*snap)(ost_plugin_instance *self, const ost_plugin_tool_geometry *geometry,
                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
     /*
-     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once
-     * for each pose, in order. A slot that returns an error does not call in->add.
+     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once for each pose,
+     * in order. If the slot returns an error of its own, it must not have called in->add.
      */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;
 
 /*
- * The type of the symbol that the host loads. The parameter host_abi is the host's OST_PLUGIN_ABI. Returns the table,
- * or NULL if the plugin does not support this interface.
+ * The type of the symbol that the host loads. host_abi is the OST_PLUGIN_ABI of the host. Returns the table, or
+ * NULL if the plugin does not support this version of the interface.
  */
 typedef const ost_plugin *ost_plugin_entry_function(uint32_t host_abi);
 #define OST_PLUGIN_ENTRY "ost_plugin_entry"

@@ -4,8 +4,8 @@
  *
  *     p_bone = R(q) p_tool + t          Hamilton convention, active rotation
  *
- * A pose is quantised once, when it is read from a device or a file.  From then on, the integers of
- * the pose do not change: they are the same live, recorded and replayed, and on every backend.
+ * A pose is quantised once, when it is read from a device or a file. From then on, its integers do not change: they
+ * are the same in a live operation, in its recording and replay, and on every backend.
  *
  *   t   picometres, at most 8 m on each axis
  *   q   w, x, y, z times 2^30, RHE, never renormalised; | |q| - 1 | <= 1e-3
@@ -38,13 +38,13 @@ typedef struct ost_pose {
 OST_API ost_pose ost_pose_identity(void);
 
 /*
- * Converts t_mm = x, y, z in millimetres and q = w, x, y, z to a pose. Each double is replaced by the shortest
- * decimal that reads back as this double, and then quantised. Returns OST_ERR_RANGE if a number is NaN or out
- * of range, or if the length of q is not near 1.
+ * Converts a position t_mm = x, y, z in millimetres and a quaternion q = w, x, y, z to a pose. Each double is
+ * replaced by the shortest decimal that reads back as this double, and then quantised. Returns OST_ERR_RANGE if a
+ * number is NaN or out of range, or if the length of q is not near 1.
  */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
-/* Converts decimals as written to a pose, without binary floats in between. */
+/* Converts decimals, as written in a text, to a pose. No binary floats are used in between. */
 OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q[4], ost_pose *out,
                                           ost_error *err);
 
@@ -55,9 +55,8 @@ OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);
 OST_API void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4]);
 
 /*
- * Computes the quaternion w, x, y, z of the rotation matrix with these columns.  Used for devices
- * and cameras that provide matrices.  The columns must be orthonormal; otherwise the quaternion
- * does not have length 1.
+ * Computes the quaternion w, x, y, z of the rotation matrix with the given columns. Used for devices and cameras
+ * that provide matrices. If the columns are not orthonormal, the length of the quaternion is not 1.
  */
 OST_API void ost_quaternion_of_columns(const double columns[3][3], double q[4]);
 

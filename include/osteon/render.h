@@ -21,10 +21,9 @@ extern "C" {
 enum { OST_FRAME_MAX = 8192 }; /* greatest width and height of a frame in pixels */
 
 /*
- * A camera.  In its frame, x points to the right of the picture, y up, and the
- * view direction is -z; pose maps this frame to the bone's frame.  With a focal
- * length of f pixels and a vertical angle of view a, the picture is
- * 2 f tan(a / 2) pixels high.
+ * A camera. In its frame, x points to the right of the picture, y points up, and the view direction is -z. The pose
+ * maps this frame to the bone's frame. With a focal length of f pixels and a vertical angle of view a, the picture
+ * is 2 f tan(a / 2) pixels high.
  */
 typedef struct ost_camera {
     ost_pose pose;
@@ -36,23 +35,23 @@ typedef struct ost_camera {
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
 /*
- * Sets camera->pose so that the camera is at from_mm and looks at at_mm. up need not be a unit vector or perpendicular
- * to the view direction.
+ * Sets camera->pose so that the camera is at from_mm and its view direction points to at_mm. `up` does not need to
+ * be a unit vector or perpendicular to the view direction.
  */
 OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3],
                                       ost_camera *camera, ost_error *err);
 
 typedef enum ost_style {
-    OST_STYLE_SMOOTH, /* each voxel is lit by the normal of the surface around it; hollows are darker */
-    OST_STYLE_FACES   /* each face is lit by its own normal, as in the thesis */
+    OST_STYLE_SMOOTH, /* each voxel is lit according to the surface normal around it; hollows are darker */
+    OST_STYLE_FACES   /* each face is lit according to its own normal, as in the thesis */
 } ost_style;
 
 /* Options of ost_picture_points. A zero-initialised struct selects the defaults. */
 typedef struct ost_points_options {
-    int32_t threshold; /* 0: 120 */
+    int32_t threshold; /* threshold; 0 selects 120 */
     ost_style style;
-    /* name of an instruction set level, as in the environment variable OSTEON_ISA; NULL selects the best level of
-       this machine */
+    /* Name of an instruction set level, as in the environment variable OSTEON_ISA. NULL selects the best level of
+     * this machine. */
     const char *isa;
     int threads;       /* number of threads; 0 selects one for each processor */
 } ost_points_options;

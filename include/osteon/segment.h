@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Divides a CT into bones: connected components of dense voxels, as a label map.
+ * Divides a CT into bones. The bones are connected components of dense voxels, stored as a label map.
  *
  *   CT --threshold, growth--> candidates --cuts--> components --fill, separate--> label map, list of components
  *
@@ -22,36 +22,36 @@ extern "C" {
 #endif
 
 /*
- * A cut: a ball or a half space that separates two touching bones.  The voxels of a cut belong to
- * no component.  A half space is the side of a plane to which the normal points, including the
- * plane.  The length of the normal has no effect.
+ * A cut separates two bones that touch. It is a ball or a half space; the voxels in the cut belong to no component.
+ * A half space is the side of a plane to which the normal points, including the plane. The length of the normal has
+ * no effect.
  */
 typedef struct ost_segment_cut {
     ost_pm3 at;     /* centre of the ball, or a point on the plane, in LPS */
-    ost_pm radius;  /* radius of the ball, at most 1 m; 0: a half space */
-    ost_pm3 normal; /* normal of the plane, not zero; each component from -10^12 to 10^12 */
+    ost_pm radius;  /* radius of the ball, at most 1 m; 0 for a half space */
+    ost_pm3 normal; /* normal of the plane, not zero; each component is from -10^12 to 10^12 */
 } ost_segment_cut;
 
 enum { OST_SEGMENT_LABELS_MAX = 32767 };
 #define OST_SEGMENT_SEPARATE_MAX (65 * OST_PM_PER_MM)
 /* Options of a segmentation. A zero-initialised struct selects the defaults. */
 typedef struct ost_segment_options {
-    int32_t threshold;     /* every component contains a voxel of at least this density, 1 to 32767; 0 selects 120 */
-    /* lowest density of a component's voxels, at most the threshold; 0 selects the threshold */
+    int32_t threshold;     /* every component contains a voxel with at least this density, 1 to 32767; 0 selects 120 */
+    /* Lowest density of the voxels of a component, at most the threshold; 0 selects the threshold. */
     int32_t growth;
     const ost_segment_cut *cuts;
     size_t cut_count;
-    uint64_t min_voxels;   /* components with fewer voxels are not labelled */
-    bool fill;             /* if true, holes that contain no air are given the label of the surrounding bone */
+    uint64_t min_voxels;   /* components with fewer voxels get no label */
+    bool fill;             /* true to give holes that contain no air the label of the surrounding bone */
     int32_t air;           /* a hole that contains a voxel below this density is not filled */
     /*
-     * 0, or the depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX: a component is divided at a neck whose radius is
-     * at least this much less than that of the bone on both sides of it
+     * Depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX, or 0 to divide no components. A component is divided at a
+     * neck if the radius of the neck is smaller, by at least this depth, than the radius of the bone on both sides.
      */
     ost_pm separate;
 } ost_segment_options;
 
-/* A component; its label is its index + 1. */
+/* A component. The label of a component is its index + 1. */
 typedef struct ost_segment {
     uint64_t voxels;       /* number of voxels, excluding filled holes */
     uint64_t filled;       /* number of voxels in filled holes */
@@ -60,26 +60,25 @@ typedef struct ost_segment {
 } ost_segment;
 
 /*
- * Finds the components of a CT (AR-SEG-1 to AR-SEG-5) and, by option, divides them at necks
- * (AR-SEG-7 to AR-SEG-9).  *labels is a volume with the geometry of the CT that contains the
- * label of each voxel, or 0.  *out is an array of the components in descending order of size;
- * components of equal size are in the order of their first voxels.  Returns OST_ERR_RANGE if an
- * option is out of range or more than OST_SEGMENT_LABELS_MAX components have at least
- * min_voxels, and OST_ERR_MEMORY if memory is exhausted.  The caller frees *labels by
+ * Finds the components of a CT (AR-SEG-1 to AR-SEG-5). If the option `separate` is set, divides them at necks
+ * (AR-SEG-7 to AR-SEG-9). *labels is a volume with the geometry of the CT that contains the label of each voxel, or
+ * 0. *out is an array of the components in descending order of size; components of equal size are in the order of
+ * their first voxels. Returns OST_ERR_RANGE if an option is out of range or more than OST_SEGMENT_LABELS_MAX
+ * components have at least min_voxels, and OST_ERR_MEMORY if memory is exhausted. The caller frees *labels by
  * ost_volume_free and *out by ost_segments_free.
  */
 OST_API ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *options, ost_volume *labels,
                                       ost_segment **out, size_t *count, ost_error *err);
-/* Returns the label of the voxel that contains a position, or -1 if it is outside the grid. */
+/* Returns the label of the voxel that contains a position. Returns -1 if the position is outside the grid. */
 OST_API int ost_segment_label_at(const ost_volume *labels, ost_pm3 at);
 /*
- * Returns the label of the voxel that is nearest to a position among those with a label, and stores its centre in
- * *found (AR-SEG-10). Returns 0 if no voxel has a label. at is within OST_LENGTH_MAX.
+ * Finds the voxel nearest to a position among all voxels with a label (AR-SEG-10). Returns its label, and stores
+ * its centre in *found. Returns 0 if no voxel has a label. `at` must be within OST_LENGTH_MAX.
  */
 OST_API int ost_segment_label_near(const ost_volume *labels, ost_pm3 at, ost_pm3 *found);
 /*
- * Removes the components k for which keep[k] is false, and numbers the labels of the others from 1 in unchanged
- * order (AR-SEG-10).  labels, segments and *count are results of ost_segment_volume.
+ * Removes each component k for which keep[k] is false. Numbers the labels of the remaining components from 1, in
+ * unchanged order (AR-SEG-10). labels, segments and *count are results of ost_segment_volume.
  */
 OST_API ost_status ost_segments_keep(ost_volume *labels, ost_segment *segments, size_t *count, const bool *keep,
                                      ost_error *err);

@@ -28,9 +28,9 @@ extern "C" {
 /* ---------------------------------------------------------------- header */
 
 /*
- * The description of a session: keys and values, in the order in which they were set.  A
- * key is [a-z0-9_.]{1,40}; a value has up to OST_SESSION_VALUE bytes other than NUL.
- * docs/spec/session.md lists the keys with a defined meaning.
+ * The description of a session, as keys and values in the order in which they were set. A key is [a-z0-9_.]{1,40}.
+ * A value has up to OST_SESSION_VALUE bytes other than NUL. docs/spec/session.md lists the keys with a defined
+ * meaning.
  */
 enum { OST_SESSION_KEY = 41, OST_SESSION_VALUE = 4096, OST_SESSION_KEYS_MAX = 128 };
 typedef struct ost_session_header ost_session_header;
@@ -47,8 +47,8 @@ OST_API const char *ost_session_header_get(const ost_session_header *header, con
 /* Returns the number of keys of a header. */
 OST_API int ost_session_header_count(const ost_session_header *header);
 /*
- * Writes key and value number `index`, in the order in which they were set, to *key and *value. The
- * texts are valid until the header is changed or freed.
+ * Writes key and value number `index`, counted in the order in which they were set, to *key and *value. The strings
+ * are valid until the header is changed or freed.
  */
 OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key,
                                       const char **value);
@@ -60,24 +60,25 @@ enum {
     OST_TICK_MET = 2,       /* set if the boxes of bone and tool intersected */
     OST_TICK_FORCE = 4,     /* set if the force was written to the device */
     OST_TICK_DECLARED = 8,  /* set if the device had no new pose, so that the last pose was used */
-    /* set if the tool was lifted before this tick (path.h); used only in files, where it stores tick.lifted */
+    /* Set if the tool was lifted before this tick (path.h). This bit is used only in files, where it stores
+     * tick.lifted. */
     OST_TICK_LIFTED = 16
 };
 
 typedef struct ost_session_tick {
-    uint64_t number; /* number of the tick, counted from 0; if a number is missing, the record of the tick was lost */
-    ost_tick tick;   /* the input of the world */
+    uint64_t number; /* number of the tick, from 0; if a number is missing, the record of its tick was lost */
+    ost_tick tick;   /* input of the world */
     uint32_t flags, buttons;
     /* The results of the step. */
     uint64_t digest;         /* ost_step_digest (sim.h) */
-    uint32_t removed, touched; /* numbers of removed and touched voxels, at most 2^32 - 1 each */
+    uint32_t removed, touched; /* number of removed voxels and number of touched voxels, each at most 2^32 - 1 */
     uint16_t poses;          /* number of poses of the sweep */
-    /* the fault, an ost_fault (operation.h), because of which the device receives no force; 0 without a fault */
+    /* The fault, an ost_fault (operation.h), because of which the device receives no force; 0 without a fault. */
     uint16_t fault;
-    /* The following members are set only in live operation; otherwise they are zero. */
+    /* The following members are set only in a live operation; otherwise, they are zero. */
     int32_t force_un[3];     /* force in micronewtons, in the bone's frame */
     int32_t torque_unm[3];   /* torque in micronewton metres about the tool's origin */
-    uint32_t wake_ns, exec_ns; /* delay between the due time and the start of the tick; duration of the tick */
+    uint32_t wake_ns, exec_ns; /* delay of the tick's start after its due time, and duration of the tick */
     uint32_t missed;         /* number of ticks that were skipped before this tick */
 } ost_session_tick;
 
@@ -85,10 +86,10 @@ enum { OST_SESSION_TEXT = 104 };
 /* A line of text with a time, for instance the description of a fault. */
 typedef struct ost_session_note {
     int64_t t_ns;
-    char text[OST_SESSION_TEXT]; /* one line; truncated if longer */
+    char text[OST_SESSION_TEXT]; /* one line of text, which is truncated if it is too long */
 } ost_session_note;
 
-/* The last record of a session, present if the session was ended normally and is not truncated. */
+/* The last record of a session. It is missing if the session was not ended normally or is truncated. */
 typedef struct ost_session_end {
     uint64_t ticks, removals, removed_voxels; /* totals of the world */
     bool has_root;
@@ -110,16 +111,16 @@ typedef struct ost_record {
 
 /* --------------------------------------------------------------- reading */
 
-/* The content of a session file, and the data that is missing from it. */
+/* The content of a session file, and the amount of data that is missing. */
 typedef struct ost_session_summary {
     uint64_t file_bytes, blocks, records, ticks;
     uint64_t first_tick, last_tick; /* numbers of the first and last tick; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* true if the end record is present */
-    uint64_t complete_ticks;       /* number of ticks before the first missing tick; these can be replayed */
+    uint64_t complete_ticks;       /* number of ticks before the first missing tick; only these ticks can be replayed */
     /*
-     * number of records that were lost because the ring of the recorder had no free slot; the recorder writes this
-     * number to the file
+     * Number of records that were lost because the ring of the recorder had no free slot. The recorder writes this
+     * number to the file.
      */
     uint64_t lost_records;
     uint64_t damaged_bytes;        /* number of damaged bytes before the last valid block */
@@ -143,17 +144,17 @@ OST_API const ost_session_header *ost_session_header_of(const ost_session *sessi
 /* Returns the summary of an open session; valid until the session is closed. */
 OST_API const ost_session_summary *ost_session_summary_of(const ost_session *session);
 /*
- * Reads the next valid record, in the order of the file; missing records are skipped.  *more is false after the last
- * record.
+ * Reads the next valid record in the order of the file. Missing records are skipped. After the last record, *more
+ * is false.
  */
 OST_API ost_status ost_session_next(ost_session *session, ost_record *out, bool *more, ost_error *err);
-/* Makes the next call of ost_session_next return the first record again. */
+/* Moves the reader to the start, so that the next call of ost_session_next returns the first record. */
 OST_API void ost_session_rewind(ost_session *session);
 enum { OST_SESSION_MISSING = 512 };
-/* Writes one sentence for each kind of missing data to text, or "" if nothing is missing. Returns text. */
+/* Writes one sentence for each kind of missing data to `text`, or "" if nothing is missing. Returns `text`. */
 OST_API const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING]);
 
-/* Copies the ticks that can be replayed (complete_ticks) to *out as a path. The caller frees *out. */
+/* Copies the ticks that can be replayed (complete_ticks) to *out, as a path. The caller frees *out. */
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /*
  * Writes all valid blocks to a new session file, which appears only when it is complete. The file of the open session
@@ -161,8 +162,8 @@ OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_err
  */
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
 /*
- * Writes a CSV table for other programs, with one line per tick: the columns of a path, followed by
- * all other columns (docs/spec/session.md).
+ * Writes a CSV table for other programs, with one line per tick. The columns of a path come first, followed by all
+ * other columns (docs/spec/session.md).
  */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
@@ -178,9 +179,10 @@ OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, 
 typedef struct ost_recorder ost_recorder;
 
 typedef struct ost_recorder_options {
-    uint32_t capacity; /* capacity of the ring in records, a power of two; 0: 65536 (65 s at 1 kHz; 8 MB) */
+    uint32_t capacity; /* capacity of the ring in records, a power of two; 0 selects 65536 (65 s at 1 kHz, 8 MB) */
     /*
-     * If true, the file is not synced: more data may be lost if the power fails, but not if the process is killed.
+     * If true, the file is not synced. More data may then be lost if the power fails, but not if the process is
+     * killed.
      */
     bool no_sync;
 } ost_recorder_options;
@@ -201,18 +203,16 @@ OST_API ost_status ost_recorder_open(const char *path, const ost_session_header 
  */
 OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
 /*
- * Waits until the ring has a free slot, and puts a record into the ring. This function is for callers without a
- * deadline. If the ring remains full and the disk fails for ten seconds, the record is lost and the function returns
- * false.
+ * Waits until the ring has a free slot, and then puts a record into the ring. For callers without a deadline. If
+ * the ring remains full and the disk fails for ten seconds, the record is lost and the function returns false.
  */
 OST_API bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record);
 /* Copies the state of the recorder to *out. May be called on any thread. */
 OST_API void ost_recorder_state_get(ost_recorder *recorder, ost_recorder_state *out);
 /*
- * Writes the records that are still in the ring and then the end record, and frees the
- * recorder, even after an error.  If end is NULL, no end record is written, as in a
- * truncated session.  Returns OST_ERR_IO if records could not be written or were lost;
- * the file contains all other records.
+ * Writes the records that are still in the ring, and then the end record. If `end` is NULL, no end record is
+ * written, as in a truncated session. Frees the recorder, even after an error. Returns OST_ERR_IO if records could
+ * not be written or were lost; the file contains all other records.
  */
 OST_API ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end, ost_error *err);
 

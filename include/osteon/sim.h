@@ -23,14 +23,15 @@ extern "C" {
 typedef struct ost_world ost_world;
 
 typedef struct ost_world_options {
-    bool sweep_off;                /* if true, an event has only one pose, as in the thesis (AR-SWEEP-6) */
-    /* if true, every voxel of the bone is tested, as in the definition of removal; for tests */
+    bool sweep_off;                /* true if an event has only one pose, as in the thesis (AR-SWEEP-6) */
+    /* True to test every voxel of the bone, as in the definition of removal. For tests. */
     bool broad_phase_off;
-    /* with 0, every tick is an event; otherwise, the first tick of every period is an event (AR-REM-7) */
+    /* If 0, every tick is an event. Otherwise, the first tick of every period is an event (AR-REM-7). */
     int64_t removal_period_ns;
     ost_density_classes classes;   /* density classes; a count of 0 selects the default classes */
     /*
-     * number of ticks stored for ost_world_failover, up to OST_WORLD_SAVED_TICKS_MAX; with 0, failover is not available
+     * Number of ticks stored for ost_world_failover, up to OST_WORLD_SAVED_TICKS_MAX. With 0, failover is not
+     * available.
      */
     int32_t saved_ticks;
 } ost_world_options;
@@ -40,11 +41,11 @@ enum { OST_WORLD_SAVED_TICKS_MAX = 1000000 };
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
 /*
- * Creates a world. The bone, and the tools added later, are borrowed and must outlive the world. options is copied and
- * may be NULL.
+ * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. options
+ * is copied and may be NULL.
  */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
-/* Frees a world, but not its bone and tools. NULL is allowed. */
+/* Frees a world. Its bone and its tools are not freed. NULL is allowed. */
 OST_API void ost_world_free(ost_world *world);
 /*
  * Adds a tool and writes its index, counted from 0, to *index.  A world has at most OST_WORLD_TOOLS_MAX tools.  The
@@ -54,9 +55,9 @@ OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const 
                                       ost_error *err);
 
 /*
- * Allocates the memory for a tick's longest sweep and largest report (1 MB plus 104 bytes per chunk), so that later
- * ticks do not allocate.  Should be called before a real-time loop.  A backend reserves its own memory when it is
- * opened.
+ * Allocates the memory for the longest sweep and the largest report of a tick (1 MB plus 104 bytes per chunk), so
+ * that later ticks do not allocate. Should be called before a real-time loop. A backend reserves its own memory
+ * when it is opened.
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
@@ -66,36 +67,36 @@ typedef struct ost_step_result {
     /* true if the oriented boxes of bone and tool intersect in at least one pose of the sweep */
     bool boxes_meet;
     int pose_count;             /* number of poses of the sweep; 0 without an event */
-    /* first chunk of the half-open range of chunks that the event can change; the range is empty if the boxes do not
-       intersect */
+    /* First chunk of the half-open range of chunks that the event can change. If the boxes do not intersect, the
+     * range is empty. */
     int32_t chunk_lo[3];
     int32_t chunk_hi[3];
     const ost_removal_report *report;   /* report of the event, valid until the next step; NULL without an event */
 } ost_step_result;
 
 /*
- * Advances the world by one tick.  After an error, for instance a jump or a rotation beyond the limits of AR-SWEEP, the
- * world is unchanged.  If the backend failed while it changed the bone, the bone may be lost (backend.h);
- * ost_world_failover restores it.  Does not allocate after ost_world_reserve.
+ * Advances the world by one tick. If an error occurs, for instance a jump or a rotation beyond the limits of
+ * AR-SWEEP, the world remains unchanged. If the backend fails while it changes the bone, the bone may be lost
+ * (backend.h); ost_world_failover restores it. Does not allocate after ost_world_reserve.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
- * Reads the same data as a step with the tool at this pose, but changes nothing.  When the tick is due, code, tables
- * and bone are then in the caches.  Invalidates the report of the last step.
+ * Reads the same data as a step with the tool at this pose, without changing anything. When the tick is due, the
+ * caches then contain code, tables and bone. Invalidates the report of the last step.
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
 /*
- * Returns the 64-bit digest of a step (docs/spec/session.md, SES-DIGEST).  Equal steps have equal digests on every
- * backend.  Steps that differ in the chunk, class or density of a removed voxel, or in the number of poses, have
- * different digests.  The report of result must still be valid; classes is the number of the world's density classes.
+ * Returns the 64-bit digest of a step (docs/spec/session.md, SES-DIGEST). Equal steps have equal digests on every
+ * backend. Steps that differ in the chunk, class or density of a removed voxel, or in the number of poses, have
+ * different digests. result->report must still be valid. `classes` is the number of the world's density classes.
  */
 OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
 
 /*
- * Failover: continues a world on another backend after a permanent failure, for instance a lost device.  Bone and tools
- * are created on the other backend, bit-identical to their state after the last complete tick, and replace those of the
- * world.
+ * Failover: continues a world on another backend after a permanent failure, for instance a lost device. The bone
+ * and the tools are created on the other backend, bit-identical to their state after the last complete tick, and
+ * replace the bone and the tools of the world.
  *
  *   stored copy --upload--> bone --repeat the later ticks--> state after the last complete tick
  *
@@ -128,20 +129,20 @@ OST_API const ost_density_classes *ost_world_classes(const ost_world *world);
 struct ost_glenoid;
 
 /*
- * Counts the active voxels in front of the face of a glenoid.  Let w be the position along the inward axis, measured
- * from the centre of the face, and r the distance from this axis, in mm.  The voxels with w < -(3 + min(r, 18)^2 / 60)
- * are in front of the face; a healthy rim has no such voxels.  Only voxels with r <= radius_mm and w >= -reach_mm are
- * counted; a value of 0 for radius_mm or reach_mm means no limit.
+ * Counts the active voxels in front of the face of a glenoid. Let w be the position along the inward axis, measured
+ * from the centre of the face, and r the distance from this axis, in mm. A voxel is in front of the face if w < -(3
+ * + min(r, 18)^2 / 60); a healthy rim has no such voxels. Only voxels with r <= radius_mm and w >= -reach_mm are
+ * counted. If radius_mm or reach_mm is 0, there is no such limit.
  */
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
                                      double reach_mm, int64_t *voxels, ost_error *err);
 /*
- * Computes the percentage of bone in two cylinders about the axis with a radius of 4 mm.  One cylinder extends from 1
- * to 11 mm inward of the centre, the other from 1 to 11 mm outward.
+ * Computes the percentage of bone in two cylinders around the axis. Their radius is 4 mm. One cylinder extends from
+ * 1 to 11 mm inward of the centre, the other from 1 to 11 mm outward.
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
-/* Counts the active voxels that are covered by cutting or non-cutting voxels of a tool at this pose. */
+/* Counts the active voxels that the voxels of a tool, cutting or not, cover at the given pose. */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
                                     ost_error *err);
 
@@ -157,8 +158,8 @@ typedef struct ost_glenoid {
 /* The side of the body on which a glenoid is. */
 typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_side;
 /*
- * Returns the side that the inward axis of a glenoid implies.  Because a glenoid faces laterally, the inward axis of a
- * left glenoid points to the patient's right, and that of a right glenoid to the patient's left.  Returns
+ * Returns the side that the inward axis of a glenoid implies. A glenoid faces laterally, so the inward axis of a
+ * left glenoid points to the patient's right, and the axis of a right glenoid points to the patient's left. Returns
  * OST_SIDE_UNKNOWN if the axis is within 15 degrees of the sagittal plane.
  */
 OST_API ost_side ost_side_of_axis(const double axis[3]);
@@ -169,24 +170,24 @@ OST_API ost_side ost_side_of_axis(const double axis[3]);
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
 /*
- * Reads OST_META_SIDE; *out is OST_SIDE_UNKNOWN if this fact is absent. Returns OST_ERR_INPUT if the value is neither
- * left nor right.
+ * Reads the header fact OST_META_SIDE. If it is missing, *out is OST_SIDE_UNKNOWN. Returns OST_ERR_INPUT if the
+ * value is neither left nor right.
  */
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
 /*
- * Reads OST_META_GLENOID_AXIS.  *there is set to false if this fact is absent.  Returns OST_ERR_INPUT if the value is
- * not a direction.
+ * Reads the header fact OST_META_GLENOID_AXIS. If it is missing, *there is set to false. Returns OST_ERR_INPUT if
+ * the value is not a direction.
  */
 OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
 /*
- * Reads the fact `key`, a point given by three decimals in mm.  *there is set to false if this fact is absent.  Returns
- * OST_ERR_INPUT or OST_ERR_RANGE, with key and value in err.
+ * Reads the header fact `key`, a point given by three decimals in mm. If the fact is missing, *there is set to
+ * false. Returns OST_ERR_INPUT or OST_ERR_RANGE, with key and value in err, if the value is not a valid point.
  */
 OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there,
                                        ost_error *err);
 /*
- * Reads a glenoid from the facts OST_META_*.  Returns OST_ERR_USAGE, with the key in err, if a fact is missing.  The
- * side may be missing if the axis determines it.
+ * Reads a glenoid from the header facts OST_META_*. Returns OST_ERR_USAGE, with the key in err, if a fact is
+ * missing. The side may be missing if the axis determines it.
  */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
@@ -203,16 +204,16 @@ OST_API const char *ost_builtin_name(
     ost_builtin which);
 
 /*
- * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis, dwell,
- * retreat.  For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.  ost_motor_path
- * converts such a path to the ticks of a rotating tool.  The parameter tool is the index stored in the ticks; geometry
- * is the grid of the tool, whose working face points to -z.  The caller frees *out.
+ * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis,
+ * dwell, retreat. For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.
+ * ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
+ * contain. `geometry` is the grid of the tool, whose working face points to -z. The caller frees *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
                                     int32_t tool, ost_path *out, ost_error *err);
 /*
- * Creates the intended path of a hand that presses the tool into the face, moves over the face and wobbles.  ticks is
- * the length of the path, at most OST_PATH_TICKS_MAX.  The caller frees *out.
+ * Creates the intended path of a hand that presses the tool into the face, moves over the face and wobbles. `ticks`
+ * is the length of the path, at most OST_PATH_TICKS_MAX. The caller frees *out.
  */
 OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                                      size_t ticks, ost_path *out, ost_error *err);

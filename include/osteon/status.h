@@ -61,8 +61,8 @@ typedef enum ost_status {
 } ost_status;
 
 /*
- * Called from time to time with the completed share of the work, from 0 to 1.  Returns false to cancel the operation,
- * which then returns OST_ERR_CANCELLED.
+ * Called from time to time with the completed share of the work, from 0 to 1. Returns false to cancel the
+ * operation; the operation then returns OST_ERR_CANCELLED.
  */
 typedef bool ost_progress(void *user, const char *stage, double share);
 
@@ -74,7 +74,7 @@ typedef struct ost_error {
     char text[OST_ERROR_TEXT];
 } ost_error;
 
-/* Returns the enumerator's name, for example "OST_ERR_INPUT"; never NULL. */
+/* Returns the name of the enumerator, for example "OST_ERR_INPUT"; never NULL. */
 OST_API const char *ost_status_name(ost_status status);
 /* Returns the general text of the status, for example "bad input"; never NULL. */
 OST_API const char *ost_status_text(ost_status status);
@@ -82,14 +82,16 @@ OST_API const char *ost_status_text(ost_status status);
 OST_API int ost_status_exit(ost_status status);
 
 /*
- * Writes the status and the text to err, unless err is NULL, and returns status, so that a failing
- * function ends with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`. Characters
- * that would break the line or control a terminal (control and direction characters, bytes that are
- * not valid UTF-8) are replaced by '?'.
+ * If err is not NULL, writes the status and the text to err. Returns status, so that a failing function can end
+ * with `return ost_fail(err, OST_ERR_INPUT, "%s:%ld: ...", path, line)`. Characters that would break the line or
+ * control a terminal (control and direction characters, bytes that are not valid UTF-8) are replaced by '?'.
  */
 OST_API ost_status ost_fail(ost_error *err, ost_status status, const char *format, ...) OST_PRINTF(3, 4);
 
-/* Inserts "prefix: " before the text in err. Returns the status in err, or OST_ERR_INTERNAL if err is NULL. */
+/*
+ * Inserts "prefix: " before the text in err. Returns the status that err contains, or OST_ERR_INTERNAL if err is
+ * NULL.
+ */
 OST_API ost_status ost_fail_context(ost_error *err, const char *format, ...) OST_PRINTF(2, 3);
 
 /*

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A tool grid on the host: one uint8 per voxel, x fastest.
+ * A tool grid on the host, with one uint8 per voxel, x fastest.
  *
  *   0 empty  1 cutting   2 not cutting (touches, but removes nothing)
  *
