@@ -2,18 +2,17 @@
 /*
  * Passes the state and the chunks of the bone from the tick to the viewer.
  *
- * The state has three buffers: the tick writes one, the viewer reads one, and one is
- * in the middle.  Each side exchanges its buffer with the middle buffer, so the two
- * sides never share a buffer.
+ * The state has three buffers. The tick writes to the back buffer, the viewer reads the front buffer, and the third
+ * buffer is the middle buffer. The tick and the viewer each exchange their own buffer with the middle buffer, so
+ * they never use the same buffer at the same time.
  *
  *        tick                         viewer
  *     state[back]  <--> middle <-->  state[front]        middle: index of a buffer, and a bit for "new"
  *
- * The words of the bone are in memory that both sides share; each word is atomic.
- * The tick writes the words of a chunk and then sets its dirty bit (release); the
- * viewer clears dirty bits (acquire) and then reads the words.  If the tick writes
- * while the viewer reads, the bit is set again afterwards, and the viewer reads the
- * chunk once more.  Therefore no change is missed.
+ * The words of the bone are in memory that the tick and the viewer share; each word is atomic. The tick writes the
+ * words of a chunk and then sets the chunk's dirty bit (release). The viewer clears dirty bits (acquire) and then
+ * reads the words. If the tick writes while the viewer reads, the dirty bit is set again afterwards, and the viewer
+ * reads the chunk once more. Therefore no change is missed.
  *
  *     waiting: a queue of slots, each at most once    words[slot]     dirty
  *     changed --> [ 7 | 3 | 12 |   |   ] --publish--> 1 0 1 1 ...     bit of slot
@@ -32,7 +31,7 @@ struct ost_live_channel {
     int n;
     ost_dims chunk_dims;
     size_t chunk_words;    /* number of 32-bit words in a chunk */
-    int32_t *slot_of;      /* owned; slot of each chunk; NONE for chunks without active voxels at the start */
+    int32_t *slot_of;      /* owned; slot of each chunk; NONE for a chunk that had no active voxels at the start */
     int32_t *chunk_of;     /* owned; chunk of each slot */
     int32_t slots;
     _Atomic uint32_t *words; /* owned; chunk_words words for each slot */
@@ -41,14 +40,14 @@ struct ost_live_channel {
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
     _Alignas(LINE) unsigned front; /* the viewer's buffer */
-    bool any;              /* used by the viewer; true if state[front] has been written */
-    uint32_t *seen;        /* owned; used by the viewer; words of one chunk */
+    bool any;              /* used by the viewer; true if state[front] contains a state */
+    uint32_t *seen;        /* owned; used by the viewer; the words of one chunk */
 
-    _Alignas(LINE) unsigned back; /* used by the tick, like all members below */
+    _Alignas(LINE) unsigned back; /* index of the tick's buffer; this and all members below are used only by the tick */
     int32_t *waiting;      /* owned; a ring buffer of slot numbers */
-    bool *waits;           /* owned; true for slots that are in the ring buffer */
+    bool *waits;           /* owned; for each slot, true if the slot is in the ring buffer */
     int32_t first, count;
-    uint32_t *fresh;       /* owned; words of the chunks that one call publishes */
+    uint32_t *fresh;       /* owned; words of all chunks that one call publishes */
     int32_t at_once;
 };
 
@@ -121,7 +120,7 @@ static ost_status make(ost_live_channel *live, ost_error *err)
     status = for_chunks(live, info.chunks, number, err);
     if (status != OST_OK)
         return status;
-    const size_t capacity = (size_t)live->slots + 1; /* never 0 */
+    const size_t capacity = (size_t)live->slots + 1; /* greater than 0, even if there are no slots */
     live->chunk_of = malloc(capacity * sizeof *live->chunk_of);
     live->words = malloc(capacity * live->chunk_words * sizeof(_Atomic uint32_t));
     live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
@@ -198,10 +197,10 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
     }
 }
 
-/* Publishes the first waiting slots, at most at_once slots. */
+/* Publishes the first waiting slots. At most live->at_once slots are published. */
 static ost_status publish_some(ost_live_channel *live, ost_error *err)
 {
-    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* 128: number of words in a chunk of 16^3 */
+    int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* a chunk of 16^3 voxels has 128 words */
     const int32_t some = live->count < live->at_once ? live->count : live->at_once;
     for (int32_t i = 0; i < some; i++) {
         const int32_t at = live->first + i;
@@ -272,7 +271,7 @@ ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *us
             if (status != OST_OK)
                 break;
         }
-        /* Restores the dirty bits of the chunks that were not visited. */
+        /* Restores the dirty bits of those chunks that were not visited. */
         if (left)
             atomic_fetch_or_explicit(&live->dirty[w], left, memory_order_relaxed);
     }

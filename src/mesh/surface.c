@@ -5,9 +5,8 @@
 #include <string.h>
 
 /*
- * A cell is the cube between eight voxel centres.  Corner c is at
- * (c & 1, c >> 1 & 1, c >> 2).  Edge e = 4 * axis + p is parallel to axis; the two
- * bits of p are its position along the other axes, axis + 1 and axis + 2 (mod 3).
+ * A cell is the cube between eight voxel centres. Corner c is at (c & 1, c >> 1 & 1, c >> 2). Edge e = 4 * axis + p
+ * is parallel to `axis`. The two bits of p are the edge's position along the axes axis + 1 and axis + 2 (mod 3).
  */
 enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
 
@@ -25,19 +24,19 @@ static int edge_between(int a, int b)
     abort();
 }
 
-/* The loops of the surface for one of the 256 patterns of solid corners. */
+/* The loops of the surface in a cell, for one of the 256 patterns of solid corners. */
 typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
-        /* vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if there is no such vertex
-           and the loop needs a vertex in its middle */
+        /* Vertex from which a fan of triangles has no diagonal in a face of the cell. If there is no such vertex,
+         * the loop needs a vertex in its middle, and the value is -1. */
         int8_t apex;
         uint8_t edge[LOOP_MAX];
     } loop[4];
 } pattern;
 
-/* Returns the corners of face (axis, side), counter-clockwise as seen from outside the cell. */
+/* Returns the four corners of the face (axis, side), counter-clockwise as seen from outside the cell. */
 static void face_corners(int axis, int side, int corner[4])
 {
     int u = (axis + 1) % 3, v = (axis + 2) % 3, base = side << axis;
@@ -47,11 +46,10 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * Computes next[e], the edge that follows e in a loop of the surface.  A walk around
- * a face, counter-clockwise as seen from outside the cell, enters a run of solid
- * corners across one edge and leaves it across another; the surface connects the
- * first edge to the second.  The loops are then counter-clockwise as seen from the
- * void.
+ * Computes next[e], the edge that follows e in a loop of the surface. A walk around a face, counter-clockwise as
+ * seen from outside the cell, enters a run of solid corners across one edge and leaves it across another; the
+ * surface connects the first edge to the second. The loops are then counter-clockwise as seen from the empty
+ * region.
  */
 static void join_faces(int solid, int next[EDGES])
 {
@@ -114,20 +112,19 @@ static void pattern_make(int solid, pattern *p)
 /* ------------------------------------------------------------ the volume */
 
 /*
- * Cells are processed in slabs of ascending z.  The vertex indices of lattice edges are
- * stored for two slices of centres: edges along x and y in each slice, and edges along z
- * between the slices.
+ * Cells are processed in slabs of ascending z. Vertex indices are stored for the lattice edges of two slices of
+ * centres: the edges along x and y in each slice, and the edges along z between the slices.
  */
 typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
-    int64_t nx, ny;          /* numbers of voxel centres, including a void border: dims + 2 */
-    uint32_t *slice[2][2];   /* [lower, upper][x, y] */
-    uint32_t *between;       /* z */
+    int64_t nx, ny;          /* numbers of voxel centres along x and y, including an empty border: dims + 2 */
+    uint32_t *slice[2][2];   /* vertex indices of edges: [lower, upper slice][x, y] */
+    uint32_t *between;       /* vertex indices of edges along z */
     ost_mesh mesh;
     size_t vertex_capacity, triangle_capacity;
-    float *coordinates;      /* position of each vertex on its edge, 0 (lower end) to 1; -1: middle of a loop */
-    uint8_t *along;          /* bits 0-1: axis; bit 2: the lower end is solid */
+    float *coordinates;      /* position of each vertex on its edge, 0 (lower end) to 1; -1 for the middle of a loop */
+    uint8_t *along;          /* bits 0-1: axis of the edge; bit 2: set if the lower end is solid */
     pattern patterns[256];
 } builder;
 
@@ -147,7 +144,7 @@ static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
     return b->volume->voxels[i + d.x * (j + d.y * k)];
 }
 
-/* Returns the next capacity, about 1.5 times the current one. Arrays with a common capacity grow together. */
+/* Returns the next capacity, about 1.5 times the current capacity. Arrays with a common capacity grow together. */
 static size_t more(size_t capacity)
 {
     return capacity + capacity / 2 + 4096;
@@ -181,15 +178,18 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
     return (ost_pm3){g->origin.x + i * g->spacing.x, g->origin.y + j * g->spacing.y, g->origin.z + k * g->spacing.z};
 }
 
-/* Limits the position of a vertex to a least distance from the ends of its edge, so that no triangle degenerates. */
+/*
+ * Limits the position of a vertex to a smallest distance from the ends of its edge, so that no triangle is
+ * degenerate.
+ */
 static float clamped_off_ends(float t)
 {
     return t < 0.05f ? 0.05f : t > 0.95f ? 0.95f : t;
 }
 
 /*
- * Adds the vertex on the edge from centre (i, j, k) along axis. Until place_vertices, its coordinates are those of
- * the lower end of the edge.
+ * Adds the vertex on the edge that begins at centre (i, j, k) and runs along `axis`. Until place_vertices is
+ * called, the vertex has the coordinates of the edge's lower end.
  */
 static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int axis, uint32_t *out, ost_error *err)
 {
@@ -199,7 +199,7 @@ static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int a
     int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     uint32_t v = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[v] = centre(b, i, j, k);
-    /* A voxel at the threshold is solid, so the border lies half a unit of density below the threshold. */
+    /* A voxel at the threshold is solid, so the border lies half a density unit below the threshold. */
     b->coordinates[v] = clamped_off_ends(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
     b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
     *out = v;
@@ -228,10 +228,9 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 }
 
 /*
- * Fills a loop with triangles: a fan from its apex, or a fan around a vertex in its
- * middle. The position of this vertex depends on the final positions of the ring.
- * Therefore its coordinate is set to -1, and place_vertices finds its ring from its
- * triangles.
+ * Fills a loop with triangles, either as a fan from its apex or as a fan around a vertex in its middle. The
+ * position of a middle vertex depends on the final positions of the loop's vertices. Its coordinate is therefore
+ * set to -1, and place_vertices finds the loop from the triangles of the middle vertex.
  */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {
@@ -336,9 +335,9 @@ static void position(const builder *b, uint32_t v, double out[3])
 }
 
 /*
- * Smooths the surface. Each round projects the mean of a vertex's neighbours onto the
- * edge of the vertex and moves the vertex there.  The vertices start in the middle of
- * their edges; a few rounds turn the steps between voxels into slopes.
+ * Smooths the surface. In each round, the mean of a vertex's neighbours is projected onto the edge of the vertex,
+ * and the vertex is moved to the projection. All vertices start in the middle of their edges. A few rounds turn the
+ * steps between voxels into slopes.
  */
 static ost_status smooth(builder *b, ost_error *err)
 {
@@ -383,8 +382,10 @@ static ost_pm nearest_pm(double mm)
     return ost_pm_from_binary(mm, &pm) ? pm : 0;
 }
 
-/* Computes the final positions of the vertices on edges, and then each vertex in the middle of a loop as the mean of
-   the loop's vertices. */
+/*
+ * Computes the final positions of the vertices on edges. Then computes each middle vertex of a loop as the mean of
+ * the loop's vertices.
+ */
 static ost_status place_vertices(builder *b, ost_error *err)
 {
     for (size_t v = 0; v < b->mesh.vertex_count; v++)

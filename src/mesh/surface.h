@@ -3,16 +3,15 @@
  * Computes the surface of the solid voxels of a volume as a closed mesh, for 3D
  * printing and for other programs.
  *
- * The method is marching cubes, but the loops are traced instead of tabulated.  Every
- * lattice edge between a solid and a void voxel centre has one vertex.  On each face
- * of a cell, the vertices are connected by segments so that solid corners remain
- * separate.  The segments form closed loops, and each loop is filled with triangles.
- * A segment belongs to the two cells that share its face, once in each direction, so
- * every mesh edge belongs to exactly two triangles.  Therefore the surface is closed
- * for every set of voxels.  Everything outside the grid is void.
+ * The method is marching cubes, but the loops are traced instead of tabulated. Every lattice edge between a solid
+ * voxel centre and an empty one has one vertex. On each face of a cell, the vertices are connected by segments so
+ * that solid corners remain separate. The segments form closed loops, and each loop is filled with triangles. A
+ * segment belongs to the two cells that share its face, once in each direction, so every mesh edge belongs to
+ * exactly two triangles. Therefore the surface is closed for every set of voxels. All space outside the grid is
+ * empty.
  *
  *     o---x---o     o solid, x vertex      two solid corners across a face:
- *     |  /    |     . void                 o--x--.
+ *     |  /    |     . empty                o--x--.
  *     x /     |                            | /   |   each solid corner
  *     | \     |                            x   / x   is cut off alone
  *     .  `x---.                            .--x--o

@@ -28,22 +28,22 @@
 
 typedef struct recipe {
     double cell;       /* distance between points of the lattice, mm */
-    double stretch;    /* factor by which cells are longer along z than across; z is the direction of the load */
-    double jitter;     /* greatest displacement of a point, in cells */
-    double strut;      /* radius, mm */
-    double wall;       /* half thickness, mm */
+    double stretch;    /* ratio of a cell's length along z, the direction of the load, to its width */
+    double jitter;     /* greatest displacement of a point, in cell widths */
+    double strut;      /* radius of a strut, mm */
+    double wall;       /* half thickness of a wall, mm */
     double walls;      /* share of the possible walls that exist */
-    double radius;     /* radius of a core drilled along z, mm; 0: a block */
-    int solid, grain;  /* density of the solid in HU, and its variation between positions */
-    int filling;       /* density between the struts, HU */
+    double radius;     /* radius of a core that is drilled along z, mm; 0 for a block */
+    int solid, grain;  /* HU of the solid, and variation of this density between positions */
+    int filling;       /* density of the filling between the struts, HU */
     int noise;         /* twice the standard deviation of the noise, HU */
 } recipe;
 
 /*
- * Bone has thicknesses of 0.15 to 0.25 mm, spaces of 0.6 to 0.9 mm, and marrow in the spaces.  Foam
- * has cells of 1 to 2 mm, filled with air.  A core with a radius of 5.0 mm leaves the 3 outermost
- * columns of chunks empty at each corner of its box.  In each layer, 88 of 100 chunks are therefore
- * not empty, as in Table 3.2 (1060 of 1200, 1669 of 1900).
+ * Bone has thicknesses of 0.15 to 0.25 mm, spaces of 0.6 to 0.9 mm, and marrow in the spaces. Foam has cells of 1
+ * to 2 mm, filled with air. If the core has a radius of 5.0 mm, the 3 outermost columns of chunks are empty at each
+ * corner of its box. In each layer, 88 of 100 chunks are therefore not empty, as in Table 3.2 (1060 of 1200, 1669
+ * of 1900).
  */
 static const recipe BLOCK_OF_BONE = {0.95, 1.25, 0.85, 0.105, 0.075, 0.45, 0, 1350, 300, 10, 70};
 static const recipe CORE_OF_BONE = {1.0, 1.2, 0.85, 0.1, 0.075, 0.4, 5.0, 1350, 300, 10, 70};
@@ -54,13 +54,12 @@ enum { NEAR_MAX = 1024, ACTIVE = 120 };
 typedef struct seedling {
     double x, y, z;
     uint64_t id;
-    double far2; /* squared distance to the block's middle */
+    double far2; /* squared distance of the point from the block's middle */
 } seedling;
 
 /*
- * Lists the points that the voxels of a block may need.  The block is given by its centre `middle`
- * and by half of its diagonal, `half`, both in cells.  Returns the number of points, at most
- * NEAR_MAX.
+ * Lists the points that the voxels of a block may need. `middle` is the centre of the block and `half` is half of
+ * its diagonal, both in cell widths. Returns the number of points, at most NEAR_MAX.
  */
 static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, seedling out[NEAR_MAX])
 {
@@ -104,7 +103,7 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     for (int i = 0; i < n; i++) {
         if (out[i].far2 > reach * reach)
             continue;
-        /* the points are in ascending order of distance, so that distance() rejects most points at once */
+        /* Sorts the points by ascending distance, so that the function distance() rejects most points at once. */
         seedling s = out[i];
         int slot = kept++;
         for (; slot > 0 && out[slot - 1].far2 > s.far2; slot--)
@@ -115,15 +114,15 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
 }
 
 /*
- * Returns true if there is a wall between two cells. The result does not depend on the order of the cells, because the
- * hash is computed from a sum.
+ * Returns true if there is a wall between two cells. The order of the two cells does not affect the result, because
+ * a sum is hashed.
  */
 static bool has_wall(const recipe *r, const seedling *a, const seedling *b)
 {
     return ost_unit(ost_mix64(a->id + b->id), 1) < r->walls;
 }
 
-/* Returns the distance in mm from p (in cells) to the solid, negative inside. */
+/* Returns the distance in mm from p (in cell widths) to the solid. The distance is negative inside the solid. */
 static double distance(const recipe *r, const seedling *near, int count, ost_v3 p)
 {
     const seedling *first = near, *second = near, *third = near;
@@ -148,8 +147,8 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
     double la = ost_v3_length(a), lb = ost_v3_length(b);
     double d2 = r->cell * (f2 - f1) / (2 * la), d3 = r->cell * (f3 - f1) / (2 * lb);
     /*
-     * The strut lies on the line in which the planes of the two walls intersect. This line is the same for all three
-     * cells.
+     * The strut lies on the line in which the planes of the two walls intersect. This line is the same for each of
+     * the three cells.
      */
     double between = ost_v3_dot(a, b) / (la * lb), sharp = ost_max(1 - between * between, 0.04);
     double solid = sqrt(ost_max(d2 * d2 + d3 * d3 - 2 * d2 * d3 * between, 0) / sharp) - r->strut;
@@ -164,7 +163,7 @@ typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
     ost_v3 centre; /* centre of the box, mm */
-    double blur;   /* width over which the partial volume changes, in mm before scaling */
+    double blur;   /* width of the partial volume at a surface, in mm before scaling */
 } corer;
 
 /* Returns the position of a voxel's centre in mm before scaling. */

@@ -7,9 +7,9 @@
  *        distances --cover--> shares of soft tissue, cartilage, plate and
  *        shell, spongy bone --> HU, + noise
  *
- * A share changes smoothly over the width of a voxel at the surface (partial
- * volume).  Noise moves no voxel across 120 HU, so the surface alone decides
- * which voxels are bone, and there are no isolated bone voxels.
+ * At a surface, a share changes smoothly over the width of a voxel (partial volume). Noise does not move any voxel
+ * across 120 HU. Therefore only the surface determines which voxels are bone, and there are no isolated bone
+ * voxels.
  *
  * Far from the bone there is only soft tissue.  The grid is computed in blocks.  A
  * block is background if its centre is so far from the bone that the corners of the
@@ -21,27 +21,30 @@
 #include "phantom/scan.h"
 #include "phantom/scapula.h"
 
-#define ACTIVE 120 /* the default threshold, for which the phantom is made */
-/* thickness of compact bone on the outer walls, mm; a plate thinner than twice this value has no core */
+#define ACTIVE 120 /* default threshold, for which the phantom is designed */
+/*
+ * SHELL is the thickness of compact bone on the outer walls, mm. A plate that is thinner than twice this value has
+ * no spongy core.
+ */
 #define SHELL 1.4
 #define PLATE 1.9  /* thickness of compact bone under the cartilage, mm */
 
 /*
- * The pose of the scapula in the patient: the lateral end of the blade is turned forward, and the
- * top of the blade leans forward a little.  The rotations are given by the tangents of half angles,
- * so that the rotation matrix is rational and needs no libm.
+ * The pose of the scapula in the patient. The lateral end of the blade is turned forward, and the top of the blade
+ * leans slightly forward. A rotation is given by the tangent of half its angle, so that the rotation matrix is
+ * rational and requires no libm.
  */
 #define TURN_HALF 0.21 /* 24 degrees: the lateral end of the blade is turned forward out of the coronal plane */
 #define LEAN_HALF 0.09 /* 10 degrees: the top of the blade leans forward */
-/* 18 degrees: the lateral end of the blade is lifted, as when the arms are raised out of the beam */
+/* 18 degrees: the lateral end of the blade is lifted, as if the arms were raised out of the beam */
 #define LIFT_HALF 0.16
 static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* position of the centre of the box in the bone's frame */
 
 typedef struct pose {
-    /* rows of the rotation from the bone's frame to the patient's directions lateral, anterior and superior */
+    /* Rows of the rotation from the bone's frame to the patient's lateral, anterior and superior direction. */
     ost_v3 row[3];
     ost_v3 centre;   /* centre of the box, in mm of the patient's LPS frame */
-    double scale;    /* scale: mm of the patient per mm of the mean shape */
+    double scale;    /* mm of the patient per mm of the mean shape */
 } pose;
 
 static pose make_pose(double scale)
@@ -50,8 +53,8 @@ static pose make_pose(double scale)
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
     /*
-     * The lift rotates in the plane of the blade, the lean about the lateral axis, and the turn about the vertical
-     * axis.
+     * The lift is a rotation in the plane of the blade, the lean a rotation about the lateral axis, and the turn a
+     * rotation about the vertical axis.
      */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
@@ -86,8 +89,8 @@ static ost_v3 to_lps(const pose *p, ost_v3 bone)
 /* ----------------------------------------------------------------- tissue */
 
 /*
- * Returns the HU, below 100, of the soft tissue: muscle with sheets of fat between the muscle
- * bellies, and the lung inside the chest.
+ * Returns the density of the soft tissue, which is below 100 HU. Soft tissue consists of muscle, with sheets of fat
+ * between the muscle bellies, and of the lung inside the chest.
  */
 static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
 {
@@ -106,9 +109,8 @@ static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, doub
 }
 
 /*
- * Returns the HU of spongy bone, which consists of struts of about a millimetre, as a CT shows
- * them.  Spongy bone is denser toward the back and under the plate, and less dense in the
- * processes.
+ * Returns the density, in HU, of spongy bone in a CT. Spongy bone consists of struts of about a millimetre. It is
+ * denser toward the back and under the plate, and less dense in the processes.
  */
 static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_sample *at)
 {
@@ -152,7 +154,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
         hu += (hard - hu) * bone;
         noise *= 1.25;
     } else if (gristle == 1) {
-        lo = ACTIVE + 1, hi = ACTIVE + 29; /* range of the density class in which cartilage is counted */
+        lo = ACTIVE + 1, hi = ACTIVE + 29; /* range of the density class to which cartilage belongs */
     }
     if (hu >= ACTIVE)
         lo = lo > ACTIVE ? lo : ACTIVE;
@@ -164,13 +166,16 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
 /* ---------------------------------------------------------------- humerus */
 
 #define HEAD_RADIUS 24.0
-#define TOUCHING 0.0     /* depth of the head in the cartilage, mm */
+#define TOUCHING 0.0     /* depth to which the head is inside the cartilage, mm */
 #define SHAFT_RADIUS 11.0
 #define SHAFT_LENGTH 90.0
 
-/* A humerus: a ball in front of the glenoid and a shaft that hangs from it, in the bone's frame. */
+/*
+ * A humerus in the bone's frame. It consists of a ball in front of the glenoid, and a shaft that hangs from the
+ * ball.
+ */
 typedef struct humerus {
-    ost_v3 head, end; /* centre of the head; end of the shaft's axis, which begins at the head */
+    ost_v3 head, end; /* centre of the head, where the shaft's axis begins, and end of the axis */
     double size;      /* mm of this bone per mm of the mean shape */
 } humerus;
 
@@ -181,7 +186,7 @@ static humerus make_humerus(const ost_scapula *s)
     return h;
 }
 
-/* Returns the signed distance to the surface, in mm of this bone. */
+/* Returns the signed distance from q to the surface of the humerus, in mm of this bone. */
 static double humerus_distance(const humerus *h, ost_v3 q)
 {
     const ost_v3 axis = ost_v3_sub(h->end, h->head), from = ost_v3_sub(q, h->head);
@@ -191,7 +196,10 @@ static double humerus_distance(const humerus *h, ost_v3 q)
     return ost_blend(head, shaft, 6) * h->size;
 }
 
-/* Returns the density of a voxel of the scapula's CT with the humerus in it: a compact shell, spongy inside. */
+/*
+ * Returns the density of a voxel of the scapula's CT to which the humerus is added. The humerus has a compact shell
+ * and is spongy inside.
+ */
 static int16_t with_humerus(int16_t hu, double distance, double blur, uint64_t hash)
 {
     const double share = ost_scan_cover(distance, blur), inner = ost_scan_cover(distance + SHELL, blur);
@@ -208,8 +216,8 @@ typedef struct scanner {
     ost_scapula scapula;
     humerus humerus;
     pose pose;
-    double blur;     /* width over which the partial volume changes, in mm of the anatomy */
-    int64_t first[3]; /* indices of this grid's first voxel in the grid by which the noise is indexed */
+    double blur;     /* width of the partial volume at a surface, in mm of the anatomy */
+    int64_t first[3]; /* index of this grid's first voxel in the grid to which the noise is aligned */
 } scanner;
 
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
@@ -254,8 +262,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
 }
 
 /*
- * Writes a point in whole micrometres, or a direction in whole millionths.  The numbers are rounded
- * explicitly and printed as integers by %lld, so the text is the same on every machine.
+ * Writes a point in complete micrometres, or a direction in complete millionths. The numbers are rounded explicitly
+ * and printed as integers by %lld, so that the text is the same on every machine.
  */
 static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int places, ost_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Noise from integers: the same numbers on every machine.
+ * Computes noise from integers, so that the numbers are the same on every machine.
  *
  * A lattice point and a seed are hashed to 64 bits.  Smooth noise is computed from such points
  * by additions and multiplications of doubles in a fixed order, for which IEEE 754 defines every
@@ -36,8 +36,8 @@ static inline uint64_t ost_hash3(uint64_t seed, int64_t x, int64_t y, int64_t z)
 }
 
 /*
- * Returns a number in [0, 1) that is a multiple of 2^-24 and therefore exact in double and float.
- * The parameter part, 0 or 1, selects 24 of the hash's bits.
+ * Returns a number in [0, 1). The number is a multiple of 2^-24 and therefore exact as a double and as a float.
+ * `part`, which is 0 or 1, selects 24 bits of the hash.
  */
 static inline double ost_unit(uint64_t hash, int part)
 {
@@ -52,8 +52,8 @@ static inline int64_t ost_floor64(double v)
 }
 
 /*
- * A cache of the lattice cell that was used last, because neighbouring positions are mostly in the
- * same cell.  Zero-initialise the cache, and use a separate cache for each seed.
+ * A cache for the lattice cell that was used last; neighbouring positions are mostly in the same cell.
+ * Zero-initialise the cache, and use a separate cache for each seed.
  */
 typedef struct ost_noise_cell {
     int64_t i, j, k;
@@ -62,8 +62,8 @@ typedef struct ost_noise_cell {
 } ost_noise_cell;
 
 /*
- * Returns smooth noise in [0, 1).  The noise is interpolated between the hashes of the lattice
- * points by 3t^2 - 2t^3.  The cached cell saves time and does not affect the result.
+ * Returns smooth noise in [0, 1). The noise is interpolated between the hashes of the lattice points with the
+ * weight 3t^2 - 2t^3. The cached cell saves time and does not affect the result.
  */
 static inline double ost_value_noise_in(ost_noise_cell *cell, uint64_t seed, double x, double y, double z)
 {
@@ -94,8 +94,8 @@ static inline double ost_value_noise(uint64_t seed, double x, double y, double z
 }
 
 /*
- * Returns a nearly Gaussian number within +-1.5, with mean 0 and standard deviation 1/2.  The
- * number is computed from a sum of three uniform numbers, which has the variance 1/4.
+ * Returns a nearly Gaussian number within +-1.5, with mean 0 and standard deviation 1/2. It is computed from the
+ * sum of three uniform numbers, which has a variance of 1/4.
  */
 static inline double ost_bell(uint64_t hash)
 {

@@ -19,10 +19,10 @@
 #define SCALE_MAX 8.0
 
 /*
- * A box of a generated bone, in micrometres.  The physical size is dims times spacing of Table 3.1.
- * corner_um is the position of the box's first corner in the patient, for the right side.  The
- * corner of the glenoid's box is a whole number of voxels inside the scapula's box, so that the
- * glenoid is cut out of the scapula.
+ * A box of a generated bone, in micrometres. Its physical size is dims times spacing of Table 3.1. corner_um is the
+ * position of the box's first corner in the patient, for the right side. The corner of the glenoid's box is a
+ * multiple of a voxel away from the corner of the scapula's box, so that the glenoid phantom is a part of the
+ * scapula phantom.
  */
 typedef struct box {
     const char *name;
@@ -43,7 +43,7 @@ static const box BOXES[OST_PHANTOM_COUNT] = {
     [OST_PHANTOM_TRABECULAR] = {"trabecular", {156, 156, 313}, {32, 32, 32}, {0, 0, 0}},
     [OST_PHANTOM_TRABECULAR2] = {"trabecular2", {314, 316, 360}, {32, 32, 32}, {0, 0, 0}},
     [OST_PHANTOM_FOAM] = {"foam", {314, 320, 604}, {32, 32, 32}, {0, 0, 0}},
-    /* The box of the scapula, extended to the side by a whole number of voxels. */
+    /* The box of the scapula phantom, extended to the side by an integral number of voxels. */
     [OST_PHANTOM_SHOULDER] = {"shoulder",
                               {256 + ASIDE_I, 234, 201},
                               {470, 470, 1000},
@@ -56,8 +56,8 @@ const char *ost_phantom_name(ost_phantom_kind kind)
 }
 
 /*
- * Returns um micrometres times scale in whole picometres, rounded half up.  The computation is one
- * product and one floor, so the result is the same on every machine.
+ * Returns `um` micrometres times `scale` in picometres, rounded half up. The computation consists of one product
+ * and one floor, so the result is the same on every machine.
  */
 static ost_pm scaled(int64_t um, double scale)
 {
@@ -96,8 +96,8 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
                         dims[0], dims[1], dims[2]);
     g->spacing = (ost_pm3){spacing[0], spacing[1], spacing[2]};
     /*
-     * If the spacing is an odd number of picometres, the centre of the first voxel is off by half a
-     * picometre.  This error is the same on every machine.
+     * If the spacing is an odd number of picometres, the centre of the first voxel is wrong by half a picometre.
+     * This error is the same on every machine.
      */
     g->origin = (ost_pm3){ost_floor_div(corner2[0] + spacing[0], 2), ost_floor_div(corner2[1] + spacing[1], 2),
                           ost_floor_div(corner2[2] + spacing[2], 2)};

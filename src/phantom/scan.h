@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Declarations for all generated bones: the grid to fill, and the functions that
- * generate a bone.
+ * Declarations that all generated bones share: the grid to fill, and the functions that generate a bone.
  */
 #ifndef OST_PHANTOM_SCAN_H
 #define OST_PHANTOM_SCAN_H
@@ -11,24 +10,24 @@
 #include "phantom/shape.h"
 
 /*
- * The grid to fill.  The right side is always generated.  The left side is the mirror image of the
- * right side and is made at the end, row by row.
+ * The grid to fill. The right side is always generated. If the left side is requested, the right side is mirrored
+ * at the end, row by row.
  */
 typedef struct ost_scan {
-    ost_volume *volume; /* has the geometry of the right side */
-    ost_pm3 corner;     /* corner of the first voxel, origin - spacing / 2, doubled so that it is an integer */
-    ost_pm3 extent;     /* doubled corner of the first voxel of the grid by which the noise is indexed */
+    ost_volume *volume; /* volume with the geometry of the right side */
+    ost_pm3 corner;     /* corner of the first voxel, origin - spacing / 2; doubled, so that it is an integer */
+    ost_pm3 extent;     /* doubled corner of the first voxel in the grid to which the noise is aligned */
     double scale;       /* scale of the anatomy */
     uint64_t seed;
-    bool has_humerus;   /* a humerus touches the glenoid */
-    const ost_phantom_options *options; /* for progress */
+    bool has_humerus;   /* true if a humerus touches the glenoid */
+    const ost_phantom_options *options; /* options; used for progress */
 } ost_scan;
 
-#define OST_SCAN_HEAD "phantom_head_mm" /* fact: centre of the humeral head */
+#define OST_SCAN_HEAD "phantom_head_mm" /* header fact: centre of the humeral head */
 
 /*
- * Returns the coordinate in mm of the centre of voxel v along an axis.  Twice the coordinate, in
- * pm, is corner2 + (2 v + 1) spacing.
+ * Returns the coordinate, in mm, of the centre of voxel v along an axis. In picometres, twice the coordinate is
+ * corner2 + (2 v + 1) spacing.
  */
 static inline double ost_scan_mm(ost_pm corner2, ost_pm spacing, int64_t v)
 {
@@ -39,22 +38,22 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err);
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err);
 
 /*
- * Calls block for boxes lo <= (i, j, k) < hi that partition the grid.  A box is about `mm`
- * millimetres of the anatomy wide.  Returns OST_ERR_CANCELLED if the progress callback cancels.
+ * Calls the function `block` for boxes lo <= (i, j, k) < hi that partition the grid. A box is about `mm`
+ * millimetres of the anatomy wide. Returns OST_ERR_CANCELLED if the progress callback cancels.
  */
 ost_status ost_scan_blocks(const ost_scan *scan, double mm,
                            void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err);
 
 /*
- * Returns the partial volume: the part of a voxel that lies inside a surface. d is the signed distance
- * from the surface, negative inside. The result falls from 1 to 0 between d = -0.75 width and 0.75 width.
+ * Returns the partial volume, which is the part of a voxel inside a surface. d is the signed distance from the
+ * surface, negative inside. From d = -0.75 width to d = 0.75 width, the result falls from 1 to 0.
  */
 static inline double ost_scan_cover(double d, double width)
 {
     return ost_smooth(-0.75 * width, 0.75 * width, -d);
 }
 
-/* Rounds v half up (the sum is exact: |v| < 2^15) and clamps it to [lo, hi]. */
+/* Rounds v half up and clamps it to [lo, hi]. The sum v + 1/2 is exact, because |v| < 2^15. */
 int16_t ost_hu(double v, int lo, int hi);
 
 #endif

@@ -22,8 +22,8 @@
 enum { EDGE_THIN = 0, EDGE_LATERAL = 1, EDGE_MEDIAL = 2 };
 
 /*
- * The outline of the body: down the medial border from the superior angle, around the inferior
- * angle, up the lateral border to the glenoid, and along the superior border with the notch.
+ * The outline of the body. It runs from the superior angle down the medial border, around the inferior angle, up
+ * the lateral border to the glenoid, and along the superior border with the notch.
  */
 static const ost_outline_point BODY[] = {
     {26, 37, EDGE_MEDIAL},   {14, 30, EDGE_MEDIAL},    {5, 16, EDGE_MEDIAL},     {0, 2, EDGE_MEDIAL},
@@ -37,8 +37,8 @@ static const ost_outline_point BODY[] = {
 };
 
 /*
- * The outline of the spine, seen from above: along the root, out along the neck, around the
- * spinoglenoid notch, and back along the crest.
+ * The outline of the spine, seen from above. It runs along the root, out along the neck, around the spinoglenoid
+ * notch, and back along the crest.
  */
 static const ost_outline_point SPINE[] = {
     {4, -1.5, 0}, {20, -6.5, 0}, {45, -10, 0}, {66, -8, 0},  {78, -5, 0},  {79, -9, 0},    {77, -16, 0}, {79, -24, 0},
@@ -46,8 +46,8 @@ static const ost_outline_point SPINE[] = {
 };
 
 /*
- * The outline of the acromion, seen from above: the end of the spine, the posterior angle, the
- * lateral edge, the tip, the facet for the clavicle, and the medial edge.
+ * The outline of the acromion, seen from above. It runs from the end of the spine over the posterior angle, the
+ * lateral edge, the tip and the facet for the clavicle to the medial edge.
  */
 static const ost_outline_point ACROMION[] = {
     {72, -39, 0},    {82, -44, 0},   {93, -46.5, 0}, {103, -43, 0}, {111, -35, 0},  {117, -24, 0},
@@ -56,8 +56,8 @@ static const ost_outline_point ACROMION[] = {
 };
 
 /*
- * The outline of the glenoid's rim, seen en face, as (forward, up). The notch at the front is where the growth centres
- * fused.
+ * The outline of the glenoid's rim, seen en face. The coordinates are (forward, up). The notch at the front is the
+ * place where the growth centres fused.
  */
 static const ost_outline_point PEAR[] = {
     {-1, -17.3, 0}, {5.5, -16.2, 0}, {10.2, -12.2, 0}, {12.4, -6.5, 0},   {11.7, -1, 0},    {9.2, 3.8, 0},
@@ -101,14 +101,14 @@ static const ost_bar_node ROOT[] = {
 };
 
 /*
- * CARTILAGE is the thickness of the cartilage at the centre. The blur of a CT removes some of this thickness on both
- * sides.
+ * CARTILAGE is the thickness of the cartilage at the centre. In a CT, the blur removes some of this thickness on
+ * both sides.
  */
-#define GREATEST_SIZE 1.142 /* greatest size that fits the box of Table 3.1: a tall man's scapula */
+#define GREATEST_SIZE 1.142 /* greatest size that fits into the box of Table 3.1, which is the scapula of a tall man */
 #define CARTILAGE 2.4
 #define DISH_RADIUS 31.0
 #define PAD_RADIUS 29.0
-#define FAR 14.0 /* distance in mm beyond which a part does not affect a blended shape */
+#define FAR 14.0 /* distance in mm beyond which a part has no effect on a blended shape */
 #define FARTHER 100.0
 
 static double square(double v)
@@ -116,7 +116,7 @@ static double square(double v)
     return v * v;
 }
 
-/* Returns 1 if v is at the centre. The result falls smoothly to 0 at the distance `half` on either side. */
+/* Returns a smooth bump: 1 if v is at `centre`, falling to 0 at the distance `half` on either side. */
 static double bump(double v, double centre, double half)
 {
     double t = 1 - square((v - centre) / half);
@@ -147,9 +147,9 @@ static double body_half(const ost_scapula *s, double x, double z)
            medial = ost_outline_to_tag(&s->body, EDGE_MEDIAL, x, z);
     double half = 1.15 + 2.2 / (1 + square(lateral / 7) * (1 + square(lateral / 7))) +
                   1.15 / (1 + square(medial / 4) * (1 + square(medial / 4)));
-    half += 2.6 * ost_smooth(64, 90, x) * bump(z, -4, 30);          /* toward the neck */
-    half += 1.1 * bump(x, 14, 26) * bump(z, -108, 26);              /* inferior angle */
-    half += 0.8 * bump(x, 26, 14) * bump(z, 36, 14);                /* superior angle */
+    half += 2.6 * ost_smooth(64, 90, x) * bump(z, -4, 30);          /* thicker toward the neck */
+    half += 1.1 * bump(x, 14, 26) * bump(z, -108, 26);              /* thicker at the inferior angle */
+    half += 0.8 * bump(x, 26, 14) * bump(z, 36, 14);                /* thicker at the superior angle */
     return half;
 }
 
@@ -165,8 +165,8 @@ static double acromion_sheet(double x, double y)
 }
 
 /*
- * Returns the distance to a plate with a round edge and the half thickness `half`.  off is the
- * distance from the sheet of the plate, and inside is the distance inside the outline of the plate.
+ * Returns the distance to a plate that has a round edge and the half thickness `half`. `off` is the distance from
+ * the plate's sheet, and `inside` is the distance inside the plate's outline.
  */
 static double plate(double off, double inside, double half)
 {
@@ -197,8 +197,8 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);
 
     /*
-     * Over a sloped sheet, the height of a point is greater than its distance from the sheet. Where the difference
-     * matters, it is at most a tenth.
+     * If the sheet is sloped, the height of a point above the sheet is greater than its distance from the sheet.
+     * Where this difference matters, it is at most a tenth.
      */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);
@@ -274,8 +274,8 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     s->seed = seed;
     s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
     /*
-     * Tangents of the angles by which the face is tilted: 2 degrees backward and 5 degrees upward. Each angle is varied
-     * by up to 2 degrees.
+     * Tangents of the angles by which the face is tilted: 2 degrees backward and 5 degrees upward. Each angle
+     * varies by up to 2 degrees.
      */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);
     s->face = (ost_v3){99, 0, 0};

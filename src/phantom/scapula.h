@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A right scapula as one implicit solid, in its own frame, in millimetres:
+ * A right scapula as one implicit solid, in millimetres and in the scapula's own frame:
  *
  *            superior angle      acromion            x  lateral, from the root of the
  *                 .-.          .-------.                spine to the glenoid's centre
@@ -12,8 +12,8 @@
  *        border     \      .'  lateral border
  *                    `---'  inferior angle
  *
- * The mean shape is that of an adult population; a seed varies size, version, inclination and
- * outlines slightly.
+ * The mean shape is the mean of an adult population. A seed slightly varies size, version, inclination and
+ * outlines.
  */
 #ifndef OST_PHANTOM_SCAPULA_H
 #define OST_PHANTOM_SCAPULA_H
@@ -25,9 +25,9 @@ typedef struct ost_scapula {
     double size;  /* mm of this bone per mm of the mean shape; all coordinates are in the frame of the mean shape */
     ost_v3 trigonum, inferior; /* landmarks: the root of the spine on the medial border, and the inferior angle */
     ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
-    /* the glenoid's frame, as unit vectors: outward, and anterior and superior along the face */
+    /* Unit vectors of the glenoid's frame: outward, and anterior and superior along the face. */
     ost_v3 out, ahead, above;
-    ost_v3 dish, pad; /* centres of the spheres of the bony dish and of the cartilage's face */
+    ost_v3 dish, pad; /* centres of two spheres: of the bony dish, and of the cartilage's face */
     ost_outline body, spine, acromion, pear;
     ost_bar crest, pillar, coracoid, root;
 } ost_scapula;
@@ -35,8 +35,8 @@ typedef struct ost_scapula {
 /* The position of a point relative to the parts of the scapula, in mm of this bone. Distances are negative inside. */
 typedef struct ost_scapula_sample {
     double bone;      /* distance to the bone's surface, without cartilage */
-    double wall;      /* distance to the outer walls, without the glenoid's dish */
-    /* depth below the surface of the bony dish, positive in the bone; a large value away from the glenoid */
+    double wall;      /* distance to the outer walls of the bone, as if there were no dish */
+    /* Depth below the surface of the bony dish, positive in the bone. Away from the glenoid, this is a large value. */
     double dish;
     double cartilage; /* distance to the layer of cartilage on the dish */
     double depth;     /* position along the glenoid's axis, positive into the bone */

@@ -23,18 +23,18 @@ static double spline(double a, double b, double c, double d, double t)
 enum { PIECES = 6 }; /* number of straight pieces between two points of an outline */
 
 typedef struct piece {
-    double u, v, du, dv, inverse; /* inverse of the squared length of the piece */
+    double u, v, du, dv, inverse; /* start and direction of the piece; inverse of its squared length */
     /*
-     * v at the end of the piece, bit-identical to v of the next piece.  Therefore a ray through the
-     * common point of two pieces crosses exactly one of the pieces.
+     * Coordinate v of the piece's end, bit-identical to v of the next piece. Therefore a ray through the common
+     * point of two pieces crosses exactly one of the two pieces.
      */
     double end_v;
     int tag;
 } piece;
 
 /*
- * Computes the squared distance to the nearest piece of each tag.  Returns true if (u, v) lies
- * inside, which is decided by the crossings of a ray along u.
+ * Computes the squared distance to the nearest piece of each tag. Returns true if (u, v) lies inside the outline,
+ * which is determined by the crossings of a ray along u.
  */
 static bool measure(const piece *pieces, int count, double u, double v, double best[OST_OUTLINE_TAGS])
 {
@@ -125,8 +125,8 @@ void ost_outline_free(ost_outline *outline)
 }
 
 /*
- * Returns the value of a table at the point (u, v), clamped to the table.  *beyond is set to the
- * distance by which the clamp moved the point.
+ * Returns the value of a table at the point (u, v), after clamping the point to the table. Sets *beyond to the
+ * distance by which the point was clamped.
  */
 static double lookup(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
@@ -190,9 +190,8 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
 }
 
 /*
- * Returns the first-order distance (k - 1) / |grad k| to the ellipsoid with the radii (wide, thick,
- * thick) about the nearest point of the path.  k is the distance from the ellipsoid's centre,
- * relative to its radii.
+ * Returns the first-order distance (k - 1) / |grad k| to an ellipsoid around the nearest point of the path. The
+ * ellipsoid has the radii (wide, thick, thick). k is the distance from its centre, relative to its radii.
  */
 static double piece_distance(const ost_bar_node *a, const ost_bar_node *b, ost_v3 p)
 {
@@ -221,7 +220,7 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
         return sqrt(box2);
     double best = 1e30;
     for (int i = 0; i + 1 < bar->count; i++) {
-        /* The factor 1.5 is needed because piece_distance returns too great a distance next to a flat bar. */
+        /* The factor 1.5 is needed, because piece_distance returns too great a distance next to a flat bar. */
         ost_v3 d = ost_v3_sub(p, bar->middle[i]);
         double reach_limit = ost_max(best, 0) * 1.5 + bar->reach[i];
         if (ost_v3_dot(d, d) < reach_limit * reach_limit)

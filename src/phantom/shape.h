@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shapes, defined by their signed distance in millimetres: negative inside,
- * positive outside.
+ * Shapes that are defined by their signed distance in millimetres, which is negative inside and positive outside.
  *
  *   outline   a smooth closed curve through given points, with a table of its
  *             signed distance; plates are cut out along it
@@ -54,9 +53,8 @@ static inline ost_v3 ost_v3_unit(ost_v3 a)
 }
 
 /*
- * Returns the distance to the union of two shapes with the distances a and b.  The union is rounded
- * where a and b differ by less than `width`.  The result is never greater than the smaller of a and
- * b.
+ * Returns the distance to the union of two shapes, given the distances a and b to the shapes. The union is rounded
+ * where a and b differ by less than `width`. The result is never greater than a or b.
  */
 static inline double ost_blend(double a, double b, double width)
 {
@@ -64,7 +62,7 @@ static inline double ost_blend(double a, double b, double width)
     return ost_min(a, b) - h * h / (4 * width);
 }
 
-/* Returns the distance to the intersection of two shapes, with a rounded edge. */
+/* Returns the distance to the intersection of two shapes. The edge of the intersection is rounded. */
 static inline double ost_blend_both(double a, double b, double width)
 {
     return -ost_blend(-a, -b, width);
@@ -74,7 +72,7 @@ static inline double ost_blend_both(double a, double b, double width)
 
 typedef struct ost_outline_point {
     double u, v;
-    int tag; /* tag of the curve from this point to the next */
+    int tag; /* tag of the curve from this point to the next point */
 } ost_outline_point;
 
 enum { OST_OUTLINE_TAGS = 4 };
@@ -83,21 +81,22 @@ typedef struct ost_outline {
     double u0, v0, step;
     int nu, nv;
     double *inside;                  /* owned; table of the signed distance, positive inside */
-    /* owned; tables of the distance to the nearest part of the curve with each tag; NULL for unused tags */
+    /* Owned; for each tag, a table of the distance to the nearest part of the curve with this tag. NULL for an
+     * unused tag. */
     double *to_tag[OST_OUTLINE_TAGS];
 } ost_outline;
 
 /*
- * Computes the curve through the points, and a table of its distances.  The table extends beyond
- * the curve by `margin` on every side.
+ * Computes the curve through the points, and a table of signed distances. The table extends beyond the curve by
+ * `margin` on every side.
  */
 ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *points, int count, double step,
                             double margin, ost_error *err);
 void ost_outline_free(ost_outline *outline);
 /*
- * The two functions below interpolate a table bilinearly.  Outside the table, they use the value at
- * the border of the table.  ost_outline_inside subtracts the distance to the border from this
- * value, and ost_outline_to_tag adds the distance.
+ * The two functions below interpolate a table bilinearly. Outside the table, they use the value at the table's
+ * border; ost_outline_inside subtracts the distance to the border from this value, and ost_outline_to_tag adds the
+ * distance to it.
  */
 double ost_outline_inside(const ost_outline *outline, double u, double v);
 double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double v);
@@ -107,7 +106,7 @@ double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double 
 typedef struct ost_bar_node {
     ost_v3 at;
     double wide, thick; /* radii of the cross section: along `side`, and perpendicular to `side` */
-    ost_v3 side;        /* direction, which need not be a unit vector or perpendicular to the path */
+    ost_v3 side;        /* direction in the cross section; it need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
 enum { OST_BAR_NODES = 48 };
@@ -115,7 +114,7 @@ typedef struct ost_bar {
     int count;
     ost_bar_node node[OST_BAR_NODES];
     ost_v3 middle[OST_BAR_NODES]; /* middle of the straight piece from a node to the next node */
-    double reach[OST_BAR_NODES];  /* greatest distance of the surface of a piece from the middle of the piece */
+    double reach[OST_BAR_NODES];  /* greatest distance of a piece's surface from the middle of the piece */
     ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
@@ -125,8 +124,8 @@ typedef struct ost_bar {
  */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
- * Returns the distance from p to the bar.  If p is farther than `far` from the box of the bar,
- * returns only the distance to the box, which is less.
+ * Returns the distance from p to the bar. If p is farther than `far` from the box that contains the bar, returns
+ * the distance to the box instead, which is less.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A spherical burr: a sphere whose lowest point is at z = 0, and a shaft of a
- * third of its diameter that ends `length` above the sphere's top.
+ * Makes a spherical burr. It consists of a sphere whose lowest point is at z = 0, and a shaft with a third of the
+ * sphere's diameter, which ends `length` above the sphere's top.
  *
  *         | |
  *        ,| |.   the shaft leaves the sphere where it has the shaft's radius
@@ -13,7 +13,9 @@
  */
 #include "phantom/tool_shape.h"
 
-/* Computes radius and height of the circle of latitude k, from the south pole, k = 0, to the north pole, k = n. */
+/*
+ * Computes radius and height of the circle of latitude k, from the south pole (k = 0) to the north pole (k = n).
+ */
 static void latitude(int k, int n, ost_pm sphere, ost_pm *radius, ost_pm *z)
 {
     ost_q60 c, s;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes the parametric tools by kind, with their defaults and limits. */
+/* Makes parametric tools of each kind, with their defaults and limits. */
 #include <string.h>
 
 #include "phantom/tool_shape.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the cylinder for a peg hole, which is the second tool of the thesis. The ends are flat, at z = 0 and z =
+ * Makes the cylinder for a peg hole, which is the second tool of the thesis. Its flat ends are at z = 0 and z =
  * length.
  */
 #include "phantom/tool_shape.h"

@@ -33,7 +33,7 @@ enum {
     TEETH = 12,
     FACE_RINGS = 28, /* number of rings on the face, from the nose to the rim */
     NOSE_RINGS = 6,  /* number of the innermost rings of the face, which have no grooves */
-    RAMP_RINGS = 6,  /* number of rings over which the grooves grow to their full depth */
+    RAMP_RINGS = 6,  /* number of rings over which the grooves grow to full depth */
     BACK_RINGS = 11,
     BACK_OF_HEAD = 4 /* number of rings of the back that precede the hub */
 };
@@ -41,14 +41,13 @@ enum {
 typedef struct reamer {
     ost_pm radius;
     ost_pm sphere; /* radius of the dome */
-    ost_pm groove; /* greatest depth */
+    ost_pm groove; /* greatest depth of a groove */
     int segments;
 } reamer;
 
 /*
- * Returns the depth of the groove at segment k as a share of its greatest depth.  The profile of a
- * tooth consists of a land at 0, a relief slope from 0 to 1, a floor at 1, and a steep cutting
- * face.
+ * Returns the depth of the groove at segment k, as a share of the greatest depth. The profile of a tooth consists
+ * of a land at 0, a relief slope from 0 to 1, a floor at 1, and a steep cutting face.
  */
 static ost_q60 groove_share(const reamer *r, int k)
 {
@@ -61,21 +60,24 @@ static ost_q60 groove_share(const reamer *r, int k)
     return ost_q60_ratio(4 * at - pitch, 2 * pitch);
 }
 
-/* Returns the radius of the outline at segment k as a share of the full radius, which is 1, or less on the flats. */
+/*
+ * Returns the radius of the outline at segment k, as a share of the full radius. The share is 1, or less on the
+ * flats.
+ */
 static ost_q60 flat_share(const reamer *r, int k)
 {
     const int third = r->segments / 3;
     const int at = k % third;
     ost_q60 c, s;
-    /* the angle to the nearest flat is at most 60 degrees, so c >= 1/2 */
+    /* The angle to the nearest flat is at most 60 degrees, so c >= 1/2. */
     ost_circle(at < third - at ? at : third - at, r->segments, &c, &s);
     const ost_q60 share = ost_q60_ratio(OST_Q60_ONE - OST_Q60_ONE / 30, c);
     return share < OST_Q60_ONE ? share : OST_Q60_ONE;
 }
 
 /*
- * Returns the height of the dome at a distance from the axis.  The square root is rounded down, so
- * the height is never negative.
+ * Returns the height of the dome at a given distance from the axis. The square root is rounded down, so the height
+ * is never negative.
  */
 static ost_pm dome(const reamer *r, ost_pm distance)
 {
@@ -83,8 +85,8 @@ static ost_pm dome(const reamer *r, ost_pm distance)
 }
 
 /*
- * Returns the radius of the rim at segment k as a share of the full radius.  Grooves reduce the
- * radius by up to a 24th, so that the teeth are visible from the side.
+ * Returns the radius of the rim at segment k, as a share of the full radius. A groove reduces the radius by up to a
+ * 24th, so that the teeth are visible from the side.
  */
 static ost_q60 rim_share(const reamer *r, int k)
 {
@@ -108,8 +110,8 @@ static void face_ring(const reamer *r, ost_skin *skin, int ring)
 }
 
 /*
- * Makes a ring of the back.  If outline is true, the ring has the outline of the rim.  Otherwise
- * the ring is a circle, as near the hub.
+ * Makes a ring of the back. If `outline` is true, the ring has the outline of the rim. Otherwise, the ring is a
+ * circle, as it is near the hub.
  */
 static void back_ring(const reamer *r, ost_skin *skin, ost_pm radius, ost_pm z, bool outline)
 {
@@ -154,7 +156,7 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     for (int ring = 1; ring <= FACE_RINGS && !shaft; ring++)
         face_ring(&r, &skin, ring);
 
-    /* Radii and heights are in 360ths of the diameter, which are tenths of a millimetre for a diameter of 36 mm. */
+    /* Radii and heights are in 360ths of the diameter. For a diameter of 36 mm, a 360th is a tenth of a millimetre. */
     const struct {
         int radius;
         int above_rim; /* height above the rim; if negative, below_top is used */

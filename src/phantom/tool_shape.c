@@ -7,7 +7,7 @@
 #include "core/conditions.h"
 #include "core/integer.h"
 
-/* RHE(pi/4 * 2^60). */
+/* pi / 4 * 2^60, rounded half to even */
 #define QUARTER_PI INT64_C(905502432259640355)
 
 ost_q60 ost_q60_ratio(int64_t numerator, int64_t denominator)
@@ -21,8 +21,8 @@ int64_t ost_q60_times(int64_t a, ost_q60 b)
 }
 
 /*
- * Computes cos x and sin x for 0 <= x <= pi/4, term by term: t_n = t_(n-1) x / n.  Each term has an
- * error of less than 2 units of 2^-60; the 19th term is below 2^-60.
+ * Computes cos x and sin x for 0 <= x <= pi/4 from the terms t_n = t_(n-1) x / n of the power series. Each term has
+ * an error of less than 2 units of 2^-60, and the 19th term is below 2^-60.
  */
 static void first_eighth(ost_q60 x, ost_q60 *cosine, ost_q60 *sine)
 {
@@ -41,7 +41,7 @@ void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine)
     int octant = (int)(eighths / n);
     int64_t remainder = eighths % n;
     if (octant & 1)
-        /* in an odd octant, the angle is measured backward from the mirror axis at its end */
+        /* in an odd octant, the angle is measured backward from the mirror axis at the octant's end */
         remainder = n - remainder;
     ost_q60 c, s;
     first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * remainder, n), &c, &s);

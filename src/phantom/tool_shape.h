@@ -23,17 +23,16 @@ typedef int64_t ost_q60;
 #define OST_Q60_ONE (INT64_C(1) << 60)
 
 /*
- * Returns numerator / denominator as an ost_q60, rounded RHE. Requires 0 <= numerator <= 4 * denominator and
- * denominator >= 1.
+ * Returns numerator / denominator as an ost_q60, rounded half to even. Requires 0 <= numerator <= 4 * denominator
+ * and denominator >= 1.
  */
 ost_q60 ost_q60_ratio(int64_t numerator, int64_t denominator);
-/* Returns RHE(a * b / 2^60). */
+/* Returns a * b / 2^60, rounded half to even. */
 int64_t ost_q60_times(int64_t a, ost_q60 b);
 
 /*
- * Computes the cosine and sine of k/n of a turn, each within 2^-56.  The results are exactly
- * symmetric under the eight mirrors of the circle and exact at quarter turns.  n must be at least
- * 1.
+ * Computes the cosine and the sine of k/n of a turn, each with an error of at most 2^-56. The results are exactly
+ * symmetric under the eight mirrors of the circle, and exact at quarter turns. n must be at least 1.
  */
 void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine);
 
@@ -47,17 +46,17 @@ typedef struct ost_skin {
     ost_mesh *mesh; /* vertices in this order: lower pole, rings, upper pole */
 } ost_skin;
 
-/* Allocates the mesh, and sets its triangles and the two poles on the axis. rings must be at least 1. */
+/* Allocates the mesh, and sets its triangles and its two poles, which lie on the axis. rings must be at least 1. */
 ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top,
                          ost_error *err);
-/* Returns the points of the next ring, which the caller must write. */
+/* Returns memory for the points of the next ring, which the caller must write. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
 /* Makes the next ring as a circle. */
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 
 /*
- * Each of these functions makes a tool of one kind.  All lengths must be set and within 0.1 mm to 1
- * m.  segments must be within OST_TOOL_SEGMENTS_MIN to OST_TOOL_SEGMENTS_MAX.
+ * Functions that make a tool; there is one for each kind. All lengths must be set and within 0.1 mm to 1 m.
+ * segments must be within OST_TOOL_SEGMENTS_MIN to OST_TOOL_SEGMENTS_MAX.
  */
 enum { OST_TOOL_SEGMENTS_MIN = 12, OST_TOOL_SEGMENTS_MAX = 3072 };
 ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err);

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * This is the proof that no voxel is missed.  A voxel is hit only if the
- * coordinates computed for its centre p are inside the tool's grid.  Their error is
- * at most 23 / 2^20 of a tool voxel (AR-MAP), so p itself lies in the grid's box
- * inflated by one tool voxel on every side.  p also lies in the box of all voxel
- * centres of the bone.  Therefore p is in both boxes: no axis separates them, and p
- * lies within the bone-aligned bounds of the inflated box.  Both the test of the
- * axes and the bounds are computed with every rounding on the safe side.
+ * Proof that no voxel is missed: A voxel is hit only if the coordinates computed for its centre p are inside the
+ * tool's grid. The error of these coordinates is at most 23 / 2^20 of a tool voxel (AR-MAP), so p itself lies in
+ * the box of the grid inflated by one tool voxel on every side. p also lies in the box of all voxel centres of the
+ * bone. Therefore p is in both boxes: no axis separates them, and p lies within the bone-aligned bounds of the
+ * inflated box. Both the test of the axes and the bounds are computed with every rounding on the safe side.
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
@@ -60,7 +58,7 @@ static ost_i128 magnitude128(ost_i128 x)
 }
 
 /*
- * Computes twice the centre of the tool's box in the bone's frame. Each component is rounded RHE, so its
+ * Computes twice the centre of the tool's box in the bone's frame. Each component is rounded half to even, so its
  * error is at most 1/2.
  */
 static void centre_twice(const ost_box *tool, const ost_rotation *m, const ost_divider *by, const ost_pose *pose,
@@ -91,10 +89,10 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
             p.r[i][j] = ost_rhe_by(&by, (ost_i128)m.m[i][j] * (1 << 30));
 
     /*
-     * Each side of a test below is a sum of products length * entry in which each
-     * length occurs at most once, so the error of r contributes at most half the sum
-     * of all lengths.  The error of d, 1/2 on each axis, is multiplied by the entries
-     * of one unit axis and contributes at most sqrt(3) / 2 * 2^30 and a few units.
+     * Each side of a test below is a sum of products length * entry in which each length occurs at most once. The
+     * error of r therefore contributes at most half the sum of all lengths. The error of d, which is 1/2 on each
+     * axis, is multiplied by the entries of one unit axis and contributes at most sqrt(3) / 2 * 2^30 and a few
+     * units.
      */
     for (int i = 0; i < 3; i++)
         p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
@@ -124,8 +122,8 @@ static bool tool_axis_separates(const pair *p, int j)
 }
 
 /*
- * Returns true if the cross product of axis i of the bone with axis j of the tool separates the
- * boxes. A cross product of zero does not separate them, because 0 > slack is false.
+ * Returns true if the cross product of axis i of the bone and axis j of the tool separates the boxes. A cross
+ * product of zero does not separate the boxes, because 0 > slack is false.
  */
 static bool cross_axis_separates(const pair *p, int i, int j)
 {
@@ -160,11 +158,10 @@ static int32_t clamp(int64_t value, int32_t hi)
 }
 
 /*
- * Alg. 2.8 clamps the corners of the tool to the bone's box and computes their
- * bounds.  In the bone's own frame, clamping acts on each axis separately and
- * preserves order, so the result is the clamped bone-aligned bounds of the tool.
- * Here the bounds are computed directly, from the centre and the rotated half extents:
- * twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ * Alg. 2.8 clamps the corners of the tool to the bone's box and computes the bounds of the clamped corners. In the
+ * bone's own frame, clamping acts on each axis separately and preserves order, so the result is the clamped
+ * bone-aligned bounds of the tool. Here the bounds are computed directly, from the centre and the rotated half
+ * extents: twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
  * Alg. 2.9 then converts the bounds to voxels.  The frame of Alg. 2.9 has the
  * centre of the box at the origin; this function uses the origin of the bone.  If a

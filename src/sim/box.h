@@ -3,10 +3,9 @@
  * Oriented boxes: tests whether they intersect, and computes the voxels that a tool
  * at a pose can hit.
  *
- * Both results are computed with integers and are conservative: an intersection or a
- * voxel may be reported in excess but is never missed.  This is required because the
- * set of removed voxels is defined by a test of every voxel, and a broad phase may
- * only skip voxels that are not hit (AR-REM-2).
+ * Both results are computed with integers and are conservative: too many intersections or voxels may be reported,
+ * but none is missed. This is required, because the set of removed voxels is defined by a test of every voxel. A
+ * broad phase may therefore skip only voxels that are not hit (AR-REM-2).
  */
 #ifndef OST_SIM_BOX_H
 #define OST_SIM_BOX_H
@@ -20,16 +19,14 @@ ost_box ost_box_of_bone(const ost_geometry *bone);
 ost_box ost_box_of_tool(const ost_tool_geometry *tool);
 
 /*
- * Performs the separating-axis test (thesis 2.1, [116]).  Returns false only if the
- * tool's box at the pose and the bone's box have no common point.  The length of the
- * pose's quaternion must be near 1, as for ost_map_make.
+ * Performs the separating-axis test (thesis 2.1, [116]). Returns false only if the tool's box at the given pose and
+ * the bone's box have no common point. The length of the pose's quaternion must be near 1, as for ost_map_make.
  */
 bool ost_boxes_meet(const ost_box *bone, const ost_box *tool, const ost_pose *pose);
 
 /*
- * Returns the bone voxels whose centres lie in the bone-aligned bounds of the
- * tool's box at the pose (Algs. 2.8 and 2.9).  The result is half-open, lies within
- * the grid, and may be empty.
+ * Returns the bone voxels whose centres lie within the bone-aligned bounds of the tool's box at the given pose
+ * (Algs. 2.8 and 2.9). The result is half-open, lies within the grid, and may be empty.
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose);
 

@@ -41,7 +41,7 @@ typedef struct plan {
     const char *name;
     ost_pm outside, approach;
     ost_pm depth, feed;
-    int dwell; /* ticks */
+    int dwell; /* number of ticks at the greatest depth */
     ost_pm retreat;
 } plan;
 
@@ -93,7 +93,7 @@ static quat facing(vec a)
 {
     if (a.z <= 0)
         return normalised((quat){1 - a.z, a.y, -a.x, 0});
-    /* Half a turn about x maps -z to +z; the remaining rotation is well below half a turn. */
+    /* Half a turn about x maps -z to +z. The remaining rotation is much less than half a turn. */
     return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
 }
 
@@ -102,16 +102,18 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/* Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the middle of the grid. */
+/*
+ * Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the coordinate of the grid's
+ * middle.
+ */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;
 }
 
 /*
- * Returns the point of the tool that moves along the axis.  By Alg. 2.1, the lower
- * corner of the grid is one to two voxels below the lowest vertex of the mesh; 3/2
- * voxels is the middle of this range.
+ * Returns the point of the tool that moves along the axis. By Alg. 2.1, the lower corner of the grid is one to two
+ * voxels below the lowest vertex of the mesh. The middle of this range, 3/2 voxels, is used.
  */
 static vec working_point(const ost_tool_geometry *g)
 {
@@ -127,7 +129,7 @@ static int64_t ticks_for(ost_pm distance, ost_pm speed)
     return (distance + speed - 1) / speed;
 }
 
-/* Returns the depth at tick k, which is a piecewise linear function. */
+/* Returns the depth at tick k. The depth is a piecewise linear function of time. */
 static ost_pm depth_at(const plan *p, int64_t k)
 {
     int64_t approach = ticks_for(-p->outside, p->approach), advance = ticks_for(p->depth, p->feed);
@@ -161,7 +163,10 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
     return OST_OK;
 }
 
-/* q has unit length, so no component times 2^30 exceeds int32; rint rounds half to even. */
+/*
+ * Converts a pose to integers. q has unit length, so its components times 2^30 fit into int32; rint rounds half to
+ * even.
+ */
 static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
 {
     if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) ||
@@ -197,8 +202,8 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
 }
 
 /*
- * Computes the pose with orientation q at which the tool's tip is at the given depth along the axis and
- * at the offset `sideways` across it.
+ * Computes a pose with the orientation q. At this pose, the tool's tip is at the given depth along the axis and at
+ * the offset `sideways` across the axis.
  */
 static ost_status make_pose(const start *s, quat q, double depth, vec sideways, ost_pose *out, ost_error *err)
 {

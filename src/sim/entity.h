@@ -17,7 +17,7 @@
 
 #include <osteon/sim.h>
 
-/* Two opposite corners in the entity's own frame, lo <= hi. */
+/* A box, given by two opposite corners in the entity's own frame, lo <= hi. */
 typedef struct ost_box {
     ost_pm3 lo, hi;
 } ost_box;
@@ -31,7 +31,7 @@ typedef struct ost_mesh_component {
     const ost_mesh *mesh; /* borrowed; NULL in a world without pictures */
 } ost_mesh_component;
 
-/* The voxels of an entity: either the bone or the tool is set. Both are borrowed. */
+/* The voxels of an entity. Either the bone or the tool is set; both are borrowed. */
 typedef struct ost_voxel_component {
     ost_bone *bone;
     const ost_tool *tool;

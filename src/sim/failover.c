@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Failover to another backend when one fails.
+ * Continues on another backend after a backend has failed (failover).
  *
  *   bone  ----o=========o=========o====x           o  copied to the host
  *             |         |         |    |           =  ticks recorded since the copy
@@ -38,7 +38,7 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
 }
 
 /*
- * Restores the state before the recorded ticks, but with the new bone and tools, and executes the ticks
+ * Restores the state before the recorded ticks, with the new bone and tools, and then executes the recorded ticks
  * again.
  */
 static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads the position, axis and side of a glenoid from the facts of a grid: OST_META_GLENOID_AT,
+ * Reads the position, axis and side of a glenoid from the header facts of a grid: OST_META_GLENOID_AT,
  * OST_META_GLENOID_AXIS, OST_META_SIDE.
  */
 #include <osteon/sim.h>
@@ -29,8 +29,8 @@ static ost_status three_decimals(const char *key, const char *text, ost_decimal 
 }
 
 /*
- * Converts a component of a direction, rounded to nine decimal places. Further digits do not affect a
- * pose in units of 2^-30.
+ * Converts a component of a direction and rounds it to nine decimal places. Further digits have no effect on a
+ * pose, whose unit is 2^-30.
  */
 static bool direction(const ost_decimal *value, double *out)
 {

@@ -6,12 +6,12 @@
 #include <math.h>
 
 /*
- * Durations are given in ticks of 1 ms. A press_wheel with the parameter p rotates by atan(1/p) per tick, that is, once
- * in about 2 pi p ticks.
+ * Durations are in ticks of 1 ms. A press_wheel with the parameter p rotates by atan(1/p) per tick, which is one
+ * revolution in about 2 pi p ticks.
  */
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
-#define BEGIN -2.0     /* depth at tick 0, mm: clear of the rim of the face */
+#define BEGIN -2.0     /* depth at tick 0 in mm, clear of the rim of the face */
 #define PRESSED 12.0   /* depth after PRESS_TICKS, mm */
 #define CREEP 1.5e-4   /* mm per tick */
 #define DEEPEST 24.0
@@ -47,7 +47,7 @@ void press_go_on(press_load *load, int64_t k)
         return;
     if (load->depth > DEEPEST)
         load->depth = DEEPEST;
-    /* The periodic motions start at the depth at which pressing ended. The motion along the axis is first inward. */
+    /* The periodic motions start at the depth at which pressing ended. The motion along the axis begins inward. */
     turn(&load->breath);
     turn(&load->sweep);
     turn(&load->wobble);

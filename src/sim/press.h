@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * glenoid-press: the target position of a hand that reams for any length of time.
+ * Computes the path glenoid-press: the target position of a hand that reams for any length of time.
  *
  *   depth   .                            sweep, seen along the axis
  *   -2 mm  |\  0.5 s: pressed in              .-----.
@@ -8,10 +8,9 @@
  *   12 mm  |  '-.   .-.   .-.                 '-----'   the tool leans by 3 degrees, period 2.5 s
  *          |     '-'   '-'   '-  deeper by 0.15 mm/s, to 24 mm; up and down by 1.5 mm, period 4 s
  *
- * The tool follows the target as far as the bone allows, and the spring between
- * hand and tool determines the force.  The target therefore lies far behind the face.  In dense
- * bone the tool needs half a minute to reach the target; afterwards sweep and wobble move the tool
- * into new bone.
+ * The tool follows the target as far as the bone allows, and the spring between hand and tool determines the force.
+ * The target therefore lies far behind the face. In dense bone, the tool needs half a minute to reach the target.
+ * Afterwards, the sweep and the wobble move the tool into new bone.
  *
  * Each of the three periodic motions is a point that moves on a circle by a
  * recurrence, (c, s) * (p + i) / |p + i|, so only + - * / and sqrt are used.
@@ -28,16 +27,16 @@ typedef struct press_wheel {
 
 typedef struct press_load {
     press_wheel breath, sweep, wobble;
-    double share; /* weight of the periodic motions, 0 to 1; the motions begin gradually */
+    double share; /* weight of the periodic motions, 0 to 1; it increases gradually */
     /*
-     * Current values: depth in mm from the face along the axis; offset in mm across the axis; half the lean of the
-     * tool's axis in radians, about x and y of the tool's frame.
+     * Current values. `depth` is in mm from the face along the axis, and `across` is the offset in mm across the
+     * axis. `lean` is half the lean of the tool's axis in radians, about x and y of the tool's frame.
      */
     double depth, across[2], lean[2];
 } press_load;
 
 void press_begin(press_load *load);
-/* Advances the hand to tick k. Must be called for every tick, in order, starting at 0. */
+/* Advances the hand to tick k. Must be called for every tick in order, starting at tick 0. */
 void press_go_on(press_load *load, int64_t k);
 
 #endif

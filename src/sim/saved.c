@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stores a copy of a world, and the ticks executed since the copy was made. A failover (failover.c) starts from the
- * copy and the ticks. A copy is replaced only when a new copy is complete.
+ * copy and executes the stored ticks. A copy is replaced only when a new copy is complete.
  */
 #include "sim/world.h"
 
@@ -69,7 +69,7 @@ ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool
     if (classes) {
         memcpy(classes, volume.voxels, count);
         world->saved->tools[index] = classes;
-        /* The initial state of the tool is the same as in ost_world_add_tool. */
+        /* The tool gets the same initial state as in ost_world_add_tool. */
         world->saved->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
     } else {
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a copy of a tool, %zu voxels", count);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the site before an operation: bone in front of the glenoid's face, and
- * bone along its axis.
+ * Checks the site before an operation: counts bone in front of the glenoid's face, and bone along the glenoid's
+ * axis.
  *
  *        near side        |  bone
  *                 .-------'        r
@@ -22,7 +22,7 @@
 #define FRONT_BEND_MM 60.0
 #define FRONT_RADIUS_MM 18.0
 
-/* The size of the cylinders about the axis in which the fraction of bone is measured. */
+/* Size of the two cylinders around the axis in which the fraction of bone is measured. */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0
 #define CORE_TO_MM 11.0
@@ -30,8 +30,8 @@
 enum { SLAB = 8 };
 
 /*
- * Returns true if an active voxel is in the zone. w (mm) is its position along the axis, r2 (mm^2) the
- * square of its distance from the axis.
+ * Returns true if an active voxel is in the zone. w is the voxel's position along the axis in mm, and r2 is the
+ * square of the voxel's distance from the axis in mm^2.
  */
 typedef bool zone(const double *limits, double w, double r2);
 
@@ -78,7 +78,7 @@ static int64_t count_slab(const ost_geometry *g, const int16_t *slab, int32_t z0
     return count;
 }
 
-/* Counts the active voxels in a zone. The zone must lie within `far` mm of the glenoid. */
+/* Counts the active voxels in a zone. All parts of the zone must lie within `far` mm of the glenoid. */
 static ost_status count_zone(const ost_bone *bone, const ost_glenoid *glenoid, double far, zone *in,
                              const double *limits, int64_t *out, ost_error *err)
 {

@@ -8,9 +8,8 @@
  *     for each: boxes intersect? voxels that it can hit?     Algs. 2.7-2.9
  *     backend.remove with the poses that can hit a voxel     Alg. 2.10
  *
- * All operations that can fail precede the first change: maps are computed in scratch
- * memory, a backend that fails leaves the bone unchanged, and the world's own state
- * is written last.
+ * All operations that can fail precede the first change. Maps are computed in scratch memory, a backend that fails
+ * leaves the bone unchanged, and the state of the world is written last.
  */
 #include "sim/world.h"
 
@@ -39,8 +38,8 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
 }
 
 /*
- * Returns true for the first tick after the tool was selected or lifted or the motor was switched on, and then
- * for the first tick of every period.
+ * Returns true if a removal is due. A removal is due in the first tick after the tool was selected or lifted or the
+ * motor was switched on, and then in the first tick of every period.
  */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
@@ -49,14 +48,17 @@ static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool ta
            ost_floor_div(tick->t_ns, period) != ost_floor_div(world->clock.removal_t, period);
 }
 
-/* Returns the rotation of the motor since the first pose of the next sweep, including this tick (AR-MOTOR-6). */
+/*
+ * Returns the rotation of the motor from the first pose of the next sweep up to and including this tick
+ * (AR-MOTOR-6).
+ */
 static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool taken_up)
 {
     if (taken_up || world->clock.totals.ticks == 0 || tick->rpm <= 0)
         return world->clock.turned;
     /*
-     * Time increases, so the difference is exact modulo 2^64. The product is at most `left`, so it cannot
-     * overflow.
+     * Time increases, so the difference is exact modulo 2^64. The product cannot overflow, because it is at most
+     * `left`.
      */
     const uint64_t ns = (uint64_t)tick->t_ns - (uint64_t)world->clock.t_ns;
     const int64_t left = OST_MOTOR_TURN - world->clock.turned;
@@ -79,8 +81,8 @@ static ost_status count_poses(const ost_world *world, const ost_entity *tool, co
 }
 
 /*
- * Returns the voxels that the tool can hit at this pose. The result is an empty box if the boxes of tool and bone do
- * not intersect.
+ * Returns the voxels that the tool can hit at the given pose. If the boxes of tool and bone do not intersect, the
+ * result is an empty box.
  */
 static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const ost_pose *pose)
 {
@@ -92,7 +94,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
     return ost_box_voxels(&world->geometry, &tool->box, pose);
 }
 
-/* Computes the maps and boxes of the poses that can hit a voxel, in the order of the sweep. */
+/* Computes the maps and boxes of those poses that can hit a voxel, in the order of the sweep. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count,
                           ost_removal_event *event, ost_error *err)
 {

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digest of a step.  It is computed from 64-bit words, each of which is mixed in by
+ * Computes the digest of a step from 64-bit words. Each word is added to the digest h by
  *
  *   h <- mix(h ^ word)
  *
- * where mix is the bijection at the end of SplitMix64 (Steele, Lea, Flood 2014).  A
- * bijection maps different values to different values, so two different sequences of
- * words have the same digest only by chance, with probability 2^-64.  The digest needs
- * only integer arithmetic and no library, so that a session can be checked on any
- * machine.  It processes a few words per chunk, because a tick has no time for SHA-256.
+ * where mix is the bijection at the end of SplitMix64 (Steele, Lea, Flood 2014). A bijection maps different values
+ * to different values, so two different sequences of words have the same digest only by chance, with probability
+ * 2^-64. The digest needs only integer arithmetic and no library, so that a session can be checked on any machine.
+ * It processes only a few words per chunk, because SHA-256 would take too long for a tick.
  */
 #include <osteon/sim.h>
 

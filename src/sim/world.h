@@ -8,23 +8,23 @@
 
 #include "sim/entity.h"
 
-/* State that one tick passes to the next, except for the poses of the tools. */
+/* State that one tick passes to the next tick, except for the poses of the tools. */
 typedef struct ost_world_clock {
     int tool;          /* tool in use; -1 before the first tick */
-    bool running;      /* the motor was on in the last tick */
+    bool running;      /* true if the motor was on in the last tick */
     int64_t t_ns;      /* time of the last tick */
-    int64_t removal_t; /* time of the last removal event of the tool in use */
+    int64_t removal_t; /* time of the last removal event with the tool in use */
     int64_t turned;    /* rotation of the motor since the last event or stop, in rpm ns; at most OST_MOTOR_TURN */
     ost_world_totals totals;
 } ost_world_clock;
 
-/* The data from which a failover starts (failover.c). */
+/* The data from which a failover starts; see failover.c. */
 typedef struct ost_world_saved {
-    int16_t *voxels; /* owned; the bone's voxels before the first of `ticks` */
-    uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of each tool's voxels */
-    ost_tick *ticks; /* owned; the ticks completed since the copy; the capacity is options.saved_ticks */
+    int16_t *voxels; /* owned; voxels of the bone before the first of `ticks` */
+    uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of all voxels of each tool */
+    ost_tick *ticks; /* owned; ticks completed since the copy; options.saved_ticks elements */
     int32_t count;
-    /* The world's state before the first of `ticks`. */
+    /* State of the world before the first of `ticks`. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
     ost_world_clock clock;
 } ost_world_saved;
@@ -41,7 +41,7 @@ struct ost_world {
 
     ost_world_saved *saved; /* owned; NULL if saved_ticks is 0 */
 
-    /* Scratch for one event. The scratch grows if a sweep needs more. */
+    /* Scratch for one event. The scratch grows if a longer sweep needs more. */
     int capacity;
     ost_map *maps;        /* owned */
     ost_voxel_box *boxes; /* owned */
@@ -54,7 +54,7 @@ struct ost_world {
 ost_status ost_world_saved_make(ost_world *world, ost_error *err);
 void ost_world_saved_free(ost_world *world);
 ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err);
-/* Called before a tick: copies the bone if `ticks` is full. */
+/* Called before a tick. If `ticks` is full, copies the bone. */
 ost_status ost_world_save(ost_world *world, ost_error *err);
 /* Called after a completed tick: stores the tick. Cannot fail. */
 void ost_world_save_tick(ost_world *world, const ost_tick *tick);
