@@ -70,7 +70,7 @@ OST_API const char *ost_meta_get(const ost_meta *meta, const char *key);
  * never written as facts.
  */
 OST_API bool ost_meta_key_is_geometry(const char *key);
-/* Sets a fact. Returns OST_ERR_RANGE if key or value is not allowed, or if meta is full. */
+/* Sets the value of a fact. Returns OST_ERR_RANGE if key or value is not allowed, or if meta is full. */
 OST_API ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_error *err);
 
 /* Keys with a defined meaning. Lengths are decimal numbers in mm; vectors have the form "x y z". */

@@ -27,7 +27,8 @@
 
 typedef enum ost_surface_placement {
     OST_SURFACE_DENSITY, /* places vertices where the density crosses the threshold; intended for a CT */
-    OST_SURFACE_SMOOTH   /* smooths the border of solid and void; intended for a bone or a tool, whose void is 0 */
+    OST_SURFACE_SMOOTH   /* smooths the border between solid and empty voxels; intended for a bone or a tool, whose
+                          * empty voxels are 0 */
 } ost_surface_placement;
 
 /*

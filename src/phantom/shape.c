@@ -9,8 +9,8 @@
 #include "phantom/shape.h"
 
 /*
- * Returns the value at t of the Catmull-Rom spline that goes from b at t = 0 to c at t = 1, with the tangents (c - a) /
- * 2 and (d - b) / 2.
+ * Returns the value at t of a Catmull-Rom spline. The spline is b at t = 0 and c at t = 1, with the tangents (c -
+ * a) / 2 and (d - b) / 2.
  */
 static double spline(double a, double b, double c, double d, double t)
 {

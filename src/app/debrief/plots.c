@@ -140,7 +140,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m)
 
 /* ----------------------------------------------------------------- profiles */
 
-/* Draws the profile of a surface along u or v. The profile has gaps where no height is known. */
+/* Draws the profile of a surface along u or v. The profile has gaps where the surface has no height. */
 static void surface_line(html_page *p, const float *surface, bool upward, const char *style)
 {
     bool down = false;

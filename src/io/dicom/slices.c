@@ -15,8 +15,8 @@ static const ost_pm SAME = OST_PM_PER_MM / 1000;
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to)
 {
-    /* In the slice, pixel 0 of the result lies at -margin * spacing - drift. This position is divided into `whole`
-     * pixels and the part of a pixel `part`; `rest` is the complement of the part. */
+    /* In the slice, pixel 0 of the result has the position -margin * spacing - drift. This position is `whole`
+     * pixels plus `part`, a length of less than one pixel; `rest` is the remainder of this pixel. */
     int64_t whole[2], part[2], rest[2];
     for (int a = 0; a < 2; a++) {
         const int64_t at = -margin[a] * spacing[a] - drift[a];

@@ -2,7 +2,7 @@
 /*
  * The header of a MetaImage file, .mha or .mhd (itk.org/Wiki/MetaIO/Documentation).
  *
- *   Key = Value              in any order; keys that decide nothing are ignored
+ *   Key = Value              in any order; keys that have no effect are ignored
  *   osteon_KEY = VALUE       a fact (AR-FILE-8)
  *   ElementDataFile = ...    the last key: LOCAL (the data follow) or the names of files (volume/data_files.h)
  *

@@ -14,7 +14,7 @@
  *                 patient's size.)  An sform and a qform that both map to the
  *                 patient must agree to within a voxel, unless the caller
  *                 chooses one
- *   lengths       xyzt_units m, mm or um; none means mm.  A float32 stands for
+ *   lengths       xyzt_units m, mm or um; none means mm.  A float32 represents
  *                 the shortest decimal that rounds to the same float32 (AR-LEN-4)
  *   spacing       for an axis that runs exactly along R, A or S: the component
  *                 of the sform; for an axis within 1/1000 of R, A or S (the
