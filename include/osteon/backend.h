@@ -151,10 +151,10 @@ typedef struct ost_scatter_report {
 } ost_scatter_report;
 
 /*
- * Scatters a batch of samples into a rect grid (AR-CT-4: index = RHE((p - origin) / spacing)).  Batches must be passed
- * in file order.  The counts of each batch are added to *report.  The grid records which voxels have a density.  If a
- * sample is rejected or contradicts an earlier sample, the report contains its line, and the content of the grid is
- * undefined.
+ * Scatters a batch of samples into a rect grid (AR-CT-4). A sample at p belongs to the voxel with the index (p -
+ * origin) / spacing, rounded half to even. Batches must be passed in file order. The counts of each batch are added
+ * to *report. The grid records which voxels have a density. If a sample is rejected or contradicts an earlier
+ * sample, the report contains its line, and the content of the grid is undefined.
  */
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
@@ -171,9 +171,9 @@ typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAM
 OST_API const char *ost_resample_name(ost_resample rule);
 
 /*
- * Resamples rect to cubic voxels with edges of length `cubic`.  Both grids cover the same physical
- * box.  With c = cubic and s the spacing of rect, dims = ceil(dims * s / c) and origin = rect
- * origin + RHE((c - s) / 2) on each axis (AR-CUB-1).
+ * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. With c =
+ * cubic and s the spacing of rect, the cubic grid has dims = ceil(dims * s / c) and origin = rect origin + (c - s)
+ * / 2, rounded half to even, on each axis (AR-CUB-1).
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);

@@ -37,15 +37,16 @@ enum { OST_SWEEP_MAX = 4096 };
 /*
  * Computes the number of poses n of a sweep (AR-SWEEP-2): the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2. Here, d
  * is the displacement of a corner of the tool's box from pose a to pose b, and s is the edge length of a bone
- * voxel. Both positions of a corner are rounded to picometres (RHE), and the maximum is over all corners. Returns
- * OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is invalid.
+ * voxel. Both positions of a corner are rounded half to even to picometres, and the maximum is over all corners.
+ * Returns OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is
+ * invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
                                    ost_pm bone_voxel, int *count, ost_error *err);
 
 /*
  * Returns pose number k of a sweep of n poses from a to b, 1 <= k <= n (AR-SWEEP-4). The pose is ((n-k) a + k b) /
- * n with each component rounded (RHE). If q_a . q_b < 0, the quaternion of b is negated first.
+ * n with each component rounded half to even. If q_a . q_b < 0, the quaternion of b is negated first.
  */
 OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
@@ -63,10 +64,10 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
  *   exactly  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
  *
- * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16, step = RHE(column /
- * divisor).  The coordinate that is used differs from the exact coordinate by at most 23 / 2^20 of
- * a tool voxel.  Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24.  The edge of a bone
- * voxel is at most OST_MAP_RATIO_MAX tool voxels long.
+ * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16, and step = RHE(column / divisor).
+ * RHE rounds half to even. The coordinate that is used differs from the exact coordinate by at most 23 / 2^20 of a
+ * tool voxel. Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24. The edge of a bone voxel is at most
+ * OST_MAP_RATIO_MAX tool voxels long.
  */
 typedef struct ost_map {
     ost_int128 origin[3];

@@ -71,7 +71,7 @@ typedef struct ost_volume_report {
     /* True for a label map. This is a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D
      * Slicer). */
     bool labels;
-    uint64_t rounded_values;   /* number of densities that were not integers and were rounded (RHE) */
+    uint64_t rounded_values;   /* number of densities that were not integers and were rounded half to even */
     uint64_t clamped_values;   /* number of densities outside int16, which were saturated */
     ost_dicom_report dicom;
     uint64_t nan_values;       /* number of NaN values, which were replaced by -1024; the replacement is an option */
@@ -290,7 +290,7 @@ typedef struct ost_import_options {
      * inferred. For a stack, volume.stack_spacing is used instead. */
     ost_pm3 spacing;
     ost_pm cubic;             /* spacing of the cubic grid; 0 selects the x spacing of the rect grid */
-    /* Threshold. If 0, the threshold is the one stored in the file if the file is a bone, and otherwise 120. */
+    /* Threshold. 0 selects the threshold stored in the file if the file is a bone, and otherwise 120. */
     int32_t threshold;
     int chunk_size;           /* side length of a chunk in voxels; 0 selects 32 */
     /* True if `resample` selects the rule. Otherwise the rule is linear or, for a label map, nearest. */

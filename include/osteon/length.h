@@ -41,13 +41,12 @@ OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
  *
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
- * mantissa contains the sign and the first 18 significant digits, tail the next 18. `inexact` is
- * true if the tail or a later digit is not 0; `more` is true if a digit after the tail is not 0. 36
- * digits suffice for every rounding here: a tie of RHE(value * 10^9) or RHE(value * 2^30) has at
- * most 31 digits after the point, so further digits can only make the value greater than the tie
- * (AR-LEN-2).
- * `places` is the number of digits written after the point minus the written exponent, so the last
- * digit has the unit 10^-places. For example, places is 2 for 1.250e1, and -3 for 12e3.
+ * mantissa contains the sign and the first 18 significant digits, tail the next 18. `inexact` is true if the tail
+ * or a later digit is not 0; `more` is true if a digit after the tail is not 0. 36 digits suffice for every
+ * rounding here: if value * 10^9 or value * 2^30 is exactly between two integers, value has at most 31 digits after
+ * the point, so further digits can only make the value greater than the tie (AR-LEN-2). `places` is the number of
+ * digits written after the point minus the written exponent, so the last digit has the unit 10^-places. For
+ * example, places is 2 for 1.250e1, and -3 for 12e3.
  */
 typedef struct ost_decimal {
     int64_t mantissa; /* |mantissa| < 10^18 */
@@ -68,10 +67,10 @@ typedef struct ost_decimal {
 OST_API const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out);
 
 /*
- * Computes RHE(value * factor) for factor >= 1. The result is exact for decimals of up to 36 significant digits. If
- * the factor is a product of powers of 2 and 10 whose ties have at most 36 digits, the result is exact for any
- * number of digits. Returns false if the result does not fit int64. If exact is not NULL, sets *exact to true if
- * nothing was rounded, and to false otherwise.
+ * Computes value * factor, rounded half to even, for factor >= 1. The result is exact for decimals of up to 36
+ * significant digits. If the factor is a product of powers of 2 and 10 whose ties have at most 36 digits, the
+ * result is exact for any number of digits. Returns false if the result does not fit int64. If exact is not NULL,
+ * sets *exact to true if nothing was rounded, and to false otherwise.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 

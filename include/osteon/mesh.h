@@ -65,8 +65,8 @@ typedef struct ost_tool_geometry {
 OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, ost_error *err);
 
 /*
- * Computes the grid of a tool from the bounds [min, max] of its mesh, by Alg. 2.1 with RHE. Returns OST_ERR_RANGE if
- * the grid has more than OST_TOOL_DIM_MAX voxels along an axis or more than 2^33 voxels.
+ * Computes the grid of a tool from the bounds [min, max] of its mesh, by Alg. 2.1 with rounding half to even.
+ * Returns OST_ERR_RANGE if the grid has more than OST_TOOL_DIM_MAX voxels along an axis or more than 2^33 voxels.
  */
 OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out,
                                                  ost_error *err);

@@ -8,7 +8,7 @@
  * are the same in a live operation, in its recording and replay, and on every backend.
  *
  *   t   picometres, at most 8 m on each axis
- *   q   w, x, y, z times 2^30, RHE, never renormalised; | |q| - 1 | <= 1e-3
+ *   q   w, x, y, z times 2^30, rounded half to even, never renormalised; | |q| - 1 | <= 1e-3
  *       when read (an interpolated pose may be shorter, see event.h)
  *
  * In the thesis a pose refers to the centre of the tool's box, which depends on the

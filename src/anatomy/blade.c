@@ -20,7 +20,7 @@ enum {
 #define BIN_MM 3.0       /* width of a bin (medial direction); ROW_MM is the width of a row (superior direction) */
 #define ROW_MM 2.0
 #define VALLEY_MM 24.0
-#define CELL_SHARE 0.3f  /* smallest share of bone in a bone cell; a plate 2 mm thick must not appear to have holes */
+#define CELL_SHARE 0.3f  /* smallest share of bone in a cell of the blade; a plate 2 mm thick must not have holes */
 #define NONE (-1e9)
 #define PROMINENT_MM 2.0 /* smallest prominence that counts as the spine */
 

@@ -48,7 +48,7 @@ typedef struct job {
     ost_bone *bone;
     ost_dims file_dims;  /* dimensions of the volume before it is cropped */
     int16_t *batch;      /* owned; slices that are uploaded together */
-    int32_t batch_first, batch_count, batch_capacity; /* unit: slices of the rect grid */
+    int32_t batch_first, batch_count, batch_capacity; /* in slices of the rect grid */
     int64_t stage_start; /* start time of the current stage in ns */
 } job;
 

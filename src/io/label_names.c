@@ -245,7 +245,7 @@ static ost_status unknown(const ost_label_names *names, const char *mask, const 
     char list[LISTED + OST_LABEL_NAME + 8] = "";
     size_t used = 0;
     int listed = 0;
-    /* Lists the names that have the same beginning first. */
+    /* First lists the names that have the same beginning as `name`, then all other names. */
     for (int other = 0; other < 2; other++)
         for (int i = 0; i < names->count && used < LISTED; i++) {
             const ost_label_name *item = &names->items[i];

@@ -9,9 +9,9 @@
  *
  *   file --lines, gzip--> rows --read_row--> ticks --mark_gaps--> ticks, some of them lifted
  *
- * Decimals are read exactly and then rounded (RHE): times to nanoseconds, positions to picometres, quaternions to
- * multiples of 2^-30. Ten decimals identify every multiple of 2^-30 (half a unit of the tenth decimal is 0.054 *
- * 2^-30), so a written path is read back as the same integers.
+ * Decimals are read exactly and then rounded half to even: times to nanoseconds, positions to picometres,
+ * quaternions to multiples of 2^-30. Ten decimals identify every multiple of 2^-30 (half a unit of the tenth
+ * decimal is 0.054 * 2^-30), so a written path is read back as the same integers.
  */
 #include "core/conditions.h"
 
@@ -45,7 +45,7 @@ enum { TIMES_MEDIAN = 10 };
 
 typedef struct reader {
     const char *path;
-    int64_t line, bytes, t_ns; /* t_ns: time of the last row, with or without a pose */
+    int64_t line, bytes, t_ns; /* lines and bytes read so far; time of the last row */
     int columns;       /* columns per row, 0 before the first row; with a header, the smallest number */
     uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;

@@ -23,7 +23,7 @@
 typedef struct ost_scapula {
     uint64_t seed;
     double size;  /* mm of this bone per mm of the mean shape; all coordinates are in the frame of the mean shape */
-    ost_v3 trigonum, inferior; /* landmarks: the root of the spine on the medial border, and the inferior angle */
+    ost_v3 trigonum, inferior; /* landmarks; the trigonum is the root of the spine on the medial border */
     ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
     /* Unit vectors of the glenoid's frame: outward, and anterior and superior along the face. */
     ost_v3 out, ahead, above;

@@ -66,7 +66,7 @@ typedef struct operand {
 typedef struct usage_text {
     const char *synopsis; /* text after "osteon VERB " in the usage line */
     const char *about;
-    const operand *operands; /* all operands are required; the array ends with a NULL name; may be NULL */
+    const operand *operands; /* array that ends with a NULL name; all operands are required; may be NULL */
     const option *options;   /* the array ends with a NULL name */
     bool streams; /* true if an operand may be "-" or a pipe, whose data are copied to a temporary file (core/file.h) */
     const char *notes;       /* text about units and coordinate systems; may be NULL */

@@ -38,7 +38,7 @@ struct film {
     job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
-    int64_t begin_ns, last; /* begin_ns: time of the first frame; last: index of the latest frame passed in */
+    int64_t begin_ns, last; /* time of the first frame; index of the latest frame passed in */
     bool begun;
     uint64_t dropped;
     bool news;

@@ -37,7 +37,7 @@ typedef struct sim_show {
     film *film;               /* borrowed; NULL if no film is written */
     appearance look;
     ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
-    frame_times drawn, apart; /* drawn: times to draw a frame; apart: intervals between frames */
+    frame_times drawn, apart; /* during the operation: times to draw a frame, and intervals between frames */
     int64_t updated_ns;       /* start time of the current frame */
     int64_t last_ns;          /* start time of the previous frame; 0 if the current frame follows a pause */
     int64_t end_ns;           /* end of the operation */

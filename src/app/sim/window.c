@@ -66,7 +66,7 @@ struct sim_window {
     bool help, quit, shoot, timings;
     char message[MESSAGE];
     double message_until;
-    int resets, astray; /* astray: number of consecutive frames that could not be drawn from the camera's position */
+    int resets, astray; /* driver resets; consecutive frames that could not be drawn from the camera's position */
     uint64_t frames;
     rates rates;
     sim_hud_facts facts;

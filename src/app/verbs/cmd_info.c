@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements `osteon info`: describes a file, from its header if it has one.
+ * Implements `osteon info`: describes a file, using its header if it has one.
  */
 #include <string.h>
 #include <sys/stat.h>

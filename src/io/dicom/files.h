@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Lists the DICOM files that a path denotes. For a folder, these are all regular files in the folder and its
- * subfolders, in the order of their names. For a file, it is this file; but a file named DICOMDIR denotes its folder.
- * Symbolic links in the folder are not followed, so that no file outside the folder is listed.
+ * subfolders, in the order of their names. The path of a file denotes this file, and the path of a DICOMDIR denotes
+ * its folder. Symbolic links in the folder are not followed, so that no file outside the folder is listed.
  */
 #ifndef OST_IO_DICOM_FILES_H
 #define OST_IO_DICOM_FILES_H

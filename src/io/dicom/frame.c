@@ -6,7 +6,7 @@
 
 #include <osteon/grid.h>
 
-/* Computes RHE(text * factor). Returns false if the text is not exactly one decimal within +-limit. */
+/* Computes text * factor, rounded half to even. Returns false if the text is not exactly one decimal within +-limit. */
 static bool read_decimal(const char *text, int64_t factor, int64_t limit, int64_t *out)
 {
     const char *end = text + strlen(text);

@@ -2,9 +2,9 @@
 /*
  * An image in the form that the reader uses, with the numbers of its record (protocol.h) as exact integers.
  *
- *   lengths      picometres (RHE of the decimal)
- *   directions   integers times 10^-9 (RHE)
- *   rescale      integers times 10^-12 (RHE)
+ *   lengths      picometres (the decimal rounded half to even)
+ *   directions   integers times 10^-9, rounded in the same way
+ *   rescale      integers times 10^-12, rounded in the same way
  *
  * If an attribute is missing or bad, the image is stored with this defect, because the defect is an error only if the
  * image's series is read.

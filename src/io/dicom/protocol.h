@@ -53,9 +53,10 @@ typedef struct ost_dicom_image {
 } ost_dicom_image;
 
 typedef enum ost_dicom_type {
-    OST_DICOM_FRAME,  /* payload: ost_dicom_record; index: index of the path */
-    OST_DICOM_FILE,   /* payload: uint32_t with an ost_dicom_result; index: index of the path or of the image */
-    OST_DICOM_PIXELS, /* payload: the stored pixel cells, rows * columns uint16_t; index: index of the image */
+    OST_DICOM_FRAME,  /* the payload is an ost_dicom_record; the index is the index of the path */
+    OST_DICOM_FILE,   /* the payload is a uint32_t, an ost_dicom_result; the index is that of the path or image */
+    OST_DICOM_PIXELS, /* the payload consists of rows * columns uint16_t, the stored pixel cells; the index is that of
+                       * the image */
     OST_DICOM_END,    /* no payload */
     OST_DICOM_TYPE_COUNT
 } ost_dicom_type;

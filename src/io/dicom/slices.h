@@ -21,7 +21,8 @@ typedef struct ost_dicom_slices {
     const int16_t *current;       /* slice of the result whose rows are requested; NULL without resampling */
     size_t index;              /* for evened stacks: number of stack slices read so far */
     int16_t *plain;            /* owned; a slice that is not yet sheared */
-    int16_t *before, *after;   /* owned; evened: the last two slices that were read; untilted: only `before` is used */
+    int16_t *before, *after;   /* owned; for evened stacks, the last two slices; for untilted stacks, only `before` is
+                                * used */
     int16_t *mixed;            /* owned; interpolated slice of the result, for evened stacks */
     int64_t interpolated;      /* number of slices of the result that were interpolated */
 } ost_dicom_slices;
@@ -42,7 +43,10 @@ ost_status ost_dicom_slices_row(ost_rows *rows, int64_t first, int16_t *out, ost
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to);
 
-/* Computes RHE((before * (gap - part) + after * part) / gap) for every pixel. Required: 0 <= part <= gap < 2^62. */
+/*
+ * Computes (before * (gap - part) + after * part) / gap, rounded half to even, for every pixel. Required: 0 <= part
+ * <= gap < 2^62.
+ */
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to);
 
 #endif

@@ -131,8 +131,8 @@ typedef struct placed {
 } placed;
 
 /*
- * Computes the normal of an image as integers times 10^-9 (RHE). The normal is the vector product of the image's two
- * directions.
+ * Computes the normal of an image as integers times 10^-9, rounded half to even. The normal is the vector product
+ * of the image's two directions.
  */
 static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 {
@@ -144,8 +144,8 @@ static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 }
 
 /*
- * Computes the component of b - a along the direction d, as a multiple of the length of d: RHE((b - a) d 10^9 / (d
- * d)). Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
+ * Computes the component of b - a along the direction d, as a multiple of the length of d: (b - a) d 10^9 / (d d),
+ * rounded half to even. Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
  */
 static ost_pm component(const ost_pm a[3], const ost_pm b[3], const int64_t d[3])
 {
@@ -267,7 +267,10 @@ static ost_pm magnitude(ost_pm a)
     return a < 0 ? -a : a;
 }
 
-/* Finds the slice whose distance from its evenly spaced position is greatest. Returns this distance (RHE). */
+/*
+ * Finds the slice whose distance from its evenly spaced position is greatest. Returns this distance, rounded half
+ * to even.
+ */
 static ost_pm worst_slice(const ost_dicom_stack *stack, size_t *out)
 {
     const int64_t steps = (int64_t)stack->slice_count - 1;

@@ -50,7 +50,7 @@ ost_status ost_mesh_check_ply(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err);
 
 /*
- * Checks the triangle count in the header of a binary STL file: it must match the file's size and be within the
+ * Checks that the triangle count in the header of a binary STL file matches the file's size and is within the
  * limit.
  */
 ost_status ost_mesh_check_stl_count(const char *path, uint64_t file_size, uint64_t count, ost_error *err);

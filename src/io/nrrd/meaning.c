@@ -2,11 +2,10 @@
 /*
  * Interprets the fields of a NRRD header.
  *
- * Lengths are exact decimals in the header's unit (mm if it gives none), RHE to
- * picometres. Space coordinates are converted to LPS by changing signs: RAS negates
- * x and y, LAS negates y. Coordinates in a space that does not refer to a patient
- * (3D-right-handed, only a space dimension, no space at all) are used unchanged. If
- * only `spacings` is given, axis n points along the space's axis n; without `space
+ * Lengths are exact decimals in the unit that the header states, or in mm if it states none. They are rounded half
+ * to even to picometres. Space coordinates are converted to LPS by changing signs: RAS negates x and y, LAS negates
+ * y. Coordinates in a space that does not refer to a patient (3D-right-handed, only a space dimension, no space at
+ * all) are used unchanged. If only `spacings` is given, axis n points along the space's axis n; without `space
  * origin` the centre of the first voxel is at 0.
  */
 #include "io/nrrd/header.h"

@@ -128,7 +128,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     return store_block(s, block, c->at, err);
 }
 
-/* Returns true if the block can follow the previous blocks. Its header must be valid. */
+/* Returns true if the block can follow the previous blocks. The header of the block must be valid. */
 static bool may_follow(const scan *c, const session_block *block)
 {
     if (block->sequence < c->next_sequence)

@@ -67,8 +67,8 @@ bool ost_text_is_binary(const char *p, const char *end);
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Returns true, with VALUE
- * trimmed; returns false for all other comments. A text that is too long for the members is truncated. The truncated
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Trims VALUE and returns
+ * true; returns false for all other comments. A text that is too long for the members is truncated. The truncated
  * text is still too long for a header fact, because OST_META_KEY and OST_META_VALUE are less than the sizes of the
  * members.
  */

@@ -30,8 +30,8 @@ static int64_t unit_of(int decimals)
 }
 
 /*
- * Formats a position, rounded to the unit of the last digit (RHE). |value| <= 8 m, so at most four digits precede the
- * decimal point.
+ * Formats a position, rounded half to even to the unit of the last digit. |value| <= 8 m, so at most four digits
+ * precede the decimal point.
  */
 static number format_position(ost_pm value, int decimals)
 {

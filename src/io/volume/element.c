@@ -66,8 +66,8 @@ static int sign_of(ost_i128 value)
 }
 
 /*
- * Computes RHE(value). If the result fits into int32, stores it in *out and returns 0. Otherwise, returns the sign of
- * the value.
+ * Rounds the value half to even. If the result fits into int32, stores it in *out and returns 0. Otherwise, returns
+ * the sign of the value.
  */
 static int binary_round(ost_binary value, int32_t *out, bool *exact)
 {
@@ -129,8 +129,8 @@ static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 }
 
 /*
- * Computes RHE(mantissa * 2^exponent * slope + intercept). If the result fits into int32, stores it in *out and
- * returns 0. Otherwise, returns the sign of the value. |mantissa| <= 2^64.
+ * Computes mantissa * 2^exponent * slope + intercept, rounded half to even. If the result fits into int32, stores
+ * it in *out and returns 0. Otherwise, returns the sign of the value. |mantissa| <= 2^64.
  */
 static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, int32_t *out, bool *exact)
 {
