@@ -89,9 +89,9 @@ typedef struct scale {
 } scale;
 
 /*
- * Computes the length whose shortest decimal, in the header's unit, reads back as the given float. For mm, core has
- * such a function. For m and um, the decimal must be found before scaling, because 0.000488281 m times 1000 is a
- * different float.
+ * Converts a float in the header's unit to a length. The result is the shortest decimal that reads back as this
+ * float. For mm, core has such a function. For m and um, the decimal must be found before scaling, because
+ * 0.000488281 m times 1000 is a different float.
  */
 static bool to_pm(const scale *s, double value, ost_pm *out)
 {

@@ -52,9 +52,9 @@ static ost_status join(const ost_data_files *files, const char *name, char out[O
 }
 
 /*
- * Expands the pattern of a file name, which has one conversion such as %d, %5d or %05d; "%%" represents "%". The
- * pattern is never passed to printf. Returns the number of conversions. Returns -1 if there is any other conversion
- * or `out` is too small.
+ * Expands the pattern of a file name, which should contain one conversion such as %d, %5d or %05d; "%%" represents
+ * "%". The pattern is never passed to printf. Returns the number of conversions. Returns -1 if there is any other
+ * conversion or `out` is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {

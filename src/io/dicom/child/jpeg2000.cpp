@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Decodes JPEG 2000 by OpenJPEG. The size in the code stream's header must be that of the image before
-// anything is decoded, so a stream cannot make the decoder allocate more than its image needs.
+// Decodes JPEG 2000 by OpenJPEG. Before decoding, the size in the code stream's header is compared with the size of
+// the image, so that a stream cannot make the decoder allocate more memory than its image needs.
 #include "io/dicom/child/child.h"
 
 #include <algorithm>

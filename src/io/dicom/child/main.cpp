@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads a request from standard input and answers it on standard output.
+// Reads a request from standard input, and writes the answer to standard output.
 #include "io/dicom/child/child.h"
 
 #include <cerrno>
@@ -91,7 +91,7 @@ static void scan(const std::vector<std::string> &paths, const uint8_t salt[OST_D
     }
 }
 
-// Sends the pixels of every image. Ends after the first failure, since a volume needs all of its slices.
+// Sends the pixels of every image. Stops after the first failure, because a volume needs all of its slices.
 static void read_images(const std::vector<std::string> &paths, const std::vector<ost_dicom_image> &images)
 {
     open_file from;

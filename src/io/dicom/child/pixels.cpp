@@ -29,7 +29,7 @@ static ost_dicom_result open_at(open_file &from, const char *path)
     return loaded;
 }
 
-// Widens `count` pixels of one byte at the start of the cells, in place.
+// Converts `count` pixels of one byte, which are at the start of `cells`, to cells in place.
 static void widen(uint16_t *cells, size_t count)
 {
     const uint8_t *bytes = reinterpret_cast<const uint8_t *>(cells);
@@ -37,7 +37,7 @@ static void widen(uint16_t *cells, size_t count)
         cells[i] = bytes[i];
 }
 
-// Finds the fragments [*begin, *end) of a frame. Item 0 of the sequence is the table of the frames' offsets.
+// Finds the fragments [*begin, *end) of a frame. Item 0 of the sequence is the table of frame offsets.
 static bool find_fragments(DcmPixelSequence *sequence, uint32_t frame, uint32_t frames, unsigned long *begin,
                            unsigned long *end)
 {
@@ -147,7 +147,7 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
         data_set->findAndGetElement(DCM_PixelData, element).bad() || !element)
         return OST_DICOM_RESULT_DAMAGED;
     DcmPixelData *pixels = OFstatic_cast(DcmPixelData *, element);
-    // A decoder may fill an even number of bytes.
+    // A decoder may write an even number of bytes.
     cells.resize(count + 1);
     const size_t bytes = count * (allocated / 8), padded = bytes + (bytes & 1);
     if (is_encapsulated(uid)) {

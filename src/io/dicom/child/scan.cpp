@@ -17,7 +17,7 @@
 
 #include <openssl/evp.h>
 
-// Longer values stay in the file. The attributes that are read have at most 6 decimals of 16 bytes.
+// Longer values are not loaded. The attributes that are read have at most 6 decimals of 16 bytes.
 enum { VALUE_BYTES_MAX = 1024 };
 
 static bool has_prefix(const unsigned char *head, size_t size)
@@ -122,7 +122,7 @@ static uint32_t number_of(DcmItem *item, const DcmTagKey &tag, uint32_t absent)
     return item->findAndGetUint16(tag, value).good() ? value : absent;
 }
 
-// Copies a decimal. Any other text, which may be a name in the wrong place, is replaced by one that is refused as well.
+// Copies a decimal. Any other text, which may be a misplaced name, is replaced by a text that is also refused.
 static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, char out[OST_DICOM_DECIMAL])
 {
     const OFString value = text_of(item, tag, at);
@@ -159,7 +159,7 @@ static void put_text(DcmItem *item, const DcmTagKey &tag, bool latin, char out[O
     out[n] = '\0';
 }
 
-// Computes the digest of an identity. An identity that the file does not state has a digest of zeros.
+// Computes the digest of an identity. If the file does not state the identity, the digest is all zeros.
 static void put_identity(const uint8_t salt[OST_DICOM_SALT], const OFString &identity,
                          uint8_t out[OST_DICOM_IDENTITY])
 {
@@ -188,7 +188,8 @@ struct frame_items {
     DcmItem *own, *shared, *data_set;
 };
 
-// Returns the item that has the attribute `tag` for a frame: in `sequence` of a functional group, or the data set.
+// Returns the item that contains the attribute `tag` of a frame: an item of `sequence` in a functional group, or the
+// data set.
 static DcmItem *holder_of(const frame_items &items, const DcmTagKey &sequence, const DcmTagKey &tag)
 {
     DcmItem *const groups[2] = {items.own, items.shared};
@@ -286,8 +287,8 @@ static void put_series(DcmItem *data_set, const uint8_t salt[OST_DICOM_SALT], os
     put_identity(salt, text_of(data_set, DCM_FrameOfReferenceUID), record.reference);
 }
 
-// Returns DAMAGED if there are no pixels, or if uncompressed pixels are fewer than the frames need. The library
-// refuses pixels that have neither 8 nor 16 bits.
+// Returns DAMAGED if there are no pixels, or if there are fewer uncompressed pixels than the frames need. Pixels that
+// have neither 8 nor 16 bits are later refused by the library.
 static ost_dicom_result check_length(DcmItem *data_set, const ost_dicom_record &record, uint32_t frames)
 {
     DcmElement *pixels = nullptr;
@@ -322,7 +323,7 @@ ost_dicom_result scan_file(const char *path, uint32_t index, const uint8_t salt[
     put_series(data_set, salt, record);
     put_pixel_form(data_set, record);
     if (loaded != OST_DICOM_RESULT_OK) {
-        // An image of a damaged file belongs to its series, which must not lose a slice without a message.
+        // An image of a damaged file still belongs to its series, because a missing slice must be reported.
         record.result = loaded;
         if (!data_set->tagExists(DCM_Rows))
             return loaded;

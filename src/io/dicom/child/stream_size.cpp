@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Checks that a compressed frame has the size that its data set states. DCMTK's decoders of JPEG and RLE
-// do not: they leave the rest of a larger image undefined, cut off what does not fit into a smaller one, and
-// pack pixels of 8 bits into those of 16.
+// Checks that a compressed frame has the size that its data set states. DCMTK's decoders of JPEG and RLE do not check
+// this. If the data set states a larger image, they leave its remaining pixels undefined. If it states a smaller image,
+// they omit the pixels that do not fit. They also pack pixels of 8 bits into pixels of 16 bits.
 #include "io/dicom/child/child.h"
 
 // Returns true if a segment of RLE (PackBits) decodes to exactly `expected` bytes. A pad byte may follow.
@@ -31,7 +31,8 @@ static uint32_t little_endian(const uint8_t *p)
     return p[0] | uint32_t{p[1]} << 8 | uint32_t{p[2]} << 16 | uint32_t{p[3]} << 24;
 }
 
-// A frame of RLE begins with 16 numbers: the count of segments, one for each byte of a pixel, and their offsets.
+// An RLE frame begins with 16 numbers: the number of segments, and the offset of each segment. There is one segment for
+// each byte of a pixel.
 bool is_rle_of_size(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows, uint32_t bytes)
 {
     enum { HEAD = 64 };
@@ -47,8 +48,8 @@ bool is_rle_of_size(const std::vector<uint8_t> &stream, uint32_t columns, uint32
     return true;
 }
 
-// A stream of JPEG or JPEG-LS is a sequence of markers with their lengths; the marker of a frame (SOF)
-// contains the bits of a sample and the size.
+// A stream of JPEG or JPEG-LS is a sequence of markers with their lengths. The marker of a frame (SOF) contains the
+// number of bits per sample and the size of the frame.
 bool is_jpeg_of_size(const std::vector<uint8_t> &stream, uint32_t columns, uint32_t rows, uint32_t bytes)
 {
     for (size_t at = 2; at + 9 <= stream.size();) {

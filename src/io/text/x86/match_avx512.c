@@ -87,7 +87,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Like match_eight, but matches only `count` lines (1 to 8) and stores only the densities of these lines. */
+/* Matches `count` lines (1 to 8) as match_eight does, and stores only the densities of these lines. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {
