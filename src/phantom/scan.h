@@ -17,7 +17,7 @@ typedef struct ost_scan {
     ost_volume *volume; /* volume with the geometry of the right side */
     ost_pm3 corner;     /* corner of the first voxel, origin - spacing / 2; doubled, so that it is an integer */
     ost_pm3 extent;     /* doubled corner of the first voxel in the grid to which the noise is aligned */
-    double scale;       /* scale of the anatomy */
+    double scale;       /* factor by which the anatomy is enlarged */
     uint64_t seed;
     bool has_humerus;   /* true if a humerus touches the glenoid */
     const ost_phantom_options *options; /* options; used for progress */

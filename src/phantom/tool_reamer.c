@@ -160,7 +160,7 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     const struct {
         int radius;
         int above_rim; /* height above the rim; if negative, below_top is used */
-        int below_top; /* distance below the top */
+        int below_top; /* distance below the top of the hub */
         bool outline;
     } back[BACK_RINGS] = {
         {180, 32, -1, true},  {174, 38, -1, true},  {120, 46, -1, false}, {74, 54, -1, false},

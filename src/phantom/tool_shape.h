@@ -51,7 +51,6 @@ ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings
                          ost_error *err);
 /* Returns memory for the points of the next ring, which the caller must write. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
-/* Makes the next ring as a circle. */
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 
 /*

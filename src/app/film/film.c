@@ -43,7 +43,7 @@ struct film {
     uint64_t dropped;
     bool news;
     char text[FILM_TEXT];
-    ost_status status; /* status of the video */
+    ost_status status;
     ost_error err;
     /* The following fields are used by the writer thread only. */
     int stills;

@@ -23,12 +23,12 @@ enum { FILM_TEXT = 200 };
 
 typedef struct film_options {
     const char *target, *pipe; /* destination of the video; at most one of target and pipe is set */
-    int64_t fps;               /* frames per second of the video */
+    int64_t fps;
     bool wait;                 /* true to wait for the writer if the queue is full, instead of dropping the frame */
 } film_options;
 
 typedef struct film_report {
-    uint64_t frames;   /* number of frames in the video */
+    uint64_t frames;
     uint64_t repeated; /* number of frames in the video that repeat the previous frame */
     uint64_t dropped;  /* number of frames that were drawn but not written */
     int width, height;

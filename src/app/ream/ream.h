@@ -42,7 +42,7 @@ typedef struct ream_job {
     ost_digest root;   /* digest of the bone after the last tick */
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
-    ream_gaps gaps;    /* gaps in `path` */
+    ream_gaps gaps;
     ost_world *world;
     ost_recorder *recorder; /* NULL if nothing is recorded */
     uint32_t *tick_ns; /* duration of each step */

@@ -9,7 +9,7 @@
 #include "render/views.h"
 
 typedef struct sim_camera {
-    ost_orbit orbit;       /* current orbit */
+    ost_orbit orbit;
     ost_orbit from, to;    /* start and end of the flight */
     double begin_s;
     bool flying;

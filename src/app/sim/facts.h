@@ -15,7 +15,7 @@
 
 /* The parts of the HUD's facts that do not change during an operation. */
 typedef struct sim_scene {
-    option_list tools;                /* names of the tools */
+    option_list tools;                /* names of all tools of the operation */
     tool_shape shapes[OPTION_LIST_MAX];
     const char *device;
     double voxel_mm3;

@@ -40,7 +40,7 @@ typedef struct sim_show {
     frame_times drawn, apart; /* during the operation: times to draw a frame, and intervals between frames */
     int64_t updated_ns;       /* start time of the current frame */
     int64_t last_ns;          /* start time of the previous frame; 0 if the current frame follows a pause */
-    int64_t end_ns;           /* end of the operation */
+    int64_t end_ns;           /* time at which the operation ended */
     void *thread;             /* thread that draws; NULL if there is none */
     ost_status status;        /* status of the drawing thread */
     ost_error err;

@@ -66,7 +66,7 @@ typedef struct simulation {
     ost_import_result imported;
     ost_tool *tools[OPTION_LIST_MAX];
     ost_path path;
-    ream_gaps gaps;       /* gaps in `path` */
+    ream_gaps gaps;
     ost_world *world;
     ost_recorder *recorder;
     ost_haptic *device;

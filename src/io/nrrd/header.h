@@ -73,7 +73,7 @@ typedef struct ost_nrrd_text {
 ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);
 
-/* The interpreted header. */
+/* The header of a NRRD file after its fields have been interpreted. */
 typedef struct ost_nrrd_header {
     ost_element element;
     ost_data_form encoding;
