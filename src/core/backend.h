@@ -95,27 +95,27 @@ struct ost_backend_ops {
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
     /*
-     * Reads the densities of single voxels. The density is 0 outside the grid. Used in ticks, so this slot allocates no
-     * memory. Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
+     * Reads the densities of single voxels. The density is 0 outside the grid. The slot is called in ticks and
+     * therefore allocates no memory. Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
      */
     ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                               ost_error *err);
     /*
-     * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. Used in ticks, so
-     * this slot allocates no memory and waits for no other thread; if the voxels are on a device, the slot waits for
-     * the device. Returns OST_ERR_UNAVAILABLE if the backend can read only slices.
+     * Reads the occupancy of complete chunks, n^3/32 words per chunk, in the layout of chunk_grid.h. The slot is called
+     * in ticks; therefore it allocates no memory and waits for no other thread. If the voxels are on a device, the slot
+     * waits for the device. Returns OST_ERR_UNAVAILABLE if the backend can read only slices.
      */
     ost_status (*bone_occupancy)(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                  ost_error *err);
     /*
-     * Computes the digests of the leaves of 32^3 voxels (AR-DIG-2), for any chunk size. leaves has space for all
-     * leaves.
+     * Computes the digests of the leaves of 32^3 voxels (AR-DIG-2), for any chunk size. The array `leaves` has space
+     * for the digests of all leaves.
      */
     ost_status (*bone_leaves)(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
     /*
-     * Voxelizes one or two meshes (AR-VOX). The result is bit-exact, including the report. noncutting is NULL or has
-     * the same grid as cutting.
+     * Voxelizes one or two meshes (AR-VOX). The result is bit-exact, including the report. The mesh `noncutting` is
+     * NULL or has the same grid as the mesh `cutting`.
      */
     ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
@@ -125,8 +125,8 @@ struct ost_backend_ops {
     void (*tool_free)(ost_tool *tool);
 
     /*
-     * Removes the voxels that an event hits (AR-REM). The result is bit-exact, including the report, which the caller
-     * has cleared.
+     * Removes the voxels that an event hits (AR-REM). The caller clears the report before the call. The voxels and the
+     * report are bit-exact.
      */
     ost_status (*remove)(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                          ost_removal_report *report, ost_error *err);
@@ -134,19 +134,20 @@ struct ost_backend_ops {
                           ost_removal_report *report, ost_error *err);
 
     /*
-     * The two slots below execute the steps that precede the work on voxels. They are for a backend that executes these
-     * steps itself. Only validation calls these slots, to compare the results. If a backend uses the results of
-     * src/core, both slots are NULL or return OST_ERR_UNAVAILABLE.
+     * The slots `snap` and `steps` compute the steps that precede the work on voxels. They exist for backends that do
+     * not use the functions of src/core for these steps. Only validation calls the two slots, to compare the results.
+     * In a backend that uses the functions of src/core, both slots are NULL or return OST_ERR_UNAVAILABLE.
      */
     /*
-     * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). The caller frees out by ost_snapped_mesh_free.
+     * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). The caller frees *out by
+     * ost_snapped_mesh_free.
      */
     ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                        ost_error *err);
     /*
-     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). from is NULL for an
-     * event without a sweep from a previous pose. poses and maps have space for OST_SWEEP_MAX
-     * elements. *count is 0 if the event is rejected.
+     * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). The pose `from` is NULL for an event
+     * without a sweep from a previous pose. The arrays `poses` and `maps` have space for OST_SWEEP_MAX elements. *count
+     * is 0 if the event is rejected.
      */
     ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                         const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Iterates over the runs of set bits in an array of words, beginning with the lowest bit of the
- * first word.  render/points/cells.h and window/changed.h use it to process the parts of a picture.
+ * Iterates over the runs of set bits in an array of words, beginning with the lowest bit of the first word.  The
+ * headers render/points/cells.h and window/changed.h use this iterator to process parts of a picture.
  */
 #ifndef OST_CORE_BITS_RUN_H
 #define OST_CORE_BITS_RUN_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A simple serial implementation of the chunk grid.  A slab of slices z0 <= k < z1 is copied in
- * rows of up to n voxels; chunk_part is the intersection of a slab with one chunk.
+ * A simple serial implementation of the chunk grid.  A slab of slices z0 <= k < z1 is copied in rows of up to n voxels;
+ * the struct chunk_part describes the intersection of a slab with one chunk.
  */
 #include "core/chunk_grid.h"
 
@@ -61,7 +61,10 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
 {
     assert(!chunk->density && chunk->active == 0);
     size_t bytes = ost_chunk_bytes(grid->size);
-    /* a voxel has 2 bytes of density and 1/8 byte of occupancy, which follows the densities */
+    /*
+     * A voxel has 2 bytes of density and 1/8 byte of occupancy, so 16/17 of the block contain densities. The occupancy
+     * words follow the densities.
+     */
     size_t densities = bytes / 17 * 16;
     unsigned char *block = aligned_alloc(64, bytes);
     if (!block)
@@ -213,7 +216,7 @@ bool ost_chunk_grid_leaf(const ost_chunk_grid *grid, ost_dims leaf, int16_t voxe
     int32_t n = grid->size;
     int32_t first[3] = {leaf.x * OST_LEAF, leaf.y * OST_LEAF, leaf.z * OST_LEAF};
     /*
-     * A leaf consists of (32/n)^3 complete chunks or, if n is 64, of an eighth of a chunk. The variable part is the
+     * A leaf consists of (32/n)^3 complete chunks or, if n is 64, of an eighth of a chunk. The variable `part` is the
      * edge length of the intersection of a leaf and a chunk.
      */
     int32_t part = min32(n, OST_LEAF);

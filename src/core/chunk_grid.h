@@ -29,18 +29,19 @@
 #include <osteon/grid.h>
 
 typedef struct ost_chunk {
-    int16_t *density;    /* owned; 64-byte aligned block of densities and occupancy; NULL if active is 0 */
-    uint32_t *occupancy; /* in the same block */
+    /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
+    int16_t *density;
+    uint32_t *occupancy; /* occupancy words, in the block that begins at `density` */
     int32_t active;
 } ost_chunk;
 
 typedef struct ost_chunk_grid {
-    ost_dims dims; /* numbers of voxels, without the padding */
-    int size;      /* n */
+    ost_dims dims; /* size in voxels, without the padding */
+    int size;      /* edge length of a chunk in voxels, n in the head of this file */
     int32_t threshold;
     ost_dims chunk_dims;
     int64_t count;
-    ost_chunk *chunks; /* owned; x fastest */
+    ost_chunk *chunks; /* owned array, x fastest */
 } ost_chunk_grid;
 
 /* Initialises a grid without active voxels. ost_chunk_grid_free is safe even after a failure. */
@@ -58,9 +59,9 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
 void ost_chunk_release(ost_chunk *chunk);
 
 /*
- * The two functions below copy the slices z0 <= k < z0 + count to or from the grid, without the
- * padding, x fastest. Upload sets densities below the threshold to 0; on failure the grid is
- * unchanged.
+ * ost_chunk_grid_upload and ost_chunk_grid_download copy the slices z0 <= k < z0 + count between `voxels` and the grid.
+ * The array `voxels` is in x-fastest order, without padding. The upload sets densities below the threshold to 0; if the
+ * upload fails, the grid is unchanged.
  */
 ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count, const int16_t *voxels,
                                  ost_error *err);

@@ -15,8 +15,8 @@
  *   value * factor * 10^e = (|mantissa| * factor + a) + (b + more) / 10^18
  *   |mantissa| * factor + a = q * 10^e + r              < 2^60 * 2^64 + 2^64 < 2^125
  *
- * q is the floor.  q is rounded up if r is greater than 10^e / 2.  If both are equal, b and `more`
- * determine whether q is rounded up.
+ * q is the floor.  q is rounded up if r is greater than 10^e / 2.  If r equals 10^e / 2, b and `more` determine whether
+ * q is rounded up.
  */
 #include "core/conditions.h"
 
@@ -139,8 +139,8 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     bool none_rounded = beyond == 0 && !value->more;
 
     /*
-     * A positive exponent moves digits of the tail to `integer`. With 36 digits, `integer` exceeds
-     * int64 before all digits of the tail are moved.
+     * Each step moves one digit of the tail to `integer`. The tail has 18 digits, and with 36 digits `integer` exceeds
+     * int64; the function therefore returns before all digits of the tail are moved.
      */
     for (int32_t e = value->exponent; e > 0 && (integer || beyond); e--) {
         if (integer > INT64_MAX)
@@ -175,7 +175,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 /* All digits of an integer below 2^64 < 10^20 are in the mantissa and the first two digits of the tail. */
 bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude)
 {
-    /* < 10^36 */
+    /* digits < 10^36 */
     ost_i128 digits = (ost_i128)(value->mantissa < 0 ? -value->mantissa : value->mantissa) * TEN_TO_18 + value->tail;
     int32_t exponent = value->exponent - PART_DIGITS;
     if (value->more)

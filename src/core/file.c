@@ -11,9 +11,9 @@
 
 int64_t ost_file_spool_max = INT64_C(16) << 30;
 
-/* The stream that ost_file_spool has made a file of: its name, and the descriptor of the file. */
+/* The pipe that ost_file_spool has copied to an unnamed file, or the regular file that is standard input. */
 static struct {
-    char name[64]; /* "" before the call */
+    char name[64]; /* path of the pipe or file; "" before ost_file_spool is called */
     int fd;
 } stream = {"", -1};
 
@@ -38,7 +38,10 @@ static ost_status check_type(const char *path, const struct stat *info, ost_erro
                     path);
 }
 
-/* Opens the file of the stream once more. A duplicate of its descriptor would share the position with it. */
+/*
+ * Opens the file of the stream again through /proc, because a duplicate of the descriptor would share its file
+ * position.
+ */
 static ost_status open_stream(const char *path, ost_file *out, ost_error *err)
 {
     char again[40];
@@ -178,7 +181,7 @@ ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *siz
 
 /* ----------------------------------------------------------------- streams */
 
-/* Returns the descriptor that a name of a stream stands for, or -1. */
+/* Returns the file descriptor that the path "-", /dev/stdin or /dev/fd/N denotes, or -1 for any other path. */
 static int descriptor_of(const char *path)
 {
     if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdin") == 0)

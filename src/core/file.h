@@ -37,11 +37,11 @@ typedef struct ost_file {
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
- * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of
- * `path` opens this file from its start. Only streams that are already open are copied, so the function
- * never waits for a program to open a pipe: "-" and /dev/stdin, which are standard input, and
- * /dev/fd/N, which a shell passes for <(command). For any other path, and for a redirected regular
- * file, it does nothing, apart from giving "-" its meaning. A process has one such stream.
+ * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of `path` opens
+ * this file from its start. Only streams that are already open are copied, so the function never waits for a program to
+ * open a pipe: "-" and /dev/stdin, which are standard input, and /dev/fd/N, which a shell passes for <(command). If
+ * standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The function does
+ * nothing for any other path. A process has one such stream.
  *
  * Called by the command before a file is read; must not be called while another thread opens files.
  * Returns OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if more than
@@ -49,7 +49,10 @@ ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
  */
 ost_status ost_file_spool(const char *path, ost_error *err);
 
-/* Returns true if ost_file_spool gave this name a meaning, so that no other file can be found next to it. */
+/*
+ * Returns true if `path` is the stream that ost_file_spool has copied. Such a file has no folder in which related files
+ * could be searched.
+ */
 bool ost_file_is_stream(const char *path);
 
 /* The greatest size of a stream in bytes: 16 GiB. Tests set a smaller one. */

@@ -56,7 +56,10 @@ bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], d
 
 bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3], double normal[3], double mean[3])
 {
-    /* Two unit vectors across `along`, which begin with the axis that is least parallel to it. */
+    /*
+     * Computes two unit vectors u and v perpendicular to `along`, starting with the axis that is least parallel to
+     * `along`.
+     */
     int least = 0;
     for (int a = 1; a < 3; a++)
         least = fabs(along[a]) < fabs(along[least]) ? a : least;
@@ -76,7 +79,10 @@ bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3
             for (int c = 0; c < 3; c++)
                 m[r][c] += row[r] * row[c] / (double)count;
     }
-    /* The plane through the mean is along = x0 u + x1 v. eliminate() expects the right side in column n. */
+    /*
+     * Relative to the mean, the plane is (distance along `along`) = x0 (distance along u) + x1 (distance along v). The
+     * function eliminate expects the right-hand side of the equations in column n.
+     */
     if (count < 3 || !eliminate(m, 2, x))
         return false;
     for (int a = 0; a < 3; a++)

@@ -12,9 +12,9 @@
  */
 bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius);
 /*
- * Fits a plane by the distances along a unit vector `along`, which must not lie in the plane: *normal is a unit vector
- * on the side of `along`, *mean the mean of the points, which lies in the plane. Returns false if the points are
- * collinear.
+ * Fits a plane to points by least squares of the distances along the unit vector `along`, which must not lie in the
+ * plane. *normal is set to the unit normal on the side of `along`, and *mean to the mean of the points, which lies in
+ * the plane. Returns false if there are fewer than three points or if the points are collinear.
  */
 bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3], double normal[3], double mean[3]);
 

@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns size, or 0 if memory is exhausted; the return value 0 sets the error flag of the stream. */
+/*
+ * Appends bytes to the memory of a stream. Returns size, or 0 if memory is exhausted; the return value 0 sets the error
+ * flag of the stream.
+ */
 static ssize_t add_bytes(void *user, const char *bytes, size_t size)
 {
     ost_memory_stream *memory = user;

@@ -130,8 +130,8 @@ static int64_t root(int64_t n)
 }
 
 /*
- * Returns hand pose j of the `parts` interpolated poses between two rows, renormalised to unit length. A component is
- * below 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
+ * Returns pose j of the `parts` hand poses that are interpolated between two rows of a path, renormalised to unit
+ * length. A component is below 2^30.01 and r >= 2^29.5, so every quotient is at most 2^30 + 2.
  */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int parts)
 {

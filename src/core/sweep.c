@@ -51,8 +51,8 @@ static void turned(const ost_rotation *r, const ost_divider *by, int row, const 
 }
 
 /*
- * Returns max |d|^2 over the corners of the box. Each component is below 2 * 2^43.66 + 2^43.87 < 2^45.4,
- * so the sum of squares is below 2^92.4.
+ * Returns the greatest squared displacement |d|^2 of the box's corners between two poses. Each component of d is below
+ * 2 * 2^43.66 + 2^43.87 < 2^45.4, so the sum of squares is below 2^92.4.
  */
 static ost_i128 greatest_displacement_squared(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool)
 {
