@@ -39,7 +39,8 @@ typedef struct cpu_backend {
     ost_cpu_sharing *sharing; /* owned */
     ost_cpu_kernels kernels;
     ost_event_scratch event;
-    ost_chunk_pool *pools[3]; /* owned; for chunks of 16, 32, 64 voxels per side; NULL until used */
+    /* owned pools for chunks of 16, 32 and 64 voxels per side; NULL before the first use */
+    ost_chunk_pool *pools[3];
 } cpu_backend;
 
 #endif

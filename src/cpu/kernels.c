@@ -70,8 +70,8 @@ static void fill_avx512(ost_cpu_kernels *k)
 
 #if HAVE_NEON_BUILD
 /*
- * gather_row, stretch_row and vox_fill have no NEON variant, because NEON would not make them faster: the first two
- * need one load for each lane, and vox_fill needs the borrow of the previous word.
+ * The slots gather_row, stretch_row and vox_fill have no NEON variant, because NEON would not make them faster:
+ * gather_row and stretch_row need one load for each lane, and vox_fill needs the borrow of the previous word.
  */
 static void fill_neon(ost_cpu_kernels *k)
 {

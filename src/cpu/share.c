@@ -27,11 +27,14 @@ static const struct {
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels in all chunks of the event */
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
-    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes; huge pages speed up larger grids */
+    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* in bytes; larger grids use huge pages */
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
-    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1}, /* bytes; more than the caches hold */
-    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},         /* voxels; more than the caches hold */
-    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},    /* bytes of both planes; larger than L2 */
+    /* in bytes, more than the caches hold */
+    [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1},
+    /* in voxels, more than the caches hold */
+    [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
+    /* in bytes of both planes, more than L2 holds */
+    [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},
 };
 
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order)
@@ -88,9 +91,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * The seed determines what the calling member does first. It waits until all members have begun as
- * many blocks as this member, so that all members run at the same time; or it yields its core; or
- * it continues immediately. The function then returns the block of this turn.
+ * Returns the block of this turn after a pause that the seed determines. The calling member waits until all members
+ * have begun as many blocks as this member, so that all members run at the same time; or it yields its core; or it
+ * continues immediately.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {

@@ -60,12 +60,13 @@ typedef enum ost_cpu_path {
 
 typedef struct ost_cpu_sharing {
     int64_t least[OST_CPU_PATHS]; /* smallest size of work with which each path is entered */
-    /* true if `grain` or `order` was given; blocks are then assigned to the members in turn */
+    /* true if the option `grain` or `order` was given; blocks are then assigned to the members in turn */
     bool dealt;
-    uint64_t order;               /* seed given by the `order` option; 0: none */
+    uint64_t order;               /* seed given by the `order` option; 0 without it */
     /* number of teams so far, counted only if `order` was given; determines a team's order */
     uint64_t teams;
-    uint64_t entered[OST_CPU_PATHS]; /* how often each path was entered; for shared paths see ost_team_end */
+    /* number of times each path was entered; ost_team_end counts the paths that divide work */
+    uint64_t entered[OST_CPU_PATHS];
 } ost_cpu_sharing;
 
 /* Initialises *sharing. If grain is 0, the measured thresholds are used; if order is 0, blocks have the usual order. */
@@ -89,16 +90,22 @@ typedef struct ost_team {
     ost_cpu_path path;
     /* true if block b is processed by member b mod members; false if it is processed by the next free member */
     bool dealt;
-    int64_t count, block; /* number of items in total; number of items per block */
-    _Atomic int64_t next; /* if `dealt` is false: the next block; with an order: number of blocks begun */
-    uint64_t order;       /* seed of this team's order; 0: none */
-    int64_t first, stride; /* with an order, turn t processes block (first + t stride) mod blocks */
+    /* `count` is the total number of items, and `block` is the number of items per block */
+    int64_t count, block;
+    /* the next block if `dealt` is false; with a random order, the number of blocks that members have begun */
+    _Atomic int64_t next;
+    uint64_t order;       /* seed of the team's random order; 0 for the usual order */
+    /* with a random order, turn t processes block (first + t * stride) mod (number of blocks) */
+    int64_t first, stride;
     int members;          /* number of threads that OpenMP provided; valid after the parallel region */
 } ost_team;
 
 typedef struct ost_member {
-    int64_t at, end;      /* remaining items of the current block */
-    int64_t next, stride; /* if `dealt` is true: the member's next block, and the distance between its blocks */
+    int64_t at, end;      /* remaining items of the current block, at <= item < end */
+    /*
+     * if `dealt` is true, `next` is the member's next block, and `stride` is the distance between the member's blocks
+     */
+    int64_t next, stride;
 } ost_member;
 
 /*
@@ -113,7 +120,7 @@ ost_member ost_team_join(ost_team *team);
 /* Increments the counter of the team's path if every thread processed a part. Called after the parallel region. */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
-/* Pauses as the team's order determines, then returns the block that the member processes in this turn. */
+/* Pauses as the team's random order determines, then returns the block that the member processes in this turn. */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn);
 
 /* Returns the member's next item, or -1 after the last item. */

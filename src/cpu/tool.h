@@ -10,14 +10,17 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    /* tables of classes 1 and 2; `touching` is made only if the tool's `touches` is true */
+    /*
+     * `cutting` has the tables of class 1, and `touching` those of class 2, which are computed only if `touches` is
+     * true
+     */
     ost_shape cutting, touching;
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;
 
 typedef struct cpu_tool {
     ref_tool ref;
-    cpu_shapes *shapes; /* owned; made for the bone voxel size of the last call of ost_cpu_tool_prepare */
+    cpu_shapes *shapes; /* owned tables for the bone voxel size of the last call of ost_cpu_tool_prepare */
 } cpu_tool;
 
 /*
@@ -28,7 +31,7 @@ ost_status ost_cpu_tool_adopt(ost_tool **tool, ost_error *err);
 ost_status ost_cpu_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 void ost_cpu_tool_free(ost_tool *tool);
 
-/* Makes the tool's tables for bones with this voxel size, unless the tool has these tables already. */
+/* Computes the tool's tables for bones with this voxel size, unless the tool already has these tables. */
 ost_status ost_cpu_tool_prepare(const cpu_tool *tool, ost_pm bone_voxel, ost_error *err);
 
 #endif

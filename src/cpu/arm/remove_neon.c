@@ -93,7 +93,7 @@ enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
     uint16_t low[3][PIECE];  /* c mod 2^7 */
-    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of its line */
+    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of the window's line */
     uint32_t tied[PIECE];
 } places;
 

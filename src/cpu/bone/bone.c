@@ -80,7 +80,8 @@ void ost_cpu_bone_free(ost_bone *base)
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk)
 {
     const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
-    const size_t densities = bytes / 17 * 16; /* 2 bytes of density per voxel, then 1/8 byte of occupancy per voxel */
+    /* Each voxel has 2 bytes of density and 1/8 byte of occupancy. The block contains all densities first. */
+    const size_t densities = bytes / 17 * 16;
     unsigned char *block = pool ? ost_chunk_pool_take(pool) : NULL;
     if (!block) {
         pool = NULL;
@@ -127,7 +128,7 @@ ost_status ost_cpu_bone_stats(const ost_bone *base, ost_bone_info *info, ost_err
 
 /* ---------------------------------------------------------------- upload */
 
-/* The slices z0 <= z < z1 of a grid. `voxels` points to the first voxel of slice z0. */
+/* A slab of a grid: the slices z0 <= z < z1. `voxels` points to the first voxel of slice z0. */
 typedef struct slab {
     ost_dims dims;
     int32_t z0, z1;
@@ -140,8 +141,8 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
 }
 
 typedef struct chunk_position {
-    int32_t first[3]; /* the chunk's first voxel */
-    int32_t end[3];   /* voxel after the chunk's last one, clipped to the grid */
+    int32_t first[3]; /* grid coordinates of the chunk's first voxel */
+    int32_t end[3];   /* exclusive upper bound of the chunk's voxels, clipped to the grid */
 } chunk_position;
 
 static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)
@@ -167,10 +168,13 @@ static bool any_active(const cpu_bone *bone, const chunk_position *at, const sla
     return false;
 }
 
-/* Copies a row of n voxels from the bricks of a chunk. y and z are relative to the chunk's first voxel. */
+/*
+ * Copies a row of n voxels from the bricks of a chunk to `row`. The coordinates y and z are relative to the chunk's
+ * first voxel.
+ */
 static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, int16_t *row)
 {
-    /* The values of ost_brick_spread(x) for x = 0 to 15, the 16 bricks of a row of 64 voxels. */
+    /* spread[x] is ost_brick_spread(x), for the 16 bricks of a row of 64 voxels. */
     static const uint16_t spread[CHUNK_MAX / 4] = {0, 1, 8, 9, 64, 65, 72, 73, 512, 513, 520, 521, 576, 577, 584, 585};
     const int16_t *bricks = chunk->density + (size_t)ost_brick_number(0, y / 4, z / 4) * OST_BRICK_VOXELS +
                             (y % 4) * 4 + (z % 4) * 16;
@@ -179,8 +183,8 @@ static void read_row(const cpu_chunk *chunk, int32_t n, int32_t y, int32_t z, in
 }
 
 /*
- * Finds the sixteen rows of voxels that form the row of bricks at (y, z). A row that lies entirely in the slab is used
- * directly; any other row is assembled in `spare`.
+ * Collects the sixteen rows of voxels that form the row of bricks at (y, z). A row that lies entirely in the slab is
+ * used without a copy; any other row is assembled in `spare`.
  */
 static void collect_rows(const cpu_bone *bone, const cpu_chunk *chunk, const chunk_position *at, const slab *s,
                          int32_t y, int32_t z, int16_t spare[16][CHUNK_MAX], const int16_t *rows[16])
@@ -305,10 +309,9 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
 }
 
 /*
- * Reads the 32^3 voxels of a leaf. Voxels outside the grid are zero. Returns false,
- * without writing, if no chunk in the leaf has memory. For chunks of n <= 32 voxels per
- * side, a leaf consists of (32/n)^3 complete chunks; for n = 64, a leaf is an eighth of
- * a chunk. In both cases the leaf is read in parts of min(n, 32) voxels per side.
+ * Reads the 32^3 voxels of a leaf. Voxels outside the grid are zero. Returns false and leaves `voxels` unchanged if no
+ * chunk in the leaf has memory. For chunks of n <= 32 voxels per side, a leaf consists of (32/n)^3 complete chunks; for
+ * n = 64, a leaf is an eighth of a chunk. In both cases the leaf is read in parts of min(n, 32) voxels per side.
  */
 static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 {
@@ -339,10 +342,9 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 }
 
 /*
- * Converts the occupancy words of eight adjacent bricks to sixteen rows of 32 voxels.
- * Row (y, z) of brick b has the bits 4 (y + 4 z) to 4 (y + 4 z) + 3 of the brick's word.
- * These become the bits 4b to 4b + 3 of row (y, z).  Neighbouring nibbles are merged to
- * bytes, bytes to halves, and halves to words:
+ * Converts the occupancy words of eight adjacent bricks to sixteen rows of 32 voxels. Row (y, z) of brick b has the
+ * bits 4 (y + 4 z) to 4 (y + 4 z) + 3 of the brick's word. These four bits become the bits 4b to 4b + 3 of row (y, z).
+ * Neighbouring nibbles are merged to bytes, bytes to halves, and halves to words:
  *
  *   pair[p][odd]     byte k: rows 2k + odd of bricks 2p, 2p + 1
  *   four[p][odd][l]  half k: rows 4k + 2l + odd of bricks 4p ...

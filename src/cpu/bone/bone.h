@@ -11,9 +11,9 @@
  *     number x + 4 y + 16 z                 | 2 ---|-3     x lowest
  *                                           0 ---- 1
  *
- * Bricks make removal faster: it processes the 64 voxels of a brick at once, as one word, and
- * writes two cache lines instead of sixteen.  The occupancy words of 8^3 voxels fill one cache
- * line.  The bricks of a cube of 8, 16 or 32 voxels per side are contiguous for every chunk size.
+ * Bricks make removal faster, because the 64 voxels of a brick are processed at once, as one word, and occupy two cache
+ * lines instead of sixteen.  The occupancy words of 8^3 voxels fill one cache line.  The bricks of a cube of 8, 16 or
+ * 32 voxels per side are contiguous for every chunk size.
  *
  * The invariants are those of core/chunk_grid.h.  A voxel is active iff its density is at least the
  * threshold; all other voxels are 0.  A voxel's occupancy bit is set iff the voxel is active.
@@ -27,9 +27,10 @@
 #include "cpu/bone/chunk_pool.h"
 
 typedef struct cpu_chunk {
-    int16_t *density;    /* owned; 64-byte aligned block of densities, then occupancy; NULL if active is 0 */
+    /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
+    int16_t *density;
     uint64_t *occupancy; /* points into the block of `density` */
-    ost_chunk_pool *pool; /* the pool that owns the block; NULL if it was allocated by malloc */
+    ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated by malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -38,7 +39,7 @@ typedef struct cpu_bone {
     ost_bone base;
     ost_dims chunk_dims;
     int64_t count;
-    cpu_chunk *chunks; /* owned; x fastest */
+    cpu_chunk *chunks; /* owned array, x fastest */
 } cpu_bone;
 
 enum { OST_BRICK = 4, OST_BRICK_VOXELS = 64 };
@@ -49,15 +50,15 @@ static inline int32_t ost_brick_spread(int32_t v)
     return (v & 1) | (v & 2) << 2 | (v & 4) << 4 | (v & 8) << 6;
 }
 
-/* Returns the number of brick (x, y, z) within its chunk. Each coordinate must be below 16. */
+/* Returns the Morton number of brick (x, y, z) within its chunk. Each coordinate must be below 16. */
 static inline int32_t ost_brick_number(int32_t x, int32_t y, int32_t z)
 {
     return ost_brick_spread(x) | ost_brick_spread(y) << 1 | ost_brick_spread(z) << 2;
 }
 
 /*
- * Returns the x coordinate of the brick with this number: moves the bits 0, 3, 6, 9 to the bits 0..3. To
- * compute y or z, the caller shifts the number right by 1 or 2 first.
+ * Returns the x coordinate of the brick with the given Morton number, by moving the bits 0, 3, 6, 9 to the bits 0..3.
+ * To compute y or z, the caller shifts the number right by 1 or 2 first.
  */
 static inline int32_t ost_brick_gather(int32_t number)
 {
@@ -65,9 +66,9 @@ static inline int32_t ost_brick_gather(int32_t number)
 }
 
 /*
- * Allocates memory for a chunk that has none. The content of the memory is undefined. The memory is a
- * block of the pool if pool is not NULL and has a free block; otherwise it is allocated by malloc.
- * Returns false if memory is exhausted.
+ * Allocates memory for a chunk that has none. The content of the memory is undefined. The memory is a block of `pool`
+ * if `pool` is not NULL and has a free block; otherwise it is allocated by malloc. Returns false if memory is
+ * exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
 /* Frees the memory of a chunk that has no active voxel. */

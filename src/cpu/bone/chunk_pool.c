@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is atomic.
- * ost_chunk_pool_take decrements the number, and ost_chunk_pool_give increments it. The thread that
- * has changed the number is the only one that accesses the stack element with the corresponding
- * index. Because calls of take and give do not overlap, threads need no other synchronisation.
+ * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is atomic. ost_chunk_pool_take decrements
+ * the number, and ost_chunk_pool_give increments it. Each change of the number yields the index of one stack element,
+ * and only the thread that made the change accesses this element. Because calls of ost_chunk_pool_take and
+ * ost_chunk_pool_give do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -16,7 +16,7 @@
 
 enum { EXTENTS_MAX = 64 };
 #define HUGE_PAGE ((size_t)1 << 21)
-/* If no block is in use, ost_chunk_pool_trim leaves at most this number of bytes of previously used blocks mapped. */
+/* If no block is in use, ost_chunk_pool_trim leaves at most RETAINED_BYTES bytes of previously used blocks mapped. */
 #define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
@@ -29,9 +29,10 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    atomic_llong fresh; /* number of blocks that were never taken; they are the first elements of the stack */
-    int64_t trimmed;    /* the value of `fresh` at the last call of ost_chunk_pool_trim */
-    void **stack;       /* owned; total elements */
+    /* number of blocks that were never taken; these blocks are the first elements of the stack */
+    atomic_llong fresh;
+    int64_t trimmed;    /* value of `fresh` at the last call of ost_chunk_pool_trim */
+    void **stack;       /* owned array with `total` elements */
     atomic_llong available;
 };
 
@@ -66,8 +67,8 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
 }
 
 /*
- * Reserves addresses, without memory, that are aligned to the size of a huge page. Maps one huge page
- * more than needed and unmaps the excess at both ends.
+ * Reserves an address range that is aligned to the size of a huge page, without allocating memory. The function maps
+ * one huge page more than needed and unmaps the excess at both ends.
  */
 static unsigned char *map_aligned(size_t bytes)
 {
@@ -153,8 +154,8 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     if (fresh == 0)
         return;
     /*
-     * The first block that was never taken begins where the last used block ends. Memory may be allocated for the rest
-     * of the huge page that contains this position; this memory is released.
+     * The first block that was never taken begins where the last used block ends. The system may have allocated memory
+     * for the rest of the huge page that contains this position; this memory is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

@@ -12,9 +12,9 @@
  * after the last used block.  Returned blocks are reused first, so that a second bone on the same
  * backend causes no page faults.
  *
- * Threads: several threads may call ost_chunk_pool_take at the same time, and several
- * threads may call ost_chunk_pool_give at the same time.  Calls of take must not overlap
- * calls of give.  Only one thread at a time may call the other functions.
+ * Threads: several threads may call ost_chunk_pool_take at the same time, and several threads may call
+ * ost_chunk_pool_give at the same time.  Calls of ost_chunk_pool_take must not overlap calls of ost_chunk_pool_give.
+ * Only one thread at a time may call the other functions.
  */
 #ifndef OST_CPU_CHUNK_POOL_H
 #define OST_CPU_CHUNK_POOL_H
@@ -27,7 +27,7 @@ typedef struct ost_chunk_pool ost_chunk_pool;
 
 /* Creates a pool whose blocks have block_bytes bytes each, a multiple of 64. Returns NULL if memory is exhausted. */
 ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes);
-/* Frees the pool. Every block must already have been returned to the pool. pool may be NULL. */
+/* Frees the pool. Every block must have been returned to the pool before. The argument may be NULL. */
 void ost_chunk_pool_close(ost_chunk_pool *pool);
 
 /*
@@ -40,7 +40,10 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count);
  * last used block.
  */
 size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
-/* Returns a 64-byte aligned block of undefined content, or NULL if no reserved block is available. */
+/*
+ * Removes a reserved block from the pool and returns it. The block is 64-byte aligned and its content is undefined.
+ * Returns NULL if no reserved block is available.
+ */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
 /* Returns a block to the pool. */
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);

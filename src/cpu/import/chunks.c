@@ -6,7 +6,7 @@
  *   a task: the row of chunks at one (y, z) of the chunk grid
  *
  *     for every layer of bricks    four slices, from up to eight source slices
- *       for every chunk            does one of its rows have an active voxel?
+ *       for every chunk            tests whether one of its rows has an active voxel
  *         for every four rows      sixteen rows are written as a row of bricks
  *
  * Memory for a chunk is allocated at the first layer with an active voxel. The chunk's earlier
@@ -36,9 +36,11 @@ typedef struct filling {
     const ost_cpu_kernels *kernels;
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
-    bool linear; /* true if the view has weights */
-    /* for each column of chunks: true if the column is not clipped by the grid and its source voxels are adjacent
-       along x */
+    bool linear; /* true if the voxels are interpolated, that is, if the view has weights */
+    /*
+     * For each column of chunks, true if the grid does not clip the column and the column's source voxels are adjacent
+     * along x.
+     */
     bool *run;
     bool stream;
 } filling;
@@ -50,30 +52,43 @@ static int32_t min32(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* The source rows and source slices of a task and of its current layer of bricks. Rows are offsets within a slice,
-   slices are offsets within the store. */
+/*
+ * The source rows and source slices of a task and of the task's current layer of bricks. A row is an offset within a
+ * slice of the store. A slice is an offset within the store.
+ */
 typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of slices of the layer that lie in the grid */
     size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
-    /* rows: number of elements of row[]. first: for each group of four y, the index in row[] of the first source row
-       that is not also used for a smaller y. */
+    /*
+     * `rows` is the number of elements of row[]. For group g of four y, first[g] is the index in row[] of the first
+     * source row that is not also used for a smaller y.
+     */
     int rows, first[N_MAX / 4];
-    /* The source slices of the layer, and those source slices of the next layer that this layer does not use. Both
-       lists are in ascending order, without duplicates. */
+    /*
+     * `source` contains the source slices of the current layer, and `ahead` the source slices that the next layer uses
+     * and the current layer does not. Both lists are in ascending order, without duplicates.
+     */
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
-    /* Set only if the view has weights. For each group of four y: the source rows in all source slices of the layer,
-       as offsets in the store. */
+    /*
+     * For group g of four y, box[g] contains the source rows in all source slices of the layer, as offsets in the
+     * store. The lists are set only if the view has weights.
+     */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
-    /* For each column of chunks: an offset below which no source slice has an active voxel in the chunk. */
+    /*
+     * For each column of chunks, an offset in the store. No source slice below this offset has an active voxel in the
+     * column.
+     */
     size_t empty_columns[COLUMNS_MAX];
 } task;
 
-/* Computes the taps of the layer of bricks that begins at slice z, and returns their number. Lists the source slices of
-   the layer whose offsets are at least `above`. */
+/*
+ * Computes the taps of the layer of bricks that begins at slice z, and returns the number of taps. Also lists the
+ * layer's source slices whose offsets are at least `above`.
+ */
 static int list_slices(const filling *f, int32_t z, cpu_tap taps[4], size_t above, size_t list[SLICES], int *count)
 {
     const int slices = (int)min32(4, f->bone->base.geometry.dims.z - z);
@@ -110,7 +125,7 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
     if (!last && t->sources > 0)
         list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* The taps ascend, so at most two of the source rows of these four y are also used for smaller y. */
+        /* The taps ascend, so at most two of the source rows of y to y + 3 are also used for a smaller y. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -124,8 +139,10 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
 
 /* -------------------------------------------------------- active voxels */
 
-/* Finds the range of source voxels along x from which the voxels [x0, x0 + width) are made. Sets *first to the first
-   source voxel and returns their number. */
+/*
+ * Finds the source voxels along x from which the voxels x0 to x0 + width - 1 are computed. Sets *first to the first
+ * source voxel and returns the number of source voxels.
+ */
 static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *first)
 {
     const int32_t *map = f->view.map[0];
@@ -133,7 +150,7 @@ static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *fir
     return map ? min32(map[x0 + width - 1] + (f->view.minus[0] ? 2 : 1), (int32_t)f->view.row) - *first : width;
 }
 
-/* Returns true if one of the rows has an active voxel with an x from `first` to first + span - 1. */
+/* Returns true if one of the source rows has an active voxel whose x is from `first` to first + span - 1. */
 static bool any_in_box(const filling *f, size_t slice, const size_t *row, int rows, int32_t first, int32_t span)
 {
     const int16_t threshold = (int16_t)f->bone->base.threshold;
@@ -143,7 +160,7 @@ static bool any_in_box(const filling *f, size_t slice, const size_t *row, int ro
     return false;
 }
 
-/* Returns true if a source row of the task has an active voxel among the voxels that the x indices select. */
+/* Returns true if the source rows of the task have an active voxel among the source voxels of x0 to x0 + width - 1. */
 static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t x0, int32_t width)
 {
     int16_t gathered[N_MAX];
@@ -164,7 +181,7 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
     for (int i = 0; i < t->sources; i++) {
         if (t->source[i] < t->empty_columns[cx])
             continue;
-        /* Without x indices, the source voxels are adjacent even if the grid does not fill the chunk. */
+        /* If the view has no x indices, the source voxels are adjacent even where the grid ends within the chunk. */
         const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
         if (selected ? any_gathered(f, t, t->source[i], x0, width)
                      : any_in_box(f, t->source[i], t->row, t->rows, first, span))
@@ -175,9 +192,8 @@ static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0
 }
 
 /*
- * Interpolates up to four rows, beginning with row y, in each slice of the layer. If
- * no source voxel is active, no interpolated voxel is active; the function then
- * returns false and writes no rows.
+ * Interpolates up to four rows, beginning with row y, in each slice of the layer. Returns false and writes no rows if
+ * no source voxel is active, because no interpolated voxel is active then.
  */
 static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t width, int32_t y,
                         int16_t (*to)[OST_ROW_STRIDE])
@@ -187,7 +203,7 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
         return false;
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* takes less time than interpolation */
+    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* faster than interpolation */
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
     return true;
@@ -209,7 +225,10 @@ static bool means_are_active(const filling *f, const task *t, int32_t x0, int32_
     return false;
 }
 
-/* Returns true if the current layer has an active voxel in a chunk for which no memory has been allocated yet. */
+/*
+ * Returns true if the current layer has an active voxel in the chunk at column cx. The function is called for chunks
+ * whose memory has not been allocated yet.
+ */
 static bool layer_is_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
 {
     return sources_are_active(f, t, cx, x0, width) && (!f->linear || means_are_active(f, t, x0, width));
@@ -250,8 +269,8 @@ static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 }
 
 /*
- * Finds the sixteen rows of n voxels from which a row of bricks is made. A row that is stored unchanged
- * in the store is used directly; any other row is computed in `spare`.
+ * Finds the sixteen rows of n voxels from which a row of bricks is built. A row that the store contains unchanged is
+ * used without a copy; any other row is computed in `spare`.
  */
 static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width, bool run, int32_t y,
                       int16_t (*spare)[OST_ROW_STRIDE], const int16_t *rows[16])
@@ -290,7 +309,7 @@ static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32
     }
 }
 
-/* Fills the chunks of one task: the row of chunks at (cy, cz). Returns false if there is no memory. */
+/* Fills the chunks of one task, which is the row of chunks at (cy, cz). Returns false if memory is exhausted. */
 static bool fill_task(const filling *f, int32_t cy, int32_t cz)
 {
     const cpu_bone *bone = f->bone;
@@ -317,7 +336,7 @@ static bool fill_task(const filling *f, int32_t cy, int32_t cz)
     return true;
 }
 
-/* Fills the layers of chunks c0 <= z < c1 of the chunk grid. Returns false if there is no memory. */
+/* Fills the chunk layers c0 <= z < c1 of the chunk grid. Returns false if memory is exhausted. */
 static bool fill_layers(const cpu_backend *backend, const filling *f, int32_t c0, int32_t c1)
 {
     const ost_dims dims = f->bone->chunk_dims;
@@ -358,8 +377,8 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
 }
 
 /*
- * Fills the bone in parts. A part consists of several layers of chunks. Addresses for all chunks of a part are reserved
- * first. If the reservation fails, the chunks' memory is allocated by malloc.
+ * Fills the bone in parts of several chunk layers each. Before a part is filled, addresses for all of its chunks are
+ * reserved. If the reservation fails, the memory of the chunks is allocated by malloc.
  */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {

@@ -3,7 +3,7 @@
  * Converts samples to a rect grid (AR-CT-4 to AR-CT-6). The samples are processed in batches,
  * and each batch in two steps:
  *
- *   place    sample -> voxel or -1, and its part of the report      any thread for any sample
+ *   place    sample -> voxel or -1, and the sample's part of the report      any thread for any sample
  *   put      voxel <- density, duplicates in file order       a range of voxels per thread
  *
  * In the second step, each thread reads the complete batch and processes the samples in
@@ -34,7 +34,7 @@ typedef struct axis {
 
 typedef struct axis_position {
     int64_t index;
-    int64_t off; /* |p - lattice point| */
+    int64_t off; /* distance from the sample to the lattice point */
 } axis_position;
 
 /*
@@ -73,8 +73,8 @@ static void reject(int64_t line, ost_scatter_report *report)
 }
 
 /*
- * Updates the worst offset of the report by the offset of one sample. off * 10^6 <= 5 * 10^10 * 10^6 < 2^56
- * and worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
+ * Updates the worst offset of the report by the offset of one sample. In picometres, off * 10^6 <= 5 * 10^10 * 10^6 <
+ * 2^56 and worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
  */
 static void note_worst(const axis axes[3], const axis_position at[3], int64_t line, ost_scatter_report *report)
 {
@@ -96,7 +96,7 @@ static bool beyond(const axis axes[3], const axis_position at[3], int eighths)
            8 * at[2].off > eighths * axes[2].spacing;
 }
 
-/* Returns the number of the voxel nearest to the sample, or -1 if the sample is rejected. */
+/* Returns the index of the voxel nearest to the sample, or -1 if the sample is rejected. */
 static int64_t place_sample(const axis axes[3], const ost_sample *sample, int64_t line, ost_scatter_report *report)
 {
     if (!readable(sample)) {
@@ -150,7 +150,7 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread, and the index in the batch of the conflicting sample that the report names. If two
+ * The report of one thread. `conflict` is the batch index of the conflicting sample whose line the report names. If two
  * conflicting samples have the same line, the one with the lower index is reported.
  */
 typedef struct part_report {
@@ -159,9 +159,9 @@ typedef struct part_report {
 } part_report;
 
 /*
- * Merges the report of one thread into *to: adds the counts, and selects the lower one of each pair of
- * line numbers. *conflict is the index of the conflicting sample that *to names, or -1 if this sample is
- * in an earlier batch.
+ * Merges the report of one thread into *to by adding the counts and selecting the lower line number of each pair.
+ * *conflict is the batch index of the conflicting sample whose line *to names, or -1 if this sample is in an earlier
+ * batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {
@@ -190,7 +190,8 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    int64_t *at; /* BLOCK elements: number of each sample's voxel, or -1 */
+    /* BLOCK elements; the index of each sample's voxel, or -1 if the sample is rejected */
+    int64_t *at;
 } batch;
 
 static void scatter(const batch *b, ost_team *team, const ost_sample *samples, int count, ost_scatter_report *report)

@@ -3,10 +3,10 @@
  * Resamples a rect grid to a cubic grid (AR-CUB). No voxel is copied: the cubic grid refers to the
  * voxels of the rect grid by a list for each axis.
  *
- *   nearest, thesis   lists of indices; if the rect grid has lists itself, its indices
- *                     are looked up, so that the lists refer to the store
- *   linear            lists of indices and weights (cpu_view); if the rect grid has
- *                     lists itself, its voxels are first copied to a store of its own
+ *   nearest, thesis   lists of indices; if the rect grid also has lists, the indices of
+ *                     both grids are composed, so that the new lists refer to the store
+ *   linear            lists of indices and weights (cpu_view); if the rect grid also
+ *                     has lists, its voxels are first copied to a store of its own
  */
 #include "core/conditions.h"
 
@@ -16,14 +16,16 @@
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
 
-/* The source of a cubic voxel on one axis. The rect voxel `index` has the weight 2^15 - weight, and the next rect voxel
-   has the weight `weight`. If weight > 0, the next rect voxel is in the grid. */
+/*
+ * The source of a cubic voxel on one axis. The rect voxel `index` has the weight 2^15 - weight, and the next rect voxel
+ * has the weight `weight`. The grid contains the next rect voxel if `weight` is above 0.
+ */
 typedef struct source_position {
     int32_t index, weight;
 } source_position;
 
 /*
- * Computes the position of cubic voxel i among n rect voxels.
+ * Returns the source position of cubic voxel i among n rect voxels of one axis.
  *
  * Ranges. (2 i + 1) * spacing < 2^15 * 2^37; 2^15 * remainder < 2^15 * 2^38. The floor of the
  * `thesis` rule is below n, because i < ceil(n rect / cubic).
@@ -44,7 +46,6 @@ static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, 
                              (int32_t)ost_rhe_div((at - index * 2 * rect) << OST_WEIGHT_BITS, 2 * rect)};
 }
 
-/* The lists of a cubic grid for the three axes. All lists are owned. */
 typedef struct lists {
     int32_t *map[3];
     int16_t *minus[3];
@@ -67,8 +68,8 @@ static void free_lists(lists *l)
 }
 
 /*
- * Makes the lists of axis a. Their capacity is the number of voxels rounded up to a multiple of 16, as kernels.h
- * requires. Returns false if there is no memory.
+ * Computes the index list of axis a and, for the `linear` rule, the weight list. Their capacity is the number of voxels
+ * rounded up to a multiple of 16, as kernels.h requires. Returns false if there is no memory.
  */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
@@ -93,10 +94,10 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Frees the lists of weights that cpu_view does not need: the lists of all axes if no weight is
- * above 0; the lists of x and y if only z is resampled; otherwise, the list of y and the list of z
- * if they have no weight above 0. If x has weights, a source at the last voxel is represented as
- * the upper neighbour of the voxel before, so that both neighbours exist.
+ * Frees the weight lists that a cpu_view does not need. If no weight is above 0, these are the lists of all axes. If
+ * only z is resampled, they are the lists of x and y. In all other cases, the list of y or z is freed if all of its
+ * weights are 0. If x has weights, a source at the last voxel is represented as the upper neighbour of the voxel
+ * before, so that both neighbours exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -115,7 +116,7 @@ static void finish_weights(lists *l, int32_t width, int32_t last)
 ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err)
 {
-    /* not const, because its voxels may be copied to a store of its own */
+    /* The function casts const away, because it may copy the voxels of the rect grid to a store of the grid's own. */
     cpu_grid *rect = (cpu_grid *)(uintptr_t)base;
     const ost_geometry *r = &base->geometry;
     const int32_t from[3] = {r->dims.x, r->dims.y, r->dims.z},

@@ -7,11 +7,10 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid shares the store of the grid from which it was made. It has a list of ascending
- * indices for each axis, and a list of weights for each axis that is interpolated. Chunks are made
- * from the store and the lists. A store that is shared by several grids is never written to. A
- * resampled grid is copied to a store of its own only if voxels are written to the grid, or if an
- * interpolation needs neighbours that are not adjacent in the shared store.
+ * A resampled grid shares the store of the grid from which it was made. It has a list of ascending indices for each
+ * axis, and a list of weights for each axis that is interpolated. Chunks are made from the store and the lists. A store
+ * that is shared by several grids is never written to. If voxels are written to a resampled grid, or if an
+ * interpolation needs neighbours that are not adjacent in the shared store, the grid is copied to a store of its own.
  */
 #ifndef OST_CPU_GRID_H
 #define OST_CPU_GRID_H
@@ -28,32 +27,34 @@ typedef struct cpu_store {
 
 typedef struct cpu_grid {
     ost_grid base;
-    cpu_store *store; /* the store; may be shared with other grids */
-    int32_t *map[3];  /* owned; on axis a, voxel i is voxel map[a][i] of the store; all NULL if the grid has no lists */
-    int16_t *minus[3]; /* owned; see cpu_view */
-    uint8_t *seen;    /* owned; one bit per voxel, 1 if the voxel has a sample; NULL before the first batch */
+    cpu_store *store; /* may be shared with other grids */
+    /* owned lists; on axis a, voxel i of the grid is voxel map[a][i] of the store; all NULL if the grid has no lists */
+    int32_t *map[3];
+    int16_t *minus[3]; /* owned lists of weights, as in cpu_view */
+    /* owned bit array with one bit per voxel, 1 if the voxel has a sample; NULL before the first batch of samples */
+    uint8_t *seen;
 } cpu_grid;
 
 /*
- * The voxels of a grid, defined on each axis by the voxels of a store.  On an axis without weights,
- * voxel i is voxel map[i] of the store.  On an axis with weights, voxel i is the mean of the voxels
- * map[i] and map[i] + 1 with the weights -minus[2i] / 2^15 and -minus[2i + 1] / 2^15.  A neighbour
- * with weight 0 may lie outside the store.  The exception is the x axis if the store has two or
- * more voxels along x.  There are three cases: no axis has weights (minus[] is NULL); only z has
- * weights, and the x and y coordinates are then those of the store; or x and possibly other axes
- * have weights.  The capacity of lists along x is a multiple of 16.
+ * The voxels of a grid, defined on each axis by the voxels of a store. On an axis without weights, voxel i is voxel
+ * map[i] of the store. On an axis with weights, voxel i is the mean of the voxels map[i] and map[i] + 1 with the
+ * weights -minus[2i] / 2^15 and -minus[2i + 1] / 2^15. On the x axis of a store with two or more voxels along x, both
+ * neighbours lie in the store; otherwise, a neighbour with weight 0 may lie outside the store. There are three cases.
+ * In the first, no axis has weights, and all elements of minus[] are NULL. In the second, only z has weights, and the x
+ * and y coordinates are those of the store. In the third, x and possibly other axes have weights. The capacity of lists
+ * along x is a multiple of 16.
  */
 typedef struct cpu_view {
     const int16_t *voxels;
-    size_t row, slice;     /* number of elements from one row to the next, and from one slice to the next */
-    const int32_t *map[3]; /* indices; if all are NULL, voxel i is voxel i of the store */
+    size_t row, slice;     /* distance in elements between adjacent rows, and between adjacent slices */
+    const int32_t *map[3]; /* index lists of the axes; if all are NULL, voxel i is voxel i of the store */
     const int16_t *minus[3];
 } cpu_view;
 
 /*
- * The sources from which a row (axis 1) or a slice (axis 2) of a grid is made: the
- * offsets of one or two rows or slices of the store, and their negated weights. The
- * negated weights are in [-2^15, -1] and sum to -2^15.
+ * The sources from which a row (axis 1) or a slice (axis 2) of a grid is computed. `from` contains the offsets of one
+ * or two rows or slices of the store, and `minus` their negated weights. The negated weights are in [-2^15, -1] and sum
+ * to -2^15.
  */
 typedef struct cpu_tap {
     size_t from[2];
@@ -79,10 +80,9 @@ static inline bool ost_cpu_view_linear(const cpu_view *view)
 }
 
 /*
- * Computes voxels of a view that has weights: the voxels [x0, x0 + width) of ny rows in
- * each of nz slices.  Row j of slice k is written to to[4 k + j].  width <= 64,
- * ny <= 4, nz <= 4.  x0 is a multiple of 16, and the taps ascend.  Elements of a row of
- * `to` beyond width may be overwritten.
+ * Computes voxels of a view that has weights: the voxels [x0, x0 + width) of ny rows in each of nz slices.  Writes row
+ * j of slice k to the array to[4 k + j].  width <= 64, ny <= 4, nz <= 4.  x0 is a multiple of 16, and the taps ascend.
+ * Elements of a row of `to` beyond width may be overwritten.
  */
 void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width,
                          const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);

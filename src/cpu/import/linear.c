@@ -24,8 +24,10 @@ typedef struct sources {
     int of[4][2];
 } sources;
 
-/* Lists the offsets of the taps. Because the taps ascend, an offset is either new or one of the last two offsets in the
-   list. */
+/*
+ * Lists the distinct offsets of the taps. Because the taps ascend, an offset is either new or one of the last two
+ * offsets in the list.
+ */
 static sources sources_of(const cpu_tap *taps, int count)
 {
     sources s = {.count = 0};
@@ -82,7 +84,8 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]); /* >= -2^30; the sums are negated too */
+                    /* negative like the sums; >= -2^30 */
+                    weight[count++] = -(y[j].minus[a] * z[k].minus[b]);
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);
         }

@@ -9,7 +9,10 @@ static inline int64_t rhe_shift(int64_t sum, int bits)
     return (sum + (INT64_C(1) << (bits - 1)) - 1 + (sum >> bits & 1)) >> bits;
 }
 
-/* |sum| <= 2^15 * 2^15 for each sum, because the weights are positive and sum to 2^15. */
+/*
+ * Computes weighted means of two rows. |sum| <= 2^15 * 2^15 for each sum, because the weights are positive and sum to
+ * 2^15.
+ */
 void ost_blend_rows_scalar(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
                            int16_t *to)
 {
@@ -19,14 +22,17 @@ void ost_blend_rows_scalar(const int16_t *a, const int16_t *b, const size_t *row
                 a[row[r] + (size_t)i] * (OST_WEIGHT_ONE - weight) + b[row[r] + (size_t)i] * weight, OST_WEIGHT_BITS);
 }
 
-/* |to[i]| <= 2^30, because the weights have the same sign and sum to -2^15. */
+/* Interpolates a row along x. |to[i]| <= 2^30, because the weights have the same sign and sum to -2^15. */
 void ost_stretch_row_scalar(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to)
 {
     for (int i = 0; i < width; i++)
         to[i] = from[at[i]] * minus[2 * i] + from[at[i] + 1] * minus[2 * i + 1];
 }
 
-/* |sum| <= 2^30 * 2^30 for each sum, because the weights have the same sign and sum to 2^30 or -2^30. */
+/*
+ * Computes a weighted mean of up to four rows. |sum| <= 2^30 * 2^30 for each sum, because the weights have the same
+ * sign and sum to 2^30 or -2^30.
+ */
 void ost_weigh_rows_scalar(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
 {
     for (int i = 0; i < width; i++) {

@@ -9,10 +9,10 @@
 #include "core/int128.h"
 
 /*
- * Returns 2^16 (q + r / divisor) for 0 <= r < divisor, rounded down with an error below 2.
- * In the terms of core/divider.h, r >> s has at most 62 bits, d has 62 bits (divisor > 2^59 * 10^6 > 2^78) and
- * I = floor(2^124 / (d + 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor, so the result is never too
- * large; each rounding loses less than 2^-60 of the product, and the last one less than 1.
+ * Returns 2^16 (q + r / divisor) for 0 <= r < divisor, rounded down with an error below 2. With s, d and I as in
+ * core/divider.h, r >> s has at most 62 bits, d has 62 bits (divisor > 2^59 * 10^6 > 2^78) and I = floor(2^124 / (d +
+ * 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor, so the result is never too large; each rounding loses
+ * less than 2^-60 of the product, and the last one less than 1.
  */
 static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 {

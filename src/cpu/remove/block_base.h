@@ -20,8 +20,10 @@
 
 typedef struct ost_block_bases {
     const ost_map *map;
-    int32_t lo[3], count[3]; /* first block and number of blocks of the last call of ost_block_bases_make */
-    int64_t *part[3];        /* owned; element [bone axis][3 * (block - lo) + tool axis] */
+    /* first block and number of blocks along each axis, as set by the last call of ost_block_bases_make */
+    int32_t lo[3], count[3];
+    /* owned arrays; element part[bone axis][3 * (block - lo) + tool axis] */
+    int64_t *part[3];
     size_t capacity[3];
 } ost_block_bases;
 
@@ -49,7 +51,7 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
-    /* the base is computed by a division if the low 16 bits of W, minus 1, are >= unsure */
+    /* If the low 16 bits of u, v or w, minus 1, are at least `unsure`, the base is computed by a division. */
     const uint16_t unsure = 0xffff - 6;
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);
@@ -64,7 +66,7 @@ typedef struct ost_block_reach {
     uint32_t width[3];
 } ost_block_reach;
 
-/* Returns the range of bases for a tool of `dims` voxels and the steps of a map. */
+/* Computes the range of bases for a tool of `dims` voxels and the steps of a map. */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3]);
 
 static inline bool ost_block_in_reach(const ost_block_reach *r, const int32_t base[3])

@@ -7,19 +7,20 @@
 #include "cpu/bone/bone.h"
 #include "cpu/kernels.h"
 
-/* The tables of one pose. The tables are computed before the pose is applied to the first chunk. */
+/* The tables of one pose. They are computed before the pose is applied to the first chunk. */
 typedef struct ost_pose_plan {
-    ost_split split[2]; /* [0]: blocks to cubes of 8^3; [1]: cubes to bricks of 4^3 */
+    /* split[0] divides blocks into cubes of 8^3 voxels; split[1] divides cubes into bricks of 4^3 voxels */
+    ost_split split[2];
     ost_match match;
     ost_block_bases bases;
-    ost_voxel_box box; /* the box of the pose, clipped to the bone's grid */
+    ost_voxel_box box; /* box of the pose, clipped to the bone's grid */
     ost_block_reach reach;
 } ost_pose_plan;
 
 typedef struct ost_event_chunk {
     int32_t index, first[3];
     cpu_chunk *chunk;
-    uint64_t *occupancy; /* the chunk's own occupancy, or a copy */
+    uint64_t *occupancy; /* occupancy of the chunk, or of a copy of the chunk's occupancy */
     ost_tally tally, touched;
 } ost_event_chunk;
 

@@ -6,8 +6,9 @@
 #include "cpu/remove/remove.h"
 
 /*
- * Returns (2 R)^2 of a cube with `edge` voxels per side (R: remove.h, "Split"). With |step| <= 2^24 + 1
- * (AR-MAP-3) and edge <= 8, the result is below 3 * (7 * 3 * 2^24 + 63)^2 < 2^59.
+ * Returns (2 R)^2, where R is half the longest diagonal of a bone cube with `edge` voxels per side, in tool coordinates
+ * (remove.h, "Split"). With |step| <= 2^24 + 1 (AR-MAP-3) and edge <= 8, the result is below 3 * (7 * 3 * 2^24 + 63)^2
+ * < 2^59.
  */
 static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
 {
@@ -25,8 +26,8 @@ static int64_t diameter_squared(const int32_t step[3][3], int32_t edge)
 }
 
 /*
- * Returns the smallest v in 1..127 with v * unit > R + 2, that is 2 v unit - 4 > 2 R. Returns 128 if no v in
- * this range satisfies the condition. unit <= 2^21, so the squares are below 2^60.
+ * Returns the smallest v in 1..127 with v * unit > R + 2, that is, 2 v unit - 4 > 2 R. `squared` is (2 R)^2. Returns
+ * 128 if there is no such v. unit <= 2^21, so the squares are below 2^60.
  */
 static int32_t least_for(int64_t squared, int32_t unit)
 {

@@ -50,7 +50,6 @@ static int32_t max32(int32_t a, int32_t b)
 
 /* ------------------------------------------------------------- boxes */
 
-/* Clips a box to the grid. Returns false if the clipped box is empty. */
 static bool clip_box(const ost_voxel_box *box, ost_dims dims, ost_voxel_box *out)
 {
     const int32_t d[3] = {dims.x, dims.y, dims.z};
@@ -128,14 +127,17 @@ static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const
 
 /* ---------------------------------------------------------------- a unit */
 
-/* The bricks of a unit that have hits, and for each brick the set of voxels that are hit. */
+/* The bricks of a unit that have hits. For each of these bricks, hits[] contains the set of voxels that are hit. */
 typedef struct hit_list {
     int32_t number[OST_UNIT_BRICKS];
     uint64_t hits[OST_UNIT_BRICKS];
     size_t count;
 } hit_list;
 
-/* Appends a brick with its active voxels that are in the set `hits` to the list, and makes these voxels inactive. */
+/*
+ * Makes the active voxels of a brick that are in the set `hits` inactive. Appends the brick with these voxels to the
+ * list.
+ */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
     const uint64_t active = occupancy[number], hit = active & hits;
@@ -146,8 +148,8 @@ static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number,
 }
 
 /*
- * Lists the blocks of the unit that overlap the box and that can have voxels in the tool's grid. The plan contains
- * bases for all blocks that overlap the box.
+ * Lists the blocks of the unit that overlap the box and that can have voxels in the tool's grid. The plan must contain
+ * the bases of all blocks that overlap the box.
  */
 static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3],
                            int32_t edge, ost_cubes *blocks)
@@ -189,7 +191,6 @@ static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uin
                 add_hits(list, occupancy, part, brick_within(unit, part, box, across));
 }
 
-/* Applies one pose to one unit of a chunk. */
 static void run_unit(const ost_cpu_kernels *kernels, const ost_pose_plan *plan, const int32_t unit[3], int32_t edge,
                      int16_t *density, uint64_t *occupancy, const ost_take *take, ost_tally *tally)
 {
@@ -270,9 +271,8 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
 }
 
 /*
- * Processes the listed chunks with several threads. If one thread is enough, the caller processes the chunks in a
- * plain loop instead, because a parallel region ends with a system call even if it has only one thread, and this call
- * would occur in every tick.
+ * Processes the listed chunks with several threads. If one thread suffices, no parallel region is opened: even a region
+ * with a single thread ends with a system call, which would occur in every tick.
  */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply,
                        const ost_density_classes *classes)
@@ -401,8 +401,8 @@ static void copy_occupancy(const cpu_bone *bone, ost_event_scratch *scratch)
 }
 
 /*
- * Adds a chunk to the report. For each border, the chunk's tally counts all densities that are not below the border.
- * The report counts each density class separately, so its values are differences between values of the tally.
+ * Adds a chunk to the report. For each class border, the chunk's tally counts all densities that are not below the
+ * border. The report counts each density class separately, so its values are differences between values of the tally.
  */
 static ost_status report_chunk(const ost_event_chunk *chunk, const ost_density_classes *classes,
                                ost_removal_report *report, ost_error *err)

@@ -23,12 +23,10 @@
  * 0 <= offset < (8 - step) voxels of it.  The brick is then at most 9 - step voxels
  * wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
- * where c is the least coordinate relative to the window's first voxel.
- * No mixed brick of a split needs a window beyond the table: its centre lies in
- * a cell with |v| < least, so a granule that is not void, and with it the tool's
- * grid, is nearer to the cell than least units of 1/8 granule, which is at most
- * (R + 2) / unit + 1 of them.  With R <= 3.6 voxels, granules of up to 2 voxels
- * and cells of up to 4 voxels, that is
+ * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
+ * the table: its centre lies in a cell with |v| < least, so a granule that is not empty, and with it the tool's grid,
+ * is nearer to the cell than least units of 1/8 granule, which is at most (R + 2) / unit + 1 of them.  With R <= 3.6
+ * voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
@@ -49,14 +47,14 @@ enum {
     /* greatest edge of a unit in voxels; a unit is a chunk or, if chunks have 64^3 voxels, an eighth of a chunk */
     OST_UNIT = 32,
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* number of elements after the last one that may be overwritten by a kernel */
+    OST_CUBES_SLACK = 16,  /* number of elements after the last cube that a kernel may overwrite */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };
 
 /*
- * A list of cubes that all have the same edge. `number` is a cube's Morton index within the unit: cube n
- * contains the cubes 8n..8n+7 of half the edge.
+ * A list of cubes that all have the same edge. number[i] is the Morton index of cube i within the unit; the cube with
+ * the Morton index n contains the cubes 8n..8n+7 of half the edge.
  */
 typedef struct ost_cubes {
     _Alignas(64) int32_t u[3][OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -69,26 +67,30 @@ typedef struct ost_numbers {
     size_t count;
 } ost_numbers;
 
-/* The constants, for one pose, with which the `split` kernel divides cubes of a given size into eight parts. */
+/* Constants with which the `split` kernel divides cubes of a given size into eight parts, for one pose. */
 typedef struct ost_split {
-    _Alignas(32) int32_t first[3][8];  /* offset from a cube's u to the u of its part number x + 2y + 4z */
-    _Alignas(32) int32_t centre[3][8]; /* offset from a cube's u to the centre of the part, rounded down */
-    /* least absolute value of a cell with which a part is not mixed, 1..127; 128 if every part is mixed */
+    /* offset from the coordinate u of a cube to the u of the cube's part x + 2y + 4z */
+    _Alignas(32) int32_t first[3][8];
+    /* offset from the coordinate u of a cube to the centre of the part, rounded down */
+    _Alignas(32) int32_t centre[3][8];
+    /* least absolute value of a cell for which a part is not mixed, 1..127; 128 if every part is mixed */
     int32_t least;
 } ost_split;
 
-/* The constants, for one pose, with which the `match` kernel tests the voxels of bricks. In an array of 64 elements,
-   voxel (x, y, z) of a brick has the index x + 4y + 16z. */
+/*
+ * Constants with which the `match` kernel tests the voxels of bricks, for one pose. In an array of 64 elements, voxel
+ * (x, y, z) of a brick has the index x + 4y + 16z.
+ */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
     _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
-    int32_t offset[3][64];             /* offset from a brick's u to the u of its voxel */
+    int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the least element of offset[] on each axis */
     /* true if windows may be used; `high`, `low`, `tie` and `near_tie` are then valid */
     bool windows;
     /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
     uint8_t tie[1 << OST_TIE_BITS];
-    /* bit n of near_tie[a] is set if one of the elements tie[8 n] to tie[8 n + 7] has bit a */
+    /* bit n of near_tie[a] is set if at least one of the elements tie[8 n] to tie[8 n + 7] has bit a set */
     _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32];
     const ost_shape *shape;
 } ost_match;
@@ -101,8 +103,10 @@ typedef struct ost_take {
     bool apply;         /* true if the voxels that are hit are set to 0 */
 } ost_take;
 
-/* The number of hits and the sum of their densities. Element 0 is for all hits; element b > 0 is for the hits whose
-   density is at least border[b - 1]. */
+/*
+ * The number of hits and the sum of their densities. Element 0 counts all hits. Element b > 0 counts the hits whose
+ * density is at least border[b - 1].
+ */
 typedef struct ost_tally {
     uint64_t voxels[OST_CLASS_MAX];
     uint64_t density[OST_CLASS_MAX];

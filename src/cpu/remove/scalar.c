@@ -50,7 +50,7 @@ void ost_split_scalar(const ost_split *split, const ost_cells *cells, const ost_
     inside->count = n;
 }
 
-/* Computes the hits of a brick by reading the tool's bytes, one for each voxel of the brick. */
+/* Computes the hits of a brick by reading one byte of the tool for each voxel of the brick. */
 static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 {
     const ost_shape *s = match->shape;
@@ -65,8 +65,10 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
     return hits;
 }
 
-/* Computes the hits of a brick from one window. c and offset - lowest are not negative, and their sum is below 8 tool
-   voxels. */
+/*
+ * Computes the hits of a brick from one window. The sum of c and offset - lowest (remove.h, "Match") is not negative
+ * and below 8 tool voxels.
+ */
 static uint64_t match_window(const ost_match *match, const int32_t u[3])
 {
     const ost_windows *w = &match->shape->windows;

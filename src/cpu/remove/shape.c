@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the tables of shape.h.
+ * Computes the tables of shape.h.
  *
  * The distances are those between boxes on a lattice, so each axis can be processed
  * separately.  Let gap(c, g) be the distance in granules between cell c and granule g
@@ -82,12 +82,13 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
 }
 
 /*
- * For every cell of a row, computes the squared gap along x to the nearest granule that is not entirely of the given
- * kind (solid or empty). The result is FAR if there is no such granule nearer than REACH.
+ * For every cell of a row, computes the squared gap along x to the nearest granule whose state is not `kind` (solid or
+ * empty). The gap is FAR if no such granule is nearer than REACH.
  */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
-    if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) { /* most rows */
+    /* true for most rows */
+    if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) {
         memset(out, state[0] == kind ? FAR : 0, (size_t)cells);
         return;
     }
@@ -144,8 +145,8 @@ static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int pe
 }
 
 /*
- * Writes the values of all cells of one kind, solid or empty. a and b are scratch memory, each with at least as many
- * bytes as there are granules.
+ * Writes the values of all cells whose state is `kind` (solid or empty). The scratch arrays a and b must each have at
+ * least one byte per granule.
  */
 static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b, int8_t *value)
 {
@@ -174,9 +175,9 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
 }
 
 /*
- * Makes the table of cells. A cell with a gap of 0 contains or touches a granule that is not of the cell's
- * kind; its v is 0, which is also the value of mixed cells. The margin is a multiple of a cell's edge, and
- * is so large that cell 0 is at least OST_CELL_REACH granules away from the tool's granule 0.
+ * Computes the table of cells. A solid or empty cell that touches a granule of a different state has the value 0, like
+ * a mixed cell. The margin is a multiple of a cell's edge, and is so large that cell 0 is at least OST_CELL_REACH
+ * granules away from the tool's granule 0.
  */
 static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 {
@@ -219,15 +220,15 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 enum { EDGE = 8 };
 
 /*
- * The bytes of all windows, in columns. Column i contains the bytes of the windows that begin at
- * the same x, one byte for every row (y, z) of the tool and of the empty space around the tool. z
- * is fastest, so the eight bytes of a window that have the same y are adjacent.
+ * The bytes of all windows, in columns. Column i contains the bytes of the windows with x index i, one byte for every
+ * row (y, z) of the tool and of the empty space around the tool. The index z is fastest, so the eight bytes of a window
+ * that have the same y are adjacent.
  *
  *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
  */
 typedef struct columns {
     uint8_t *byte;
-    size_t width[2]; /* number of rows along z and along y */
+    size_t width[2]; /* number of rows along z, and along y */
 } columns;
 
 static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3], columns *c)
@@ -297,10 +298,9 @@ static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number
 }
 
 /*
- * Returns the coarsest step of windows for this ratio, or 0 if no step is possible. A
- * brick's coordinates span at most 3 * sqrt(3) * ratio + 9/2 units along an axis, by the
- * bound of AR-MAP-5 on the sum of a column's steps. The span must be below 8 - step
- * voxels, so that a brick overlaps at most 9 - step voxels.
+ * Returns the coarsest step of windows for this ratio, or 0 if no step is possible. A brick's coordinates span at most
+ * 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a tool axis.
+ * The span must be below 8 - step voxels, so that a brick overlaps at most 9 - step voxels.
  */
 static int32_t window_step(int32_t ratio)
 {
@@ -312,8 +312,8 @@ static int32_t window_step(int32_t ratio)
 }
 
 /*
- * Makes the table of windows. On each axis, the first window begins at voxel -OST_WINDOW_MARGIN, and the
- * last window begins beyond voxel dims + 8 - step. remove.h explains why no brick needs further windows.
+ * Computes the table of windows. On each axis, the first window begins at voxel -OST_WINDOW_MARGIN, and the last window
+ * begins beyond voxel dims + 8 - step. remove.h explains why no brick needs further windows.
  */
 static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
 {

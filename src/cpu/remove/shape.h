@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shape of a tool: two tables that removal uses.  They describe the voxels of one
- * class of the tool, which are called solid here.  The tables are derived once from the
- * tool's voxels, for a range of bone voxel sizes.
+ * The shape of a tool consists of two tables that removal uses. They describe the voxels of one class of the tool,
+ * which this file calls solid. The tables are derived once from the tool's voxels, for a range of bone voxel sizes.
  *
  *   cells     a lower bound of the distance to the solid's surface;
  *             classifies cubes of bone voxels as inside, outside or mixed
@@ -54,7 +53,7 @@ typedef struct ost_cells {
 } ost_cells;
 
 typedef struct ost_windows {
-    const uint32_t *index; /* number of the line of each window, x fastest */
+    const uint32_t *index; /* number of each window's line in the array `line`, x fastest */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
     int32_t step; /* step of windows: 3, 2 or 1; 0 if there are no windows */
@@ -63,22 +62,21 @@ typedef struct ost_windows {
 typedef struct ost_shape {
     ost_cells cells;
     ost_windows windows;
-    const uint8_t *voxels; /* the tool's voxels, one byte each, x fastest; not owned */
+    const uint8_t *voxels; /* the tool's voxels, one byte per voxel, x fastest; not owned */
     int32_t dims[3];
     uint8_t kind; /* the class of tool voxels that this shape describes */
     void *memory[3]; /* owned */
 } ost_shape;
 
 /*
- * Makes the tables for the tool voxels of class `kind`. `ratio` is the edge of a bone
- * voxel in tool voxels, times 2^20, rounded up. It is at most
- * OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the function fails,
- * and the caller must call ost_shape_free in either case.
+ * Computes the tables for the tool voxels of class `kind`. The parameter `ratio` is the edge of a bone voxel in tool
+ * voxels, times 2^20, rounded up. It is at most OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the
+ * function fails, and the caller must call ost_shape_free in either case.
  */
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
-/* Returns true if ost_shape_make would make the same tables as those of *shape for this ratio. */
+/* Returns true if ost_shape_make would compute the same tables as those of *shape for this ratio. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif

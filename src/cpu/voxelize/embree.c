@@ -95,7 +95,8 @@ struct ost_embree {
 };
 
 struct ost_embree_scratch {
-    uint32_t *last_tile; /* for each primitive, the number of the last tile whose rays hit it; 0: none */
+    /* for each primitive, the number of the last tile whose rays hit the primitive; 0 before the first hit */
+    uint32_t *last_tile;
     uint32_t tiles;      /* number of tiles so far, which is also the number of the current tile */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;

@@ -10,8 +10,8 @@
  *       M   . . . 1 . . . 1
  *   M - P   . 1 1 . . 1 1 .        so M - P has the solid centres' bits.
  *
- * The result Q = M - P shows if this is so.  Let L = 2 Q, which has the bit of the
- * previous centre at each centre, and X = P xor M.  If
+ * The result Q = M - P shows whether the crossings alternate. Let L = 2 Q, which has the bit of the previous centre at
+ * each centre, and X = P xor M. If
  *
  *   X = Q xor L                    Q changes where there is a crossing, and only there
  *   X and (Q xor P) = 0            it becomes 1 where one enters, 0 where one leaves
@@ -26,10 +26,9 @@
  * word, q + b = m - p + b' 2^64, where b is the bit before the word and b' its last bit,
  * so that b' is the borrow of m - p - b.
  *
- * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the
- * conditions, and W = -Q.  A kernel first tries the order that held for the previous row, then the
- * other.  A row that satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is
- * summed crossing by crossing.
+ * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the conditions, and W =
+ * -Q. A kernel first tries the order that was valid for the previous row, and then the opposite order. A row that
+ * satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is summed crossingby crossing.
  */
 #include <string.h>
 

@@ -60,7 +60,7 @@
 
 enum { BUFFER = 1024 };
 
-/* The numbers of the plane bits that are still to be set. */
+/* The numbers of the plane bits that have not been set yet. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;
@@ -163,7 +163,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
     valid = vm_and(valid, small);
 
-    /* The normal. Corners are exchanged so that the triangle is oriented counter-clockwise. */
+    /* Computes the normal, and exchanges corners so that the triangle is oriented counter-clockwise. */
     const vd ux = vd_sub(bx, ax), uy = vd_sub(by, ay), uz = vd_sub(bz, az);
     const vd vx = vd_sub(cx, ax), vy = vd_sub(cy, ay), vz = vd_sub(cz, az);
     vd nx = vd_sub(vd_mul(uy, vz), vd_mul(uz, vy));

@@ -89,7 +89,7 @@ void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step)
 }
 
 typedef struct edge {
-    int64_t c;  /* C of the first slice */
+    int64_t c;  /* C in the first slice (formula at the top of this file) */
     int64_t dc; /* change of C from one slice to the next */
     int64_t dz;
     double d; /* dz w */

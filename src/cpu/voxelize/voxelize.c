@@ -28,7 +28,7 @@ enum {
 
 typedef struct job {
     const cpu_backend *backend;
-    const ost_snapped_mesh *mesh[2]; /* [0]: the cutting mesh; [1]: the noncutting mesh, or NULL */
+    const ost_snapped_mesh *mesh[2]; /* mesh[0] is the cutting mesh; mesh[1] is the noncutting mesh or NULL */
     ost_fill_rule rule;
     int threads;
     ost_vox_plan plan;

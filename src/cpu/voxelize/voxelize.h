@@ -22,7 +22,7 @@
  * no crossing is lost and no count saturates.
  *
  * If the crossings of a row enter and leave alternately, the row is filled by the subtraction minus
- * - plus (fill.c); the result also shows whether they do.  All other rows, and rows with spilled
+ * - plus (fill.c); the result also shows whether the crossings alternate. All other rows, and rows with spilled
  * crossings, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
@@ -39,9 +39,10 @@ struct ost_vox_tile {
     int32_t k0, k1;     /* slices k0 <= k < k1 */
     uint32_t row_bits;  /* number of bits of a row in a plane: 64 * words, >= nx */
     uint32_t minus;     /* offset in bits of the minus plane in `planes`, which has < 2^31 bits */
-    uint64_t *planes;   /* rows of plus, padding to complete blocks, rows of minus, padding */
+    uint64_t *planes;   /* the rows of plus, padding to complete blocks, the rows of minus, and padding */
     uint8_t *row_state; /* flags of each row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
-    int32_t *spill;     /* nx + 1 steps per row, valid if OST_VOX_SPILLED is set; NULL before the first spill */
+    /* array of nx + 1 steps per row, valid for rows with the flag OST_VOX_SPILLED; NULL before the first spill */
+    int32_t *spill;
     bool any_unproven;
     bool no_memory; /* true if the allocation of spill has failed; the result is then invalid */
 };
@@ -69,7 +70,10 @@ static inline int ost_vox_words(int32_t n)
     return words <= 2 ? words : words <= 4 ? 4 : (words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK;
 }
 
-/* Adds a crossing to the steps of its row, because no bit can represent it: its bit is already set, or i = nx. */
+/*
+ * Adds a crossing to the steps of its row. Used if no bit can represent the crossing, because the bit is already set or
+ * i = nx.
+ */
 void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step);
 
 /* Marks a crossing by setting bit number `bit` of the planes. If the bit is already set, spills the crossing. */

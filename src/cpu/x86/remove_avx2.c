@@ -107,7 +107,7 @@ enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128 };
 typedef struct places {
     _Alignas(32) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of its line */
+    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of the window's line */
     uint32_t tied[PIECE];
 } places;
 

@@ -266,7 +266,7 @@ enum { PIECE = 128 };
 typedef struct places {
     _Alignas(64) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE];        /* number of each brick's window, later replaced by the number of its line */
+    uint32_t line[PIECE];        /* number of each brick's window, later replaced by the number of the window's line */
     uint32_t tied[PIECE + 16];   /* list of the bricks near a tie, whose hits may be recomputed with carries */
 } places;
 
@@ -318,7 +318,10 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     return near;
 }
 
-/* Computes the positions of all bricks of a piece, and lists the bricks near a tie. Returns their number. */
+/*
+ * Computes the positions of all bricks of a piece, and lists the bricks near a tie. Returns the number of listed
+ * bricks.
+ */
 static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, size_t from, size_t count, places *at)
 {
     const __m512i sixteen = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
