@@ -2,10 +2,9 @@
 /*
  * The functions of OpenCL 1.2 that this backend calls, as a table of function pointers.
  *
- * All calls go through the table that was passed when the backend was opened.  ost_cl_loader is the
- * table of the system's loader.  A test passes a copy of this table in which some functions are
- * replaced: they count calls, fail, or return wrong results.  Therefore a test needs no driver of
- * its own.
+ * All calls go through the table that was passed when the backend was opened. ost_cl_loader is the table of the
+ * system's loader. A test passes a copy of this table in which some functions are replaced by functions that count
+ * calls, fail, or return wrong results. Therefore a test needs no driver of its own.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H

@@ -33,7 +33,7 @@ static cl_backend *backend_of(const cl_bone *bone)
     return (cl_backend *)bone->base.backend;
 }
 
-/* ------------------------------------------------------------ life, spare buffers */
+/* ------------------------------------------------------------ creation, spare buffers */
 
 ost_status ost_cl_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
                               ost_bone **out, ost_error *err)
@@ -98,16 +98,20 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
         info->active_voxels += bone->active[c];
     }
     info->chunk_bytes = info->active_chunks * (int64_t)ost_chunk_bytes(base->chunk_size);
-    /* The memory of a slot: its densities, its words of occupancy, and an element of the list of free slots. The memory
-       of a chunk: its slot number, on the host and on the device, and its count of active voxels. */
+    /*
+     * A slot occupies memory for its densities, its words of occupancy, and an element of the list of free slots. A
+     * chunk occupies memory for its slot number, on the host and on the device, and for its count of active voxels.
+     */
     const size_t slot = bone->chunk_voxels * sizeof(int16_t) + bone->chunk_voxels / 8 + sizeof *bone->free;
     const size_t chunk = 2 * sizeof *bone->slot + sizeof *bone->active;
     info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone);
     return status;
 }
 
-/* Ensures that the pool has a capacity of at least `capacity` slots. On an error, the old pool remains. If `raw` is
-   true, the caller will write all slots completely, so they are not set to zero. */
+/*
+ * Ensures that the pool has a capacity of at least `capacity` slots. If this fails, the pool is unchanged. If `raw` is
+ * true, the new slots are not set to zero, because the caller writes all slots completely.
+ */
 static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *err)
 {
     if (capacity <= bone->capacity)
@@ -133,7 +137,8 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
     if (status == OST_OK && bone->used) {
         b->entered[OST_CL_PATH_POOL_GROWN]++;
-        status = ost_cl_finish(b, err); /* the copies must end before the old buffers are released */
+        /* the old buffers are the sources of the copies, which must end before the release */
+        status = ost_cl_finish(b, err);
     }
     if (status != OST_OK) {
         ost_cl_spare_return(b, &density, reserved);
@@ -180,12 +185,17 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 
 /* ---------------------------------------------------------------- slices */
 
-/* The source of slices that are stored in a bone: voxels on the host, or a grid that is already on the device. */
+/*
+ * The slices that are stored in a bone. The source is either voxels on the host or a grid that is already on the
+ * device.
+ */
 typedef struct slices {
     int32_t z0, z1;
-    const int16_t *voxels; /* voxels on the host; NULL if the source is a grid on the device, from slice 0 on */
+    /* voxels of slice z0 on the host; NULL if the source is a grid on the device, whose slab begins with slice 0 */
+    const int16_t *voxels;
     cl_mem slab;           /* a buffer of `step` slices, or the store of the grid */
-    cl_mem layers;         /* slice k is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0 */
+    /* slice k is slice layers[first + k - z0] of the slab or, if `first` is negative, slice k - z0 */
+    cl_mem layers;
     /* If weights >= 0, slice k is the mean of slice layers[first + k - z0] and the next slice of the slab, and
        layers[weights + k - z0] is the weight of the next slice. */
     int32_t first, weights;
@@ -203,7 +213,7 @@ static int32_t slab_step(const cl_bone *bone, int32_t count)
     return fit < 1 ? 1 : fit < (size_t)count ? (int32_t)fit : count;
 }
 
-/* The function of a pass. It processes the slices z0 <= k < z1, which are in the slab. */
+/* The function of a pass. It processes the slices z0 <= k < z1, which the slab contains. */
 typedef ost_status slab_pass(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, void *user, ost_error *err);
 
 static ost_status for_slabs(cl_bone *bone, const slices *s, slab_pass *pass, void *user, ost_error *err)
@@ -258,7 +268,10 @@ static ost_status store(cl_bone *bone, int32_t z0, int32_t z1, const slices *s, 
                          err);
 }
 
-/* Counts the active voxels of all slots: sets count[i] to the number in slot i, for all i < bone->used. */
+/*
+ * Counts the active voxels of all slots. Sets count[i] to the number of active voxels in slot i, for 0 <= i <
+ * bone->used.
+ */
 static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -275,8 +288,10 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     return status;
 }
 
-/* Runs the first pass. For each chunk c, sets scanned[c] to the number of the chunk's voxels that the slices make
-   active. */
+/*
+ * Runs the first pass. For each chunk c, sets scanned[c] to the number of voxels of the chunk that the slices make
+ * active.
+ */
 static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -291,8 +306,10 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
     return status;
 }
 
-/* Assigns slots to the chunks that will have active voxels. Until store_slices ends, a chunk without active voxels may
-   have a slot too. */
+/*
+ * Assigns slots to the chunks that will have active voxels. Until the function store_slices ends, chunks without active
+ * voxels may have slots too.
+ */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
     /* In the kernel set for CPUs, the kernel that stores slices also writes the padding. */
@@ -345,7 +362,7 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
     if (status == OST_OK && counted)
         status = count_slots(bone, counted, err);
-    if (status == OST_OK) /* the wait also reports errors of earlier commands */
+    if (status == OST_OK) /* waiting for the queue also reports errors of earlier commands */
         status = ost_cl_finish(backend_of(bone), err);
     bone->lost = status != OST_OK;
     for (size_t c = layer * (size_t)(s->z0 / n); status == OST_OK && c < layer * (size_t)((s->z1 + n - 1) / n); c++)
@@ -431,7 +448,9 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
 
 ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* The bone is not const here, because its table of slots on the device may be updated. No voxel changes. */
+    /*
+     * The function casts const away, because it may update the bone's table of slots on the device. No voxel changes.
+     */
     cl_bone *bone = (cl_bone *)(uintptr_t)base;
     cl_backend *b = backend_of(bone);
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);

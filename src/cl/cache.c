@@ -90,8 +90,10 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
            ost_digest_equal(&checksum, &head->checksum);
 }
 
-/* The number of zero bytes after the binary in memory. They are needed because PoCL 3.1 reads a complete header before
-   it checks the length of the binary. */
+/*
+ * The number of zero bytes after the binary in memory. PoCL 3.1 reads a complete header before it checks the length of
+ * the binary, and reads these bytes if the binary is shorter.
+ */
 enum { SLACK = 256 };
 
 /* Reads an entry of file->size bytes and returns its binary. Returns NULL if the entry is not valid. */
@@ -164,7 +166,7 @@ bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, 
     char parent[sizeof cache->folder];
     snprintf(parent, sizeof parent, "%s", cache->folder);
     *strrchr(parent, '/') = 0;
-    mkdir(parent, 0700); /* only the last two levels are created, not the folders above */
+    mkdir(parent, 0700); /* mkdir creates only the last two levels of the path */
     mkdir(cache->folder, 0700);
     const int folder = open_folder(cache);
     if (folder < 0)

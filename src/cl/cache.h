@@ -21,7 +21,7 @@
 #include <osteon/digest.h>
 
 typedef struct ost_cl_cache {
-    char folder[1024]; /* path of the cache's folder; "" if there is none */
+    char folder[1024]; /* path of the cache's folder; "" if no folder was found */
     char entry[80];    /* file name of the entry in `folder` */
     ost_digest key;
 } ost_cl_cache;

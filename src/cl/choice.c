@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the list of devices. If a device is rejected, its entry contains the reason.
+ * Builds the list of devices. If a device is rejected, its entry contains the reason.
  *
  *   loader -- no platform                      icd.c finds the reason
  *      |
@@ -38,8 +38,10 @@ static void tidy(char *text)
             *p = '?';
 }
 
-/* Sets `out` to the beginning of a text that the driver reports for a platform, or to "" if the driver reports none.
-   Drivers refuse a buffer that is too small, so the complete text is read first and then cut. */
+/*
+ * Sets `out` to the beginning of a text that the driver reports for a platform, or to "" if the driver reports no text.
+ * Drivers reject a buffer that is too small, so the complete text is read first and then truncated.
+ */
 static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_platform_info what, char out[OST_CL_NAME])
 {
     size_t size = 0;
@@ -129,8 +131,10 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
 
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
-    /* Mesa's llvmpipe ends long loops early. fingerprint.c would detect this, and the kernel set for GPUs would then
-       be built; testing the name avoids building two programs. */
+    /*
+     * Mesa's llvmpipe reports a CPU but ends long loops early. fingerprint.c would detect this, and the kernel set for
+     * GPUs would then be built; testing the name avoids building two programs.
+     */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 
     if (!answered || !d->name[0])
@@ -224,8 +228,11 @@ static bool is_number(const char *text)
     return text[0] && strspn(text, "0123456789") == strlen(text) && strlen(text) < 10;
 }
 
-/* Returns true if the value of an option selects the platform or device with this index and name. "" selects every
-   one, a number selects the index, and any other text selects a name that contains the text. */
+/*
+ * Returns true if the value of the option platform= or device= selects the platform or device with this index and name.
+ * The value "" selects every index, a number selects one index, and any other text selects the names that contain the
+ * text.
+ */
 static bool fits(const char *wanted, int index, const char *name)
 {
     if (!wanted[0])

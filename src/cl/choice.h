@@ -29,31 +29,34 @@ typedef struct ost_cl_device {
     cl_ulong max_buffer; /* maximum size of one buffer, in bytes */
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
-    bool cpu; /* true if the device has few strong cores, so that OST_CL_SET_AUTO selects the kernel set for CPUs */
-    /* if the device is rejected because of the properties that the driver reports: the reason; otherwise "" */
+    bool cpu; /* true if OST_CL_SET_AUTO selects the kernel set for CPUs, that is, if the device has few strong cores */
+    /* why the device is rejected by the properties that the driver reports; "" if the device is not rejected */
     char reason[OST_CL_REASON];
 } ost_cl_device;
 
 typedef struct ost_cl_devices {
     size_t count;
     ost_cl_device *list; /* owned */
-    char reason[OST_CL_REASON]; /* if there is no platform: the reason */
+    char reason[OST_CL_REASON]; /* why there is no platform; set only if the list is empty */
 } ost_cl_devices;
 
 /* Lists all platforms and devices. Sets all members of *out, also on failure. */
 ost_status ost_cl_devices_list(const ost_cl_api *cl, ost_cl_devices *out, ost_error *err);
 void ost_cl_devices_free(ost_cl_devices *devices);
 
-/* The two kernel sets, with the values of OST_FOR (kernels/shared.h). OST_CL_SET_AUTO selects a kernel set by the type
-   of the device. */
+/*
+ * The two kernel sets, with the values of OST_FOR (kernels/shared.h). OST_CL_SET_AUTO selects a kernel set by the
+ * device type.
+ */
 typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CPU = 2 } ost_cl_set;
 
 typedef struct ost_cl_options {
-    char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "": any */
-    size_t workgroup;                                /* number of work items per work group; 0: default */
-    /* maximum number of bytes that a stage transfers or processes at a time; 0: the stage's own limit */
+    char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "" selects any platform or device */
+    size_t workgroup;                                /* number of work items per work group; 0 selects the default */
+    /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */
     size_t staging;
-    unsigned order; /* seed that permutes work items (OST_ORDER of kernels/common.h); 0: no permutation */
+    /* seed by which work items are permuted (OST_ORDER of kernels/common.h); 0 if they are not permuted */
+    unsigned order;
     ost_cl_set kernels;
 } ost_cl_options;
 
@@ -61,11 +64,16 @@ ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error 
 /* Returns true if the `platform` and `device` options select this device. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
-/* Returns lines "CL_DEVICE_VENDOR=..." that describe the platform and the device, for the record. The caller frees the
-   text. Returns NULL if there is no memory. */
+/*
+ * Returns lines such as "CL_DEVICE_VENDOR=..." that describe the platform and the device, for the record. The caller
+ * frees the text. Returns NULL if memory is exhausted.
+ */
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
 
-/* Writes the reason why the loader reports no platform, if this reason can be found in the loader's driver folder. */
+/*
+ * Writes the reason why the loader reports no platform. The reason names the first driver in the loader's driver folder
+ * that cannot be loaded. If no such driver is found, the reason is a hint to install a driver.
+ */
 void ost_cl_icd_reason(char *reason, size_t size);
 
 #endif

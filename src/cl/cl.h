@@ -90,26 +90,30 @@ typedef struct cl_backend {
     const ost_cl_api *cl;
     ost_cl_device device;
     bool cpu_set;     /* true if the kernel set for CPUs is used; false for the one for GPUs */
-    size_t workgroup; /* number of work items per work group; 0: default */
+    size_t workgroup; /* number of work items per work group; 0 selects the default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
-    uint32_t turns;   /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */
-    int run;          /* number of voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
+    /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */
+    uint32_t turns;
+    /* number of voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
+    int run;
     cl_context context;
     cl_command_queue queue;
     struct {
         cl_mem buffer;
         size_t bytes;
-    } spare[OST_CL_SPARES]; /* owned; freed buffers that can be reused at about the same size (spare.c) */
+    /* owned buffers that were freed and can be reused for buffers of about the same size (spare.c) */
+    } spare[OST_CL_SPARES];
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel */
     bool from_cache;                              /* true if the program's binary was found in the cache */
     ost_digest empty_leaf;
-    /* number of launches of each kernel, excluding events whose boxes overlap no block */
+    /* number of launches of each kernel; launches without a block are not counted */
     uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
-    struct ost_cl_event_scratch *event; /* owned; scratch of events (remove.c); NULL before the first event */
+    /* owned scratch memory of events (remove.c); NULL before the first event */
+    struct ost_cl_event_scratch *event;
 } cl_backend;
 
 /* ------------------------------------------------------------- context.c */
@@ -128,7 +132,7 @@ static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
    each path of OST_CL_PATHS, with its count. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* For tests: the functions that implement the slots in cl.c, with a table of OpenCL functions as a parameter. */
+/* Functions for tests: they implement slots in cl.c, and take the table of OpenCL functions as a parameter. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
 bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);
@@ -170,7 +174,10 @@ ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t
 ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data,
                         ost_error *err);
 ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
-/* Enqueues a transfer to the buffer. `data` must remain unchanged until the next call that waits for the queue. */
+/*
+ * Enqueues a transfer from `data` to the buffer. The caller must not change `data` until the next call that waits for
+ * the queue.
+ */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
 /* Waits until all commands in the queue have ended. */
@@ -178,8 +185,10 @@ ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* ---------------------------------------------------------------- spare.c */
 
-/* Sets *out to a buffer of at least `bytes` bytes with undefined content, and *reserved to the actual size. Large
-   buffers are reused. */
+/*
+ * Sets *out to a buffer of at least `bytes` bytes with undefined content, and *reserved to the buffer's size. Large
+ * buffers are reused.
+ */
 ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
                              ost_error *err);
 /* Releases a buffer or stores it for reuse, and sets *buffer to NULL. *buffer may be NULL before the call. */
@@ -187,7 +196,7 @@ void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
 /* Releases all buffers that are stored for reuse. Returns true if at least one buffer was released. */
 bool ost_cl_spare_clear(cl_backend *backend);
 
-/* One argument of a kernel: a pointer to the value, and the size of the value. */
+/* One argument of a kernel: `value` points to the argument, which has `size` bytes. */
 typedef struct ost_cl_arg {
     size_t size;
     const void *value;

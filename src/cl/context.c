@@ -97,8 +97,11 @@ static ost_status set_up_program(cl_backend *b, ost_error *err)
     return status;
 }
 
-/* Creates the context, the queue and the program. If `chosen` is true, the user has selected the kernel set, so it
-   is not replaced. */
+/*
+ * Creates the context, the queue and the program. If the device ends long loops, the kernel set for CPUs is replaced by
+ * the one for GPUs. If `chosen` is true, the user has selected the kernel set, and the function returns an error
+ * instead.
+ */
 static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
 {
     cl_int code = CL_SUCCESS;

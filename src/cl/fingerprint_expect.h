@@ -79,7 +79,7 @@ static inline void ost_cl_fingerprint_expect(uint64_t a, uint64_t b, uint64_t to
     to[31] = z ^ z / (UINT64_C(1) << 31);
 }
 
-/* Sets counters to the values that are expected after all work items have ended. `in` has `count` words. */
+/* Sets counters[] to the values that are expected after all work items have ended. The array `in` has `count` words. */
 static inline void ost_cl_fingerprint_expect_atomics(const uint64_t *in, uint32_t count,
                                                      uint32_t counters[OST_CL_FINGERPRINT_COUNTERS])
 {

@@ -93,7 +93,8 @@ ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err)
     else
         status = ost_cl_copy(b, grid->store->voxels, own->voxels, grid_bytes(&grid->base.geometry), err);
     if (status == OST_OK)
-        status = ost_cl_finish(b, err); /* the kernel must end before the old store, its source, is released */
+        /* the old store is the source of the kernel, so the kernel must end before the store is released */
+        status = ost_cl_finish(b, err);
     if (status != OST_OK) {
         store_release(b, own);
         return status;

@@ -135,7 +135,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err)
 {
-    /* The grid is not const here, because the result may share its store. No voxel changes. */
+    /* The function casts const away, because the result may share the store of the grid. No voxel changes. */
     cl_grid *rect = (cl_grid *)(uintptr_t)base;
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;
@@ -148,8 +148,10 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z0 = 0,
         .z1 = geometry->dims.z,
     };
-    /* On an axis with equal spacings, the source of a voxel has the voxel's own index under every rule, and the upper
-       neighbour has the weight 0. */
+    /*
+     * If the spacings of an axis are equal, the source of a voxel has the voxel's own index under every rule, and the
+     * upper neighbour has the weight 0.
+     */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;
     const size_t axes = (size_t)geometry->dims.x + (size_t)geometry->dims.y + (size_t)geometry->dims.z;
@@ -171,7 +173,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK && !z_alone)
         status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels,
                                  ((cl_grid *)to)->store->voxels, err);
-    if (status == OST_OK) /* the wait also reports errors of earlier commands */
+    if (status == OST_OK) /* waiting for the queue also reports errors of earlier commands */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {
         ((cl_grid *)to)->cubic = cubic_buffer;

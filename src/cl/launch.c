@@ -42,7 +42,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_spare_clear(b)) /* try again, because the buffers stored for reuse occupied memory */
+    if (ost_cl_spare_clear(b)) /* the function is called again, because the buffers stored for reuse occupied memory */
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }
@@ -73,8 +73,10 @@ static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t 
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueFillBuffer", "");
 }
 
-/* Sets a part of a buffer to zero. Uses the widest pattern of OpenCL, because drivers fill one pattern after the other.
-   Both ends of the part are filled byte by byte. */
+/*
+ * Sets a part of a buffer to zero. Uses the widest pattern of OpenCL, because drivers fill one pattern after the other,
+ * and fills the unaligned ends of the part byte by byte.
+ */
 ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
 {
     const size_t unit = sizeof(cl_ulong16), begin = (offset + unit - 1) / unit * unit,
@@ -127,8 +129,10 @@ ost_status ost_cl_finish(cl_backend *b, ost_error *err)
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clFinish", "");
 }
 
-/* Returns the size of a work group: the size that the user has requested or the default, but not more than the kernel's
-   limit. A default size is reduced to what the range needs. */
+/*
+ * Returns the size of a work group. This is the size that the user has requested or the default, limited to the
+ * kernel's maximum. A default size is reduced to the size that the range needs.
+ */
 static size_t group_size(const cl_backend *b, enum ost_cl_kernel kernel, size_t range)
 {
     size_t size = b->workgroup ? b->workgroup : long_items(kernel) ? 1 : WORKGROUP_DEFAULT;

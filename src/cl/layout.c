@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks that the structs shared by host and device have the same layout on both.  The sizes on the
- * host are asserted in kernels/shared.h, and a kernel reports the sizes on the device.  Each member
- * that is not checked lies between two members that are.
+ * Checks that the structs shared by host and device have the same layout on both. The sizes on the host are asserted in
+ * kernels/shared.h, and a kernel reports the sizes on the device. Each member that is not checked lies between two
+ * members that are checked.
  */
 #include "cl/cl.h"
 

@@ -21,21 +21,22 @@ typedef struct cl_store {
 typedef struct cl_grid {
     ost_grid base;
     cl_store *store;       /* counted in store->holders */
-    /* arguments for resampling the store's voxels; NULL if the store contains the grid's own voxels */
+    /* arguments for resampling the voxels of the store; NULL if the store contains the grid's own voxels */
     cl_mem cubic, sources;
-    bool linear;           /* true if the kernel for resampling is ost_cubic_linear; false if it is ost_cubic_gather */
+    /* true if ost_cubic_linear resamples the voxels of the store; false if ost_cubic_gather does */
+    bool linear;
     cl_mem seen, owner; /* buffers for scattering samples (kernels/shared.h); NULL before the first batch */
     bool lost;
 } cl_grid;
 
 /*
- * A bone: a pool of slots on the device, and a table of chunks on the host.
+ * A bone consists of a pool of slots on the device and a table of chunks on the host.
  *
  *   slot[chunk]    slot of the chunk, or OST_CL_NONE if the chunk has no memory
  *   active[chunk]  number of active voxels of the chunk; > 0 iff the chunk has a slot
  *   free[]         list of the slots below `used` that belong to no chunk; they contain zeros
  *
- * The slots from `used` to capacity - 1 contain zeros too; they were never assigned.
+ * The slots from `used` to capacity - 1 were never assigned and contain zeros.
  */
 typedef struct cl_bone {
     ost_bone base;
@@ -43,13 +44,13 @@ typedef struct cl_bone {
     size_t chunks;
     size_t chunk_voxels; /* n^3 */
     uint32_t *slot, *active; /* owned */
-    uint32_t *free;          /* owned; has `capacity` elements */
+    uint32_t *free;          /* owned array of `capacity` elements */
     size_t free_count, used, capacity;
     cl_mem shape; /* buffer with one ost_cl_bone */
     cl_mem density, words;
     size_t density_bytes_reserved; /* size of the `density` buffer in bytes */
     cl_mem slots;     /* slot[] on the device */
-    bool slots_outdated; /* true if slot[] has changed since it was copied to `slots` */
+    bool slots_outdated; /* true if the array slot[] has changed since it was copied to the buffer `slots` */
     bool lost;
 } cl_bone;
 
@@ -59,13 +60,16 @@ typedef struct cl_tool {
     cl_mem classes;
     size_t reserved; /* size of the `classes` buffer in bytes */
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
-    cl_mem windows; /* windows (kernels/shared.h) for the kernel set for CPUs; otherwise NULL */
+    /* windows (kernels/shared.h) if the kernel set for CPUs is used; otherwise NULL */
+    cl_mem windows;
     bool touches;   /* true if a voxel may have class 2 */
     bool made;     /* true if the launches that make cells and windows have completed */
 } cl_tool;
 
-/* Returns OST_ERR_UNAVAILABLE if `lost` is true, that is, if an earlier failure has left the object in an unknown
-   state. */
+/*
+ * Returns OST_OK if `lost` is false. Returns OST_ERR_UNAVAILABLE if `lost` is true, that is, if an earlier failure has
+ * left the object in an unknown state.
+ */
 ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what, ost_error *err);
 
 /* grid.c */
@@ -117,10 +121,12 @@ ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geo
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_cl_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void ost_cl_tool_free(ost_tool *tool);
-/* Launches the kernels that make the cells and windows of the tool, unless the tool has them already. */
+/* Launches the kernels that compute the cells and windows of the tool, unless the tool already has them. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
-/* Called after the host has waited for the queue. `done` is true if the launched work has succeeded. If `done` is false
-   and tool->made is false, the cells and windows are released, because they may be incomplete. */
+/*
+ * Called after the host has waited for the queue. The parameter `done` is true if the launched work has succeeded. If
+ * both `done` and tool->made are false, the cells and windows are released, because they may be incomplete.
+ */
 void ost_cl_tool_finish(cl_tool *tool, bool done);
 
 /* remove.c */

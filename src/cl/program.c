@@ -17,8 +17,10 @@
 
 #include "cl/cache.h"
 
-/* Selects a line of a log for the error message: the first line that contains "error" or, if there is none, the first
-   line that is not empty. */
+/*
+ * Selects a line of a log for the error message. This is the first line that contains "error" or, if there is none, the
+ * first line that is not empty.
+ */
 static void shorten(const char *log, char *out, size_t size)
 {
     const char *best = NULL, *first = NULL;

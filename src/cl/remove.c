@@ -32,10 +32,10 @@ typedef struct event_array {
 
 struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
-    event_array input; /* the struct of the event, followed by the arrays of the event */
+    event_array input; /* the event struct, followed by the arrays of the event */
     cl_mem input_device, reports_device;
     size_t input_capacity, reports_capacity; /* sizes in bytes of input_device and reports_device */
-    size_t *chunk; /* owned; number of the chunk that contains each block */
+    size_t *chunk; /* owned array with the chunk number of each block */
     size_t chunk_capacity;
     bool warm; /* true if the removal kernel has been launched before */
 };
@@ -150,12 +150,12 @@ static void chunk_range(const plan *p, int32_t lo[3], int32_t hi[3])
     }
 }
 
-/* Returns true if all corners of the block, and so the entire block, lie beyond one face of the tool's grid. */
+/* Returns true if all corners of the block, and therefore the entire block, lie beyond one face of the tool's grid. */
 static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
     for (int a = 0; a < 3; a++) {
-        int64_t low = base[a], high = base[a]; /* 64 bits wide, so the sums cannot overflow */
+        int64_t low = base[a], high = base[a]; /* the numbers have 64 bits, so the sums cannot overflow */
         for (int axis = 0; axis < 3; axis++) {
             const int64_t along = (int64_t)(BLOCK - 1) * map->step[axis][a];
             low += along < 0 ? along : 0;
@@ -167,8 +167,8 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
     return false;
 }
 
-/* Adds the entries of one block and sets *count to their number. *count is 0 if the tool overlaps the block at no
-   pose. */
+/* Adds the entries of one block and sets *count to their number, which is 0 if the tool overlaps the block at no pose.
+   */
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
@@ -305,7 +305,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
                          OST_CL_ARG(s->reports_device));
 }
 
-/* Enqueues the transfer of the event and its arrays as one buffer. Ensures the size of the buffer for the reports. */
+/* Enqueues the transfer of the event and its arrays as one buffer. Ensures the size of the reports' buffer. */
 static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;
@@ -349,9 +349,9 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * Launches the removal kernel once without a block, for an event whose boxes overlap no block.  A
- * world runs such an event when a tool is added.  Some drivers build a kernel for its group size
- * only at the first launch, so the launch makes them build it before the operation.
+ * Launches the removal kernel once without a block, for an event whose boxes overlap no block. A world runs such an
+ * event when a tool is added. Some drivers build a kernel for a group size only when the kernel is first launched; with
+ * this launch, they build the kernel before the operation.
  */
 static ost_status warm(plan *p, ost_error *err)
 {
@@ -359,7 +359,7 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
-        /* such a launch computes no voxel, so it is not counted */
+        /* a launch without blocks computes no voxel, so it is not counted */
         p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--;
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
@@ -479,7 +479,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_removal_even
         status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
-        ost_cl_finish(b, NULL); /* waits, because transfers from this event's arrays may still be in progress */
+        ost_cl_finish(b, NULL); /* waits, because transfers from the arrays of this event may be in progress */
         ost_cl_tool_finish(tool, false);
     }
     return status;
@@ -491,8 +491,8 @@ ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_removal
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
-/* Neither the bone nor the tool is const for run_event, because buffers on the device are made on demand. The voxels of
-   both do not change. */
+/* The function casts const away, because run_event allocates buffers on the device on demand. The voxels of the bone
+   and the tool do not change. */
 ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                           ost_removal_report *report, ost_error *err)
 {

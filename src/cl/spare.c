@@ -2,11 +2,10 @@
 /*
  * A pool of large buffers that were freed, which are reused for buffers of about the same size.
  *
- * Buffers are reused because of the time that a new one takes: a driver allocates a large buffer
- * from the system, which maps the buffer page by page at the first access.  For a bone on a CPU,
- * mapping took longer than filling the buffer.  A buffer may be returned to the pool while earlier
- * commands still use it, because the queue is in order: these commands end before the commands of
- * the next owner begin.
+ * Buffers are reused because a new buffer takes time. A driver allocates a large buffer from the system, which maps the
+ * buffer page by page at the first access. For a bone on a CPU, mapping took longer than filling the buffer. A buffer
+ * may be returned to the pool while earlier commands still use it, because the queue is in order: these commands end
+ * before the commands of the next owner begin.
  */
 #include "cl/cl.h"
 

@@ -79,7 +79,10 @@ static ost_status make_windows(cl_tool *tool, cl_mem *out, ost_error *err)
     return status;
 }
 
-/* Makes the cells by three launches, one per axis, between two buffers: classes -> first -> second -> first. */
+/*
+ * Computes the cells by three launches, one per axis. The launches use two buffers in turn: classes -> first -> second
+ * -> first.
+ */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err)
 {
     cl_backend *b = (cl_backend *)tool->base.backend;

@@ -16,28 +16,33 @@
 
 enum { TILE_BYTES = 1 << 18, PASS_BYTES = 1 << 19, TILES_BYTES = 1 << 26, BANDS = 8, LISTED = 4 };
 
-/* The size of a tile. Each member is the exponent of a power of two: the number of rows along y (height), of slices
-   (depth), of slices that share a list (layer), and of slices that are marked together (pass). */
+/*
+ * The size of a tile. Each member is the exponent of a power of two: `height` for the number of rows along y, `depth`
+ * for the number of slices, `layer` for the number of slices that share a list, and `pass` for the number of slices
+ * that are marked together.
+ */
 typedef struct tile_size {
     int height, depth, layer, pass;
 } tile_size;
 
-/* The first and the last centre along y and z within the bounds of a vertex or a triangle. If the bounds contain no
-   centre on an axis, the last is less than the first; for a vertex, it is less by 1. */
+/*
+ * The first and the last centre along y and z within the bounds of a vertex or a triangle. If the bounds contain no
+ * centre on an axis, the last centre is less than the first; for a vertex, it is less by 1.
+ */
 typedef struct centres {
     int16_t y0, z0, y1, z1;
 } centres;
 
 typedef struct mesh_bins {
-    const ost_snapped_mesh *mesh; /* NULL: none */
+    const ost_snapped_mesh *mesh; /* NULL if there is no such mesh */
     uint8_t tool_class;
     uint64_t entries; /* total number of entries of all lists */
     size_t count;     /* number of triangles whose bounds contain a centre */
-    /* numbers of the triangles whose bounds contain a centre; this pointer and the next four are owned */
+    /* numbers of the triangles whose bounds contain a centre; `number` and the next four arrays are owned */
     uint32_t *number;
-    centres *range;   /* centres in the bounds of each of these triangles */
+    centres *range;   /* centres in the bounds of each triangle of `number` */
     centres *vertex;
-    uint32_t *start;  /* start of each list; lists + 1 elements */
+    uint32_t *start;  /* index in `list` at which each list begins; lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 
@@ -95,8 +100,10 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
     return OST_OK;
 }
 
-/* Counts the entries of all lists. Returns false if there are more than LISTED entries per triangle plus 2^20 (or
-   the value of the `staging` option, if it is smaller). */
+/*
+ * Counts the entries of all lists. Returns false if there are more entries than LISTED per triangle plus 2^20. If the
+ * option staging= sets a limit below 2^20, this limit replaces 2^20.
+ */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
     uint64_t entries = 0;
@@ -139,9 +146,11 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
     tiles->count[1] = tiles_of(tiles->dims[2], size.depth);
 }
 
-/* Chooses the size of tiles: as many rows as fit the cache, at least BANDS bands of slices if there are enough slices,
-   and as many slices per pass as fit the cache. Then enlarges tiles and layers while the scratch memory or the lists
-   would be too large. */
+/*
+ * Chooses the size of tiles. A tile has as many rows as fit the cache; there are at least BANDS bands of slices if the
+ * grid has enough slices; and a pass has as many slices as fit the cache. Tiles and layers are then enlarged while the
+ * scratch memory or the lists would be too large.
+ */
 static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {
     const size_t tile_bytes = ost_cl_staging(b, TILE_BYTES), pass_bytes = ost_cl_staging(b, PASS_BYTES);

@@ -23,7 +23,10 @@ static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int sli
     return (ulong)x + (ulong)bone->dims[0] * ((ulong)y + (ulong)bone->dims[1] * (ulong)slice);
 }
 
-/* Returns the number of the slice of the slab from which slice k of the grid is made. */
+/*
+ * Returns the number of the slab's slice from which slice k of the grid is made. The parameters layers, first and z0
+ * are those of shared.h.
+ */
 static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
 {
     return first < 0 ? k - z0 : layers[first + k - z0];
@@ -37,8 +40,10 @@ static int ost_slab_weight(__global const int *layers, int weights, int k, int z
 }
 
 #if OST_FOR & 1
-/* Returns the element *from of a slab or, if weight > 0, its weighted mean with the same element of the next plane. The
-   two weights sum to 2^15. */
+/*
+ * Returns the voxel *from of a slab or, if weight > 0, the weighted mean of *from and the same voxel of the next plane.
+ * The two weights sum to 2^15.
+ */
 static short ost_slab_read(__global const short *from, ulong plane, int weight)
 {
     return weight > 0 ? ost_mean15(from[0] * (32768 - weight) + from[plane] * weight) : from[0];
@@ -120,8 +125,7 @@ __kernel void ost_chunk_load(__global const ost_cl_bone *bone, int z0, int z1, _
         return;
     const int x = (int)get_global_id(0), y = (int)get_global_id(1), slice = (int)get_global_id(2), z = z0 + slice;
     const int cx = bone->chunk_dims[0], cy = bone->chunk_dims[1];
-    /* The size of a chunk is a power of two. Shifts are used instead of divisions, which took most of this kernel's
-       time. */
+    /* The size of a chunk is a power of two, so shifts replace divisions, which took most of this kernel's time. */
     const int log = 31 - (int)clz((uint)bone->size), low = bone->size - 1;
     const uint slot = slots[(ulong)(x >> log) + (ulong)cx * ((ulong)(y >> log) + (ulong)cy * (ulong)(z >> log))];
     short read = 0;

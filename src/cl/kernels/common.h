@@ -6,8 +6,10 @@
  * and no shift by the width of the type.
  */
 
-/* The kernel sets of this program: the set for many small work items (1), the set for few large ones (2), or both
-   (3); see shared.h. */
+/*
+ * The kernel sets of this program: 1 is the set for many small work items, 2 is the set for few large work items, and 3
+ * is both sets (shared.h).
+ */
 #ifndef OST_FOR
 #define OST_FOR 3
 #endif
@@ -30,7 +32,7 @@ static inline size_t ost_item(uint dimension)
 #define get_global_id(dimension) ost_item(dimension)
 #endif
 
-/* AR-INT-1; d > 0. */
+/* Returns floor(n / d) (AR-INT-1) for d > 0. */
 static inline long ost_floor_div(long n, long d)
 {
     const long q = n / d;
@@ -43,8 +45,10 @@ static inline long ost_ceil_div(long n, long d)
     return n % d > 0 ? q + 1 : q;
 }
 
-/* Returns RHE(n / d) (AR-INT-2) for d > 0. With r = n - floor d, 0 <= r < d: the result is rounded up if r > d - r, or
-   if r = d - r and the floor is odd. */
+/*
+ * Returns RHE(n / d) (AR-INT-2) for d > 0. Let r = n - floor(n / d) d, 0 <= r < d. The floor is rounded up if r > d -
+ * r, or if r = d - r and the floor is odd.
+ */
 static inline long ost_rhe_div(long n, long d)
 {
     const long q = ost_floor_div(n, d);
@@ -86,7 +90,7 @@ static inline uint ost_clamped(uint v, uint lo, uint hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-/* These macros make a vector with x in every element. For C, tests/cl/opencl_c.h defines them. */
+/* For OpenCL C, these macros build a vector with x in every element. For C, tests/cl/opencl_c.h defines them. */
 #ifndef OST_ALL16
 #define OST_ALL16(x) ((uint16)(x))
 #define OST_ALL8(x) ((int8)(x))
@@ -105,7 +109,7 @@ static inline int ost_lowest_bit(uint word)
     return 31 - (int)clz(word & (0u - word));
 }
 
-/* A bijective function of 64 bits: the finaliser of splitmix64 (Steele, Lea and Flood 2014). It maps 0 to 0. */
+/* A bijective function of 64 bits that maps 0 to 0: the finaliser of splitmix64 (Steele, Lea and Flood 2014). */
 static inline ulong ost_mix(ulong z)
 {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ul;

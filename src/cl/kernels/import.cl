@@ -14,14 +14,14 @@
  */
 
 #define OST_LENGTH_MAX 8000000000000l
-#define OST_OWNER_FLAG 0x40000000u /* flag for duplicates=max, above all keys, which are then below 2^17 */
+#define OST_OWNER_FLAG 0x40000000u /* flag for duplicates=max; above all keys, which are below 2^17 under this rule */
 
 typedef struct ost_ct_position {
     ulong voxel;
     uint ppm;
     int read;   /* true if the coordinates are within the range of lengths */
     int off;    /* true if the distance from the lattice is more than 1/8 of a voxel */
-    int inside; /* true if the sample is readable, not rejected, and in the grid */
+    int inside; /* true if the sample is readable, is not rejected, and lies in the grid */
 } ost_ct_position;
 
 static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
@@ -104,7 +104,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         return;
     const uint i = (uint)item;
     const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
-    /* worst_ppm does not change in this launch, because the previous launch has computed it. */
+    /* The previous launch has computed worst_ppm, so its value does not change in this launch. */
     if (position.ppm > 0 && position.ppm == report->worst_ppm)
         atomic_min(&report->worst_line, samples[i].line);
     if (!position.inside)
@@ -128,7 +128,10 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         voxels[position.voxel] = density;
 }
 
-/* Returns true if a sample conflicts with its voxel. Called after all samples of the batch have been placed. */
+/*
+ * Returns true if the density of a sample differs from the density of the sample's voxel. Called after all samples of
+ * the batch have been placed.
+ */
 static int ost_differs(__global const ost_cl_sample *sample, const ost_ct_position position,
                        __global const short *voxels)
 {
@@ -210,9 +213,11 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
     }
 }
 
-/* Copies a run of voxels from their sources. At equal spacings, the source of a voxel has the voxel's own index or,
-   beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the index of the last
-   source is count - 1 above that of the first. */
+/*
+ * Copies a run of voxels from their sources. If the spacings are equal, the source of a voxel has the voxel's own index
+ * or, beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the index of the
+ * last source is count - 1 above the index of the first source.
+ */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)
 {

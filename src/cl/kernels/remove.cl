@@ -21,9 +21,11 @@
 #define OST_ROWS 4
 #endif
 
-/* Returns the class and the reach of the tool at u, in the format of a cell. Outside the grid, the tool is empty.
-   Let c be the grid cell nearest to u. No cell of the grid is farther from c than from u. Therefore, if c is empty,
-   the reach of c is valid for u too. */
+/*
+ * Returns the class and the reach of the tool at the coordinates u, in the format of a cell. Outside the grid, the tool
+ * is empty. Let c be the grid cell nearest to u. Every cell of the grid is at least as far from u as from c. Therefore,
+ * if c is empty, the reach of c is valid for u too.
+ */
 static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, int uy, int uz)
 {
     const int x = (int)(((uint)ux + 0x40000000u) >> 20) - 1024;
@@ -40,7 +42,7 @@ static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, 
     return (uint)ost_greatest(away, (cell & 3u) == 0 ? (int)(cell >> 2) : 0) << 2;
 }
 
-/* These functions return the arrays that follow the event in its buffer. */
+/* ost_poses_of, ost_blocks_of and ost_entries_of return the arrays that follow the event in the event's buffer. */
 static __global const ost_cl_pose *ost_poses_of(__global const ost_cl_event *event)
 {
     return (__global const ost_cl_pose *)(__global const void *)((__global const uchar *)event + event->poses_at);
@@ -57,8 +59,10 @@ static __global const ost_cl_entry *ost_entries_of(__global const ost_cl_event *
 }
 
 #if OST_FOR & 1
-/* Returns the open voxels of row (j, k) that the tool hits at one pose. Adds to *touch the open voxels of the row that
-   the tool touches. */
+/*
+ * Returns the open voxels of row (j, k) that the tool hits at one pose. Adds the open voxels of the row that the tool
+ * touches to *touch.
+ */
 static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells,
                         const int dims[3], const int first[3], int j, int k, uint open, uint *touch)
 {
@@ -105,8 +109,11 @@ __kernel void ost_remove(__global const ost_cl_event *event, __global const ucha
     const ulong corner = (ulong)block.slot * ((ulong)n * (ulong)n * (ulong)n) +
                          (ulong)(block.first[0] % n + n * (block.first[1] % n + n * (block.first[2] % n)));
 
-    /* For c > 0, element c counts and sums the hit voxels whose density is at least border c; element 0 covers all hit
-       voxels. The value of a class is the difference between two neighbouring elements. */
+    /*
+     * Element 0 counts all hit voxels and sums their densities. For c > 0, element c counts and sums only the hit
+     * voxels whose density is at least border c. The result of a class is the difference between two neighbouring
+     * elements.
+     */
     uint voxels[OST_CL_CLASSES], sums[OST_CL_CLASSES], touched = 0;
     for (int c = 0; c < OST_CL_CLASSES; c++)
         voxels[c] = sums[c] = 0;

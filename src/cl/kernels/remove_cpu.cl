@@ -23,7 +23,7 @@
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* the warning is harmless: only functions of this file pass vectors wider than registers */
+#ifdef __clang__ /* the warning is harmless, because only functions of this file pass vectors wider than registers */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -32,7 +32,7 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-/* The number of a voxel's bit within its half of a brick. */
+/* The bit number of a voxel within the voxel's half of a brick. */
 __constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
@@ -40,25 +40,33 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    ulong active[64]; /* active voxels before the event, four rows per word; valid if `loaded` is 1 */
-    ulong open[64];   /* voxels that are active and not hit so far, four rows per word */
+    /* active voxels before the event, four rows per word; valid if `loaded` is 1 */
+    ulong active[64];
+    ulong open[64];   /* voxels that are active and not yet hit, four rows per word */
     ulong touch[64];
     int loaded;
-    uint hit, touched; /* one bit per group of rows: 1 if a voxel was hit; 1 if a voxel was touched */
-    ulong inside[4];   /* for rows 4 b to 4 b + 3 of every plane: voxels whose x and y are in the pose's box */
+    /* one bit per group of rows; set in `hit` if a voxel was hit, and in `touched` if a voxel was touched */
+    uint hit, touched;
+    /* for rows 4 b to 4 b + 3 of every plane, the voxels whose x and y are in the pose's box */
+    ulong inside[4];
     int lo, hi;        /* planes in the box */
     int within;        /* true if the entire block lies in the pose's box */
 } ost_block_rows;
 
-/* The coordinates of a block for one pose: those of its first voxel in tool cells, plus 2^30, and the steps. All
-   numbers are unsigned, and their sums are those of AR-MAP-5. */
+/*
+ * The coordinates of a block for one pose: the coordinates of the block's first voxel in tool cells plus 2^30, and the
+ * steps. All numbers are unsigned, and their sums are those of AR-MAP-5.
+ */
 typedef struct ost_view {
-    uint16 along[3];  /* offsets from a brick's first voxel to the 16 voxels of its first slice, x fastest */
-    uint8 eighths[2][3]; /* offsets to the middles of eight parts; [1]: of a block; [0]: of a cube of 8^3 voxels */
+    /* offsets from a brick's first voxel to the 16 voxels of the brick's first slice, x fastest */
+    uint16 along[3];
+    /* offsets to the middles of eight parts, in eighths[1] for a block and in eighths[0] for a cube of 8^3 voxels */
+    uint8 eighths[2][3];
     uint at[3], step[3][3];
     uint lowest[3]; /* offset from a brick's first voxel to the brick's least coordinate on each axis */
     int dims[3], wide[3]; /* dimensions of the tool and of its windows */
-    int planes;     /* number of planes of a window that a brick may overlap; 0: a brick may exceed a window */
+    /* number of planes of a window that a brick may overlap; 0 if a brick may exceed a window */
+    int planes;
     uint complete[3];
 } ost_view;
 
@@ -78,8 +86,10 @@ static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ul
         }
 }
 
-/* Marks the voxels of a group that tool voxels of class c (1 or 2) cover. `bits` contains the covered voxels of each
-   row. */
+/*
+ * Marks the voxels of a group that tool voxels of class c (1 or 2) cover. The parameter `bits` contains the covered
+ * voxels of each row.
+ */
 static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
 {
     const int z = group / 4 * 4, z0 = ost_greatest(z, rows->lo), z1 = ost_least(z + 4, rows->hi);
@@ -109,8 +119,10 @@ static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int
 
 /* ------------------------------------------------------------- distances */
 
-/* Returns the class of the tool voxels that cover the entire block, or 3 if the cell at the block's middle does not
-   determine this class. */
+/*
+ * Returns the class of the tool voxels that cover the entire block. Returns 3 if the cell at the block's middle does
+ * not determine this class.
+ */
 static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 {
     int u[3];
@@ -122,7 +134,7 @@ static uint ost_block_class(const ost_view *view, __global const uchar *cells)
     return cell >> 2 >= view->complete[2] ? cell & 3u : 3u;
 }
 
-/* Returns on axis a the offsets from a cube's first voxel to the middles of its eight parts of edge^3 voxels. */
+/* Returns the offsets on axis a from a cube's first voxel to the middles of the cube's eight parts of edge^3 voxels. */
 static uint8 ost_middles(const ost_view *view, int a, int edge)
 {
     const int sum = (int)view->step[0][a] + (int)view->step[1][a] + (int)view->step[2][a];
@@ -131,10 +143,12 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
            vload8(0, ost_part_z) * ((uint)edge * view->step[2][a]) + (uint)((edge - 1) * sum / 2);
 }
 
-/* Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part
-   entirely, or to 3 if this class is not determined. (ux, uy, uz) is the cube's first voxel. The parts have 8^3
-   voxels (level 1) or 4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if all classes
-   are 0. */
+/*
+ * Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part entirely,
+ * or to 3 if the cells do not determine this class. (ux, uy, uz) are the coordinates of the cube's first voxel. The
+ * parts have 8^3 voxels (level 1) or 4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if
+ * all classes are 0.
+ */
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level,
                             int classes[8])
 {
@@ -178,7 +192,7 @@ static int ost_window_index(const ost_view *view, int x, int y, int z)
 /* The window of a brick: the part of the tool that the brick may overlap. */
 typedef struct ost_window {
     ulong plane[8];
-    uint from[3]; /* the brick's first voxel, relative to the window's first voxel */
+    uint from[3]; /* position of the brick's first voxel relative to the window's first voxel */
     ulong any, all;
 } ost_window;
 
@@ -186,7 +200,7 @@ typedef struct ost_window {
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* the index can be clamped, because all windows entirely outside the grid are equal */
+    for (int a = 0; a < 3; a++) /* the index may be clamped, because all windows entirely outside the grid are equal */
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
@@ -208,8 +222,10 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
     w->all = all;
 }
 
-/* Returns the set of the voxels of a brick that tool voxels of the window's class cover. All coordinates relative to
-   the window are in [0, 2^23). */
+/*
+ * Returns the set of the voxels of a brick that tool voxels of the window's class cover. All coordinates relative to
+ * the window must be in [0, 2^23).
+ */
 static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
 {
     if (w->any == 0 || w->all == ~0ul)
@@ -246,8 +262,10 @@ static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
     return (ulong)high << 32 | low;
 }
 
-/* Computes the result of ost_lookup_window for a brick that may be larger than a window, by sixteen loads per plane.
-   Because of `volatile`, the loads stay separate, which is faster than the processor's gather instruction. */
+/*
+ * Computes the result of ost_lookup_window by sixteen loads per plane, for a brick that may be larger than a window.
+ * The pointer is volatile so that the loads stay separate, which is faster than the processor's gather instruction.
+ */
 static ulong ost_lookup(const ost_view *view, volatile __global const uchar *windows, const uint u[3])
 {
     ulong bits = 0;
@@ -288,7 +306,7 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     return open;
 }
 
-/* A list of at most eight bricks whose class no cell determines, with their open voxels. */
+/* A list of at most eight bricks whose class no cell determines, and the open voxels of these bricks. */
 typedef struct ost_bricks {
     int count;
     int at[8][3];
@@ -297,8 +315,10 @@ typedef struct ost_bricks {
     ost_window window[8];
 } ost_bricks;
 
-/* Marks the voxels of the listed bricks that tool voxels of class c cover. `windows` are the windows of this class. All
-   windows are loaded before the first one is used, because they are far apart in memory. */
+/*
+ * Marks the voxels of the listed bricks that tool voxels of class c cover. `windows` contains the windows of this
+ * class. All windows are loaded before the first one is used, because they are far apart in memory.
+ */
 static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows,
                              ost_bricks *bricks, int c)
 {
@@ -426,7 +446,7 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
 
 /* ---------------------------------------------------------------- a block */
 
-/* The rows of the block that have hits: their positions in the pool, and the voxels that are hit. */
+/* The rows of the block that have hits, with their offsets in the pool and the voxels that are hit. */
 typedef struct ost_hit_rows {
     int count;
     uint touched; /* number of voxels that are touched and not hit */
@@ -457,8 +477,10 @@ static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
     }
 }
 
-/* Counts the hit voxels whose density is at least `border`, and sums their densities. If `all` is true, counts and sums
-   all hit voxels. */
+/*
+ * Counts the hit voxels whose density is at least `border`, and sums their densities. If `all` is true, `border` is
+ * ignored, and all hit voxels are counted and summed.
+ */
 static void ost_sum_hits(const ost_hit_rows *list, __global const short *density, int all, short border, uint *voxels,
                          uint *sum)
 {
@@ -494,8 +516,10 @@ static void ost_clear_hits(const ost_hit_rows *list, __global short *density, __
     }
 }
 
-/* Consecutive work items process blocks whose indices differ by OST_CL_BATCHES. Therefore a core that processes a range
-   of items processes blocks from all parts of the event. */
+/*
+ * Consecutive work items process blocks whose indices differ by OST_CL_BATCHES. Therefore a core that processes a range
+ * of items processes blocks from all parts of the event.
+ */
 __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global const uchar *cells,
                                 __global const uchar *windows, __global short *density, __global ushort *words,
                                 __global ost_cl_block_report *reports)
@@ -520,8 +544,10 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
     }
     ost_list_hits(&rows, n, &list);
 
-    /* The sums for c cover the hit voxels whose density is at least border c (for c = 0, all hit voxels). The values of
-       a class are the sums for c minus the sums for c + 1. */
+    /*
+     * The sums for c cover the hit voxels whose density is at least border c; the sums for c = 0 cover all hit voxels.
+     * The result of class c is the sums for c minus the sums for c + 1.
+     */
     uint above = 0, above_sum = 0; /* count and sum for c + 1 */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;

@@ -4,9 +4,9 @@
  * buffer and, for every kernel, its arguments, its range, and why its results do not
  * depend on the order of work items.  Both the C compiler and OpenCL C 1.2 compile it.
  *
- * A program consists of this file, common.h, and the .cl files of this folder in
- * alphabetical order, one after the other; none of them includes another.
- * fingerprint_float.cl is a separate program: this one contains no float.
+ * A program consists of this file, common.h, and the .cl files of this folder in alphabetical order, one after the
+ * other; none of them includes another. fingerprint_float.cl is a separate program, because this program contains no
+ * float.
  *
  *   samples --ost_ct_*--> rect --ost_cubic_*--> cubic --ost_chunk_*--> pool of chunks
  *   triangles --ost_vox_*--> classes --ost_tool_reach--> cells         |
@@ -58,7 +58,7 @@ typedef int64_t ost_cl_i64;
 typedef uint64_t ost_cl_u64;
 #endif
 
-#define OST_CL_NONE 0xffffffffu /* value that means no line, no sample or no slot */
+#define OST_CL_NONE 0xffffffffu /* a value that means no line, no sample or no slot */
 
 /* ------------------------------------------------- samples to rect grid */
 /*
@@ -143,7 +143,7 @@ typedef struct ost_cl_cubic {
     ost_cl_i32 rect_dims[3], dims[3];
     ost_cl_i32 rule; /* OST_CL_RESAMPLE_*, equal to ost_resample */
     ost_cl_i32 z0, z1;
-    ost_cl_i32 slab; /* 1: `out` begins with slice z0; 0: `out` begins with slice 0 */
+    ost_cl_i32 slab; /* 1 if `out` begins with slice z0; 0 if `out` begins with slice 0 */
 } ost_cl_cubic;
 
 /* ---------------------------------------------------------------- chunks */
@@ -245,11 +245,11 @@ typedef struct ost_cl_vox {
 typedef struct ost_cl_tiles {
     ost_cl_i32 dims[3];
     ost_cl_i32 fraction;
-    ost_cl_i32 height, depth; /* number of rows along y and of slices in a tile */
+    ost_cl_i32 height, depth; /* number of rows along y in a tile, and number of slices */
     ost_cl_i32 count[2];      /* number of tiles along y and along z */
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
-    ost_cl_i32 over; /* 1: this mesh is added to the classes of the first mesh */
+    ost_cl_i32 over; /* 1 if this mesh is added to the classes of the first mesh */
     ost_cl_i32 layer; /* number of slices that share a list */
     ost_cl_i32 pass;  /* maximum number of slices of a tile that are marked and filled together */
 } ost_cl_tiles;
@@ -333,7 +333,7 @@ typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
     ost_cl_i32 size; /* n */
     ost_cl_u32 blocks;
-    ost_cl_i32 apply; /* 1: voxels are removed; 0: hits are only reported */
+    ost_cl_i32 apply; /* 1 if voxels are removed; 0 if hits are only reported */
     ost_cl_i32 classes;
     ost_cl_i32 touches; /* 0 if the tool has no voxel of class 2 */
     ost_cl_u32 poses_at, blocks_at, entries_at, unused;
@@ -342,8 +342,9 @@ typedef struct ost_cl_event {
 
 typedef struct ost_cl_block {
     ost_cl_i32 first[3]; /* coordinates of the block's first voxel in the grid; multiples of 16 */
-    ost_cl_u32 slot;     /* slot of its chunk */
-    ost_cl_u32 entry, entries; /* index of the block's first entry, and number of its entries */
+    ost_cl_u32 slot;     /* slot of the chunk that contains the block */
+    /* `entry` is the index of the block's first entry, and `entries` is the number of the block's entries */
+    ost_cl_u32 entry, entries;
 } ost_cl_block;
 
 typedef struct ost_cl_entry {
@@ -357,12 +358,15 @@ typedef struct ost_cl_pose {
     /* The comment of ost_cl_pose_reach explains complete, planes and skip. complete[] is for cubes of 4, 8 and 16
        voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
     ost_cl_u8 complete[3];
-    /* number of planes of a window that a brick may overlap: 6 or 8; 0: a brick may be larger than a window */
+    /* number of planes of a window that a brick may overlap, 6 or 8; 0 if a brick may be larger than a window */
     ost_cl_u8 planes;
     ost_cl_u8 skip[OST_CL_REACH_MAX + 1];
 } ost_cl_pose;
 
-/* For each density class, the number of voxels hit and the sum of their densities before the event. */
+/*
+ * For each density class, the number of voxels that are hit and the sum of the densities that these voxels had before
+ * the event.
+ */
 typedef struct ost_cl_block_report {
     ost_cl_u32 voxels[OST_CL_CLASSES];
     ost_cl_u32 density[OST_CL_CLASSES];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels of the voxelizer by triangle (AR-VOX), and the kernel that makes the cells
- * of a tool, which removal reads.
+ * The kernels of the voxelizer by triangle (AR-VOX), and the kernel that computes the cells of a tool, which removal
+ * reads.
  *
  *   ost_vox_steps   for every row that a triangle owns, adds +1 or -1 at the first
  *                   centre that is not left of the crossing
@@ -43,10 +43,13 @@ static int ost_owns_edge(long dy, long dz)
     return dz < 0 || (dz == 0 && dy > 0);
 }
 
-/* A triangle, oriented so that its projection runs counter-clockwise, and the range of the centres in its bounds. */
+/*
+ * A triangle that is oriented so that its projection runs counter-clockwise, with the range of the centres in the
+ * triangle's bounds.
+ */
 typedef struct ost_triangle {
     long a[3], b[3], c[3];
-    int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in its bounds */
+    int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in the bounds of the triangle */
     long nx, ny, nz;
     int step; /* value that is added at a crossing, +1 or -1 */
     int on0, on1, on2; /* 1 if the triangle owns its edge ab, bc or ca, respectively */
@@ -99,8 +102,10 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     return 1;
 }
 
-/* Returns the first centre that is not left of the triangle's crossing with row (j, k). The result is at most dims[0].
-   Returns -1 if the triangle does not own the row. */
+/*
+ * Returns the first centre that is not left of the triangle's crossing with row (j, k), at most dims[0]. Returns -1 if
+ * the triangle does not own the row.
+ */
 static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
 {
     const long y = ost_centre(j, f), z = ost_centre(k, f), width = 1l << f;
@@ -109,9 +114,11 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
     const long e2 = (t->a[1] - t->c[1]) * (z - t->c[2]) - (t->a[2] - t->c[2]) * (y - t->c[1]);
     if (e0 < 0 || e1 < 0 || e2 < 0 || (e0 == 0 && !t->on0) || (e1 == 0 && !t->on1) || (e2 == 0 && !t->on2))
         return -1;
-    /* The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last + 1. It is
-       found by bisection, because 64-bit division is slow. `crossing` is the distance of the crossing from centre 0,
-       times nx. */
+    /*
+     * The crossing lies within the triangle's bounds, so the result is one of the centres i_first to i_last + 1.
+     * Bisection is used, because 64-bit division is slow. The variable `crossing` is the distance of the crossing from
+     * centre 0, times nx.
+     */
     const long crossing = t->nx * t->a[0] - t->ny * (y - t->a[1]) - t->nz * (z - t->a[2]) - t->nx * (width / 2);
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {

@@ -14,7 +14,7 @@
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* the warning is harmless: only functions of this file pass vectors wider than registers */
+#ifdef __clang__ /* the warning is harmless, because only functions of this file pass vectors wider than registers */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
@@ -52,8 +52,10 @@ static inline long8 ost_shifted8(long8 v, int f)
     return as_long8(as_ulong8(v) << (ulong)f);
 }
 
-/* Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The result is added to E, so that a point
-   is owned if and only if the sum is not negative. */
+/*
+ * Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The caller adds the result to E. A point is
+ * owned if and only if the sum is not negative.
+ */
 static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 {
     return ~((dz < 0) | ((dz == 0) & (dy > 0)));
@@ -68,11 +70,10 @@ typedef struct ost_pass {
 } ost_pass;
 
 /*
- * Adds the crossings of count <= 8 triangles, one triangle per lane.  All lanes process
- * as many rows as the triangle with the most rows in its bounds.  E and the position of
- * the crossing are linear functions of row and slice, so they are updated by additions.
- * Let R = K - nx 2^f i_first.  The crossing is at the least q >= 0 with nx 2^f q >= R.
- * This q is found bit by bit.
+ * Adds the crossings of count <= 8 triangles, one triangle per lane. All lanes process as many rows as the triangle
+ * with the most rows in its bounds. E and the position of the crossing are linear functions of row and slice, so they
+ * are updated by additions. Let R = K - nx 2^f i_first. The crossing is at the least q >= 0 with nx 2^f q >= R, which
+ * is found bit by bit.
  *
  * Ranges.  Lanes with fewer rows leave their bounds by up to 2^12 rows, that is
  * 2^20 units: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
