@@ -35,7 +35,7 @@ static void solve(int n, double m[6][6], const double b[6], double u[6])
 }
 
 /*
- * Adds the terms of the pressing points to m and rhs. n is a constant, 3 or 6, so that the compiler
+ * Adds the terms of the pressing points to m and rhs. Callers pass n as a constant, 3 or 6, so that the compiler
  * unrolls the loops.
  */
 static inline __attribute__((always_inline)) void add_points(const balance *e, const double share[], const int n,

@@ -22,7 +22,8 @@ typedef struct balance {
     double pull[6];
     size_t count;          /* number of points */
     double b[OST_SHELL_MAX];
-    double given[OST_SHELL_MAX]; /* part of each point's speed of advance that does not depend on u, m/s */
+    /* part of each point's speed of advance, in m/s, that does not depend on u */
+    double given[OST_SHELL_MAX];
     double j[6][OST_SHELL_MAX];
     double advance[OST_SHELL_MAX]; /* speed of advance of each point in the solution, m/s */
 } balance;

@@ -26,7 +26,7 @@
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_integers __attribute__((vector_size(16)));
 
-/* Greatest reach of a tool in voxels; beyond it, positions in float would not be accurate enough. */
+/* Greatest reach of a tool in voxels. At a greater reach, positions in float would not be accurate enough. */
 #define REACH_MAX 32768.0
 
 double ost_dot(const double a[3], const double b[3])
@@ -100,8 +100,8 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
 }
 
 /*
- * Maps the tool's frame to the bone's voxels: origin[a] + floor(to[a] . p + part[a]). The large
- * part, origin, is an integer; the remaining terms are floats.
+ * Maps the tool's frame to the bone's voxels: a point p has the voxel origin[a] + floor(to[a] . p + part[a]) on axis a.
+ * The large part, `origin`, is an integer; the remaining terms are floats.
  */
 typedef struct to_voxels {
     float to[3][3], part[3]; /* part: from 0 to 1 */
@@ -109,7 +109,7 @@ typedef struct to_voxels {
 } to_voxels;
 
 /*
- * Computes the map for a pose. Returns false if the pose is not finite, or if no point of the tool,
+ * Computes the map for a pose. Returns false if the pose is not finite. Also returns false if no point of the tool,
  * extended by `more` (m), can lie in the grid.
  */
 static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more,
@@ -209,7 +209,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
                              contact *c, ost_error *err)
 {
     const double s = (double)bone->geometry.spacing.x * OST_M_PER_PM;
-    /* indices of the points in the shell; indices of the points among the touching points */
+    /* `walking` contains the indices of the points in the shell, and `slot` their indices among the touching points */
     uint16_t walking[OST_SHELL_MAX], slot[OST_SHELL_MAX];
     to_voxels map;
     c->count = 0;
@@ -237,7 +237,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
         size_t kept = 0;
         for (size_t k = 0; k < left; k++) {
             const size_t i = walking[k];
-            /* plane is the distance from the point to the voxel's centre along the normal. */
+            /* `plane` is the distance along the normal from the point to the voxel's centre. */
             double along[3], plane = 0;
             inward_in_voxels(&map, shell, i, along);
             for (int a = 0; a < 3; a++)

@@ -32,7 +32,7 @@ typedef struct contact_shell {
     float give[OST_SHELL_MAX];
     bool cutting[OST_SHELL_MAX];     /* true if the point can cut and the tool rotates */
     bool edge[OST_SHELL_MAX];        /* true if the point can cut */
-    /* largest distance of a point, including its position in `outside`, from the tool's origin */
+    /* largest distance from the tool's origin to a point or to the point's position in `outside` */
     double reach;
 } contact_shell;
 
@@ -68,13 +68,15 @@ void ost_into_tool(const contact_pose *pose, const double v[3], double out[3]);
 void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *params, double spacing, contact_shell *out);
 /* Updates the values that depend on params->speed, the speed of the tool. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
-/* Finds the points for which the position one voxel outward of them lies in bone. */
+/*
+ * Finds the points that touch bone. A point touches bone if the position one voxel outward of the point lies in bone.
+ */
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
                              ost_error *err);
 /*
- * Finds the points for which the position `layer` outward of them lies in bone.  c->depth is the
- * depth of this position in bone, measured along the inward normal, at most 2 * layer.  c->density
- * is the density of the first bone voxel.
+ * Finds the points for which the position `layer` (m) outward of the point lies in bone. Sets c->depth to the depth of
+ * this position in bone, measured along the inward normal, at most 2 * layer. Sets c->density to the density of the
+ * first bone voxel.
  */
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
                              contact *c, ost_error *err);

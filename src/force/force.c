@@ -254,7 +254,9 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     }
 }
 
-/* Adds the vibration force (vibration.h). The angle phi about the handle is phi - turned about the tool. */
+/*
+ * Adds the vibration force (vibration.h). The tool's frame is rotated by `turned`, so the angle in it is phi - turned.
+ */
 static void shake(ost_force *f, double period, ost_force_result *out)
 {
     const ost_force_params *p = &f->params;
@@ -273,8 +275,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance.  turn is the given part of the tool's angular velocity,
- * in the tool's frame; the balance is not solved for this part.
+ * Adds the touching points to the balance. The parameter turn is a given part of the tool's angular velocity, in the
+ * tool's frame; the balance does not solve for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
@@ -302,8 +304,8 @@ static void gather(ost_force *f, int axes, const double turn[3])
 }
 
 /*
- * Adds the springs and dampers of the coupling to the balance. away and velocity are the offset and
- * the velocity of the device in the tool's frame.
+ * Adds the springs and dampers of the coupling to the balance. The parameters away and velocity are the offset and the
+ * velocity of the device in the tool's frame.
  */
 static void pull(balance *e, int first, double k, double d, double dt, const double away[3], const double velocity[3])
 {
@@ -435,8 +437,8 @@ static ost_pm picometres(double m)
 }
 
 /*
- * Updates the velocity and the angular velocity of the device, low-pass filtered at VELOCITY_HZ. turn
- * is set to the unfiltered angular velocity of this tick.
+ * Updates the velocity and the angular velocity of the device, low-pass filtered at VELOCITY_HZ. Sets turn to the
+ * unfiltered angular velocity of this tick.
  */
 static void follow(ost_force *f, const ost_pose *device, double period, double turn[3])
 {

@@ -73,7 +73,7 @@ typedef enum kind { REAL, TICKS, BUTTONS } kind;
 
 typedef struct parameter {
     ost_force_key key;
-    bool safety;   /* the field belongs to ost_safety_params */
+    bool safety;   /* true if the field belongs to ost_safety_params */
     kind kind;
     size_t offset;
 } parameter;

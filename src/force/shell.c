@@ -2,7 +2,7 @@
 /*
  * Converts the surface of a tool to points.
  *
- *   faces between a solid voxel and void        cells of c voxels
+ *   faces between solid and empty voxels        cells of c voxels
  *        .--.--.                                .-----.-----.
  *     .--|##|##|    each face: its centre, and  | . . |  .  |   the points of a cell
  *     |##|##|##|    the inward normal there     |. .  |.  . |   are merged into one

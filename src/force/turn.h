@@ -6,8 +6,8 @@
 #include <osteon/pose.h>
 
 /*
- * Computes the rotation from a to b as a vector in the bone's frame, along the axis of the rotation. The
- * length is twice the sine of half the angle.
+ * Computes the rotation from a to b as a vector in the bone's frame, along the axis of the rotation. The length of the
+ * vector is twice the sine of half the angle.
  */
 void ost_turn_between(const double a[4], const double b[4], double out[3]);
 /* Multiplies q by a rotation about z by `angle` in radians. out may be q. */
@@ -15,7 +15,10 @@ void ost_turn_about_axis(const double q[4], double angle, double out[4]);
 /* Copies the quaternion of a pose. */
 void ost_turn_quaternion(const ost_pose *pose, double q[4]);
 
-/* Subtracts 64 complete turns from an angle in rad that exceeds them, so that a sum of angles stays bounded. */
+/*
+ * Returns an angle in rad. If the magnitude exceeds 64 complete turns, it is reduced by 64 turns, so that a sum of
+ * angles stays bounded.
+ */
 double ost_turn_less_64(double angle);
 
 #endif

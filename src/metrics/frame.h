@@ -9,11 +9,11 @@ typedef struct ost_scapular {
     double lateral[3], superior[3], posterior[3];
 } ost_scapular;
 
-/* Computes the frame. Returns false if the plan has no landmarks or they are collinear. */
+/* Computes the frame. Returns false if the plan has no landmarks, or if the landmarks are collinear. */
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
 /*
- * Computes the angles by which the face with the given inward direction deviates from the lateral axis
- * of the frame: towards posterior and towards superior.
+ * Computes the angles by which the face with the given inward direction deviates from the lateral axis of the frame.
+ * One angle is measured towards posterior, the other towards superior.
  */
 void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg,
                          double *superior_deg);

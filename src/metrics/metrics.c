@@ -18,7 +18,9 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
 #define WINDOW_MM 0.5   /* the axis of a reamer is the mean axis over the deepest half millimetre */
-/* least depth at which the hole is measured; at a depth below WALL_MM, the space in front of the face would be found */
+/*
+ * least depth at which the hole's wall is measured; below WALL_MM, the empty space in front of the face would be found
+ */
 #define ENTRY_MM 6.0
 #define WALL_MM 6.0
 #define DEG (180 / 3.14159265358979323846)
@@ -32,8 +34,9 @@ typedef struct work {
     ost_plan_frame frame;
     int32_t dims[3];
     ost_scapular scapular; /* valid if out->scapular */
-    uint8_t *mark; /* owned; 1 for voxels that a drill can have removed; NULL without a drill */
-    double (*floor)[3]; /* owned; points of the floor in u, v, w */
+    /* owned array; 1 for voxels that a drill may have removed; NULL if no tool is a drill */
+    uint8_t *mark;
+    double (*floor)[3]; /* owned array; points of the floor in the coordinates u, v, w */
     size_t floor_count;
 } work;
 
@@ -108,8 +111,8 @@ static double ray(const work *k, const ost_volume *volume, double u, double v, d
 }
 
 /*
- * Returns the mean position at which four rays meet bone, so that a cell on the border of two
- * voxels includes both. Returns NAN if fewer than two rays meet bone.
+ * Returns the mean position w at which four rays through a cell of the map meet bone. Four rays are used so that a cell
+ * on the border of two voxels includes both voxels. Returns NAN if fewer than two rays meet bone.
  */
 static double surface(const work *k, const ost_volume *volume, double u, double v)
 {
@@ -141,9 +144,8 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the cells that are surrounded by floor on RIM cells. The cells at the rim of
- * the floor are left out, because only deeper cells count as floor there, which would distort the
- * fit.
+ * Stores the points of the cells whose neighbours, up to RIM cells away, all belong to the floor. Cells at the rim of
+ * the floor are omitted, because only deeper cells count as floor there, which would distort the fit.
  */
 static void leave_rim(work *k)
 {
@@ -238,8 +240,8 @@ static void walk_voxels(work *k)
 }
 
 /*
- * Computes the angles in degrees, in the planes of the CT, by which the outward direction deviates
- * from lateral: towards posterior and towards superior.
+ * Computes the angles in degrees, in the planes of the CT, by which the outward direction deviates from lateral. *back
+ * is the angle towards posterior, and *up the angle towards superior.
  */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {
@@ -299,8 +301,8 @@ static void measure_axis(work *k, const ost_metrics_motion *motion)
 }
 
 /*
- * Counts all removed voxels by class and position. slabs[i] is increased by the volume that drills
- * removed from i to i + 1 mm below the plan's centre.
+ * Counts all removed voxels by class and position. Increases slabs[i] by the volume in mm^3 that drills removed from i
+ * to i + 1 mm below the plan's centre.
  */
 static ost_status count_voxels(work *k, const ost_density_classes *classes, double slabs[SLABS], ost_error *err)
 {
@@ -398,8 +400,8 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     if (!way.cut || way.reach_mm <= 0)
         return;
     /*
-     * Uses the slabs below the reamed floor and above the tip. Slabs with less than 0.9 of the
-     * largest volume are excluded, because the hole leaves the bone or the scan there.
+     * Uses the slabs below the reamed floor and above the tip. In slabs with less than 0.9 of the largest volume, the
+     * hole leaves the bone or the scan, so these slabs are excluded.
      */
     const double from = fmax(o->reamed ? o->reach_mm : 0, 0) + 1;
     double most = 0;

@@ -27,7 +27,10 @@ typedef struct rim {
     double r[WAYS]; /* distance of the rim from the axis; NAN if the rim is not on the map */
 } rim;
 
-/* Returns the index of the map cell at distance r in a direction, or -1 outside the map. */
+/*
+ * Returns the index of the map cell at the distance r from the axis in a direction. Returns -1 if there is no such
+ * cell.
+ */
 static int cell(int way, double r)
 {
     const double angle = way * 2 * PI / WAYS;
@@ -53,9 +56,9 @@ static double trace(const float *surface, int way)
 }
 
 /*
- * Returns the extent from rim to rim along a direction. This is the sum of two components along the
- * direction: the largest within 30 degrees of the direction, and the largest within 30 degrees of
- * its opposite. Returns NAN if the rim is not on the map on one side.
+ * Returns the extent from rim to rim along a direction. This is the sum of two components along the direction: the
+ * largest component within 30 degrees of the direction, and the largest within 30 degrees of the opposite direction.
+ * Returns NAN if the rim is not on the map on one of the two sides.
  */
 static double across(const rim *edge, int way)
 {

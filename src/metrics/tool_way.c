@@ -69,8 +69,7 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
 }
 
 /*
- * Marks the voxels for one pose of a drill: all voxels with centres within its cylinder enlarged by
- * half a voxel.
+ * Marks the voxels whose centres lie within the drill's cylinder at one pose. The cylinder is enlarged by half a voxel.
  */
 static void mark_cylinder(const ost_motion *t, const ost_metrics_tool *tool, const ost_geometry *g, uint8_t *mark)
 {

@@ -4,14 +4,14 @@
 
 #include <osteon/metrics.h>
 
-/* The frame of the plan: its centre in mm, and the unit vectors u, v and w (inward). */
+/* The frame of the plan. `at` is the plan's centre in mm; u, v and w are unit vectors, and w points inward. */
 typedef struct ost_plan_frame {
     double at[3], u[3], v[3], w[3];
 } ost_plan_frame;
 
 /* The mean pose of a tool while the tool removed bone, relative to the plan. */
 typedef struct ost_tool_way {
-    bool cut;            /* the tool removed bone; otherwise no other field is set */
+    bool cut;            /* true if the tool removed bone; the other fields are set only in this case */
     double reach_mm;     /* deepest position of the tip along w */
     double tilt_deg;     /* angle between the tool's axis and w */
     double entry_mm;     /* distance in the plane w = 0 from the plan's centre to the tool's axis */
@@ -19,8 +19,8 @@ typedef struct ost_tool_way {
 } ost_tool_way;
 
 /*
- * Computes the mean tip and the mean axis of all tools of a kind, over the ticks in which they
- * removed bone with the tip within window_mm of its deepest position.
+ * Computes the mean tip and the mean axis of all tools of one kind. The means are taken over the ticks in which a tool
+ * removed bone while its tip was within window_mm of the deepest position of the tip.
  */
 ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
                              double window_mm);

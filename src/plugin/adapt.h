@@ -29,8 +29,8 @@ typedef struct plugin_backend {
     char name[PLUGIN_NAME];
 } plugin_backend;
 
-/* The host objects. If `lost` is true, a call on the object has failed part-way; the object may then
-   only be freed. */
+/* A host object refers to an object of the plugin. If `lost` is true, a call on the object has failed part-way, and the
+   object may then only be freed. */
 typedef struct plugin_grid {
     ost_grid base;
     ost_plugin_grid *own;

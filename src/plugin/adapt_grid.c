@@ -24,8 +24,8 @@ static ost_status new_grid(ost_backend *backend, const ost_geometry *geometry, p
     return OST_OK;
 }
 
-/* Called after the plugin's function `slot` that creates a grid. On success, sets *out to the grid. On an
-   error, frees the grid and returns the error. */
+/* Called after the plugin's function `slot`, which creates a grid. On success, sets *out to the grid. On an error,
+   frees the grid and returns the error. */
 static ost_status made_grid(plugin_grid *grid, const char *slot, ost_status status, ost_grid **out, ost_error *err)
 {
     if (status == OST_OK && !grid->own)
