@@ -41,7 +41,8 @@ typedef struct bridge_signals {
 typedef struct bridge {
     const bridge_options *options;
     bridge_report *report;
-    int socket, wake;        /* wake: an eventfd that is signalled for each pose and at the end */
+    /* `wake` is an eventfd that is signalled for each pose and at the end */
+    int socket, wake;
     pthread_t thread;
     link_key *key;
     newest in, out;
@@ -56,7 +57,8 @@ typedef struct bridge {
     haptic_clutch clutch;
     ost_safety safety;
     double most_n, most_stiffness;
-    heard last;              /* newest state, and the time at which it arrived */
+    /* newest state that has arrived, and the time of its arrival */
+    heard last;
     bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
     ost_pose given;          /* latest pose of the tool */
@@ -168,7 +170,10 @@ static void *run_network(void *user)
         uint64_t ignored;
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
-        /* A restarted simulation has a new random number, so the bridge sends a hello packet again. */
+        /*
+         * A restarted simulation has a new random number, so the bridge sends a hello packet again after a time without
+         * packets.
+         */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;
         const bool fresh = newest_take(&b->out);
@@ -235,12 +240,12 @@ static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
     const uint64_t one = 1;
     b->bridge_signals[b->out.back] = (bridge_signals){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
-    /* The write fails only if 2^64 - 1 poses are unread. */
+    /* The write fails only if 2^64 - 1 poses have not been read. */
     if (write(b->wake, &one, sizeof one) < 0)
         return;
 }
 
-/* Takes the newest state. Returns true if the state is recent and allows the device to hold the tool. */
+/* Fetches the newest state. Returns true if the state is recent and allows the device to hold the tool. */
 static bool is_live(bridge *b)
 {
     if (newest_take(&b->in)) {

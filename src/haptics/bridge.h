@@ -28,10 +28,11 @@ enum { BRIDGE_LIMP_MS = 50, BRIDGE_PATIENCE_MS = 5000, BRIDGE_ADDRESS = 128 };
 typedef struct bridge_options {
     const char *to;        /* "host:port" or "[address]:port" */
     const char *key;       /* path of the file that contains the key */
-    /* number of ticks; with 0, the bridge runs until the device or the simulation ends, or stop_requested() returns
+    /* number of ticks; if 0, the bridge runs until the device or the simulation ends, or until stop_requested() returns
        true */
     uint64_t ticks;
-    int64_t patience_ms;   /* timeout for the first answer in ms; 0: BRIDGE_PATIENCE_MS */
+    /* timeout in ms for the first answer; 0 selects BRIDGE_PATIENCE_MS */
+    int64_t patience_ms;
     bool no_realtime;
     bool (*stop_requested)(void); /* called once per tick; returns true to end the run; may be NULL */
 } bridge_options;
@@ -39,11 +40,11 @@ typedef struct bridge_options {
 typedef struct bridge_report {
     ost_servo_report loop;
     char to[BRIDGE_ADDRESS];        /* numeric address and port */
-    /* number of packets sent; number of states accepted; numbers of states dropped because they were invalid, late,
-       or already received */
+    /* `sent` counts sent packets, and `states` accepted states. The other fields count dropped states: `bad` the
+       invalid states, `late` those that arrived too late, and `replayed` those that were already received. */
     uint64_t sent, states, bad, late, replayed;
-    /* limps: number of times that the force was switched off after the device had been held; limp_ticks: number of
-       ticks without force since the device was first held */
+    /* `limps` counts how often the force was switched off after the device had been held. `limp_ticks` counts the ticks
+       without force since the device was first held. */
     uint64_t limps, limp_ticks;
     uint64_t fault_ticks;           /* number of ticks in which the device returned no valid pose */
     bool met;                       /* set if a simulation has answered */

@@ -16,7 +16,8 @@
 
 typedef struct haptic_clutch {
     double scale;                    /* metres of tool motion per metre of body motion */
-    double given_at[3], given_q[4];  /* latest pose of the tool: m and w x y z, in the bone's frame */
+    /* latest pose of the tool in the bone's frame, position in m and quaternion w x y z */
+    double given_at[3], given_q[4];
     double base_at[3], base_q[4];    /* pose of the tool when the clutch engaged */
     double from_at[3], from_q[4];    /* pose of the body when the clutch engaged */
     double world[4];                 /* rotates the body's frame into the bone's frame */
@@ -42,7 +43,10 @@ void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
  * too large.
  */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
-/* Returns the tool's pose, like haptic_clutch_pose, for a body whose pose is given in the bone's frame. */
+/*
+ * Returns the tool's pose for a body whose pose is given in the bone's frame. Otherwise, the function is like
+ * haptic_clutch_pose.
+ */
 ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
 /* Rotates a vector, for example a force, from the bone's frame to the body's frame. */
 void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A driver is a constant table in its own file, and a line in table.c.
+ * A driver consists of a constant table in its own file and a line in table.c. The table has these functions:
  *
  *   usable   returns true if the device can be opened on this machine; otherwise writes the reason
  *   answers  called only when devices are listed: opens the device to check properties that cannot be checked otherwise
@@ -26,18 +26,18 @@ typedef struct haptic_driver {
     double max_force_n, max_stiffness_n_m;
     /* indexed by the button's bit; the list ends before the first entry without a name */
     ost_button buttons[OST_BUTTONS_MAX];
-    bool (*usable)(char reason[256]); /* NULL: always usable */
+    bool (*usable)(char reason[256]); /* NULL if the device is always usable */
     bool (*answers)(char reason[256]); /* may be NULL; the device is then assumed to respond */
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
-    void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL: no text */
+    void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL if there is no text */
     /* may be NULL; the device then reports no limits; *out is zero before the call */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
     /* may be NULL; the driver then has no counters */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
-    /* only with OST_HAPTIC_OWN_CLOCK */
+    /* set only for drivers with the flag OST_HAPTIC_OWN_CLOCK */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err);
 } haptic_driver;
 

@@ -62,7 +62,7 @@ typedef struct came {
 struct haptic_instance {
     struct lws_context *context;
     pthread_t thread;
-    /* each semaphore is posted once: `met` at the first state or on a failure, `over` at the end of the thread */
+    /* each semaphore is posted once: `met` at the first state or on a failure, and `over` at the end of the thread */
     sem_t met, over;
     newest in, out;
     came came[NEWEST_SLOTS];

@@ -29,23 +29,26 @@ enum {
 typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_type;
 
 enum {
-    LINK_SEEN = 1,   /* set in a pose: the device holds the tool */
-    LINK_ENDED = 2,  /* set in a pose or a state: this is the last packet */
-    /* set in a state: the pose was too far away, so the bridge must release its clutch and engage it again at the
-       tool's position */
+    LINK_SEEN = 1,   /* set in a pose if the device holds the tool */
+    LINK_ENDED = 2,  /* set in the last pose or state packet of a run */
+    /* set in a state if the pose was too far away; the bridge must then release its clutch and engage it at the tool's
+       position */
     LINK_AGAIN = 4,
-    LINK_BUSY = 8    /* set in a state: the simulation is already connected to another bridge */
+    /* set in a state if the simulation is already connected to another bridge */
+    LINK_BUSY = 8
 };
 
 typedef struct link_packet {
     uint8_t type;
     uint16_t flags;
-    uint64_t bridge, simulation; /* random number of each side for this run; `simulation` is 0 in a hello packet */
+    /* random numbers that identify the two sides for this run; `simulation` is 0 in a hello packet */
+    uint64_t bridge, simulation;
     uint64_t sequence;           /* number of this packet, counted by the sender */
-    /* in a state: the greatest sequence number of the poses that the simulation has accepted */
+    /* in a state packet, the greatest sequence number of the poses that the simulation has accepted */
     uint64_t answers;
-    int64_t t_ns;                /* in a hello or pose packet: time on the sender's clock, only for diagnosis */
-    /* in a hello or pose packet: pose of the device; in a state: pose for which the simulation computed the answer */
+    /* in a hello or pose packet, the time on the sender's clock, only for diagnosis */
+    int64_t t_ns;
+    /* in a hello or pose packet, the pose of the device; in a state packet, the pose to which the force belongs */
     ost_pose pose;
     uint32_t buttons;
     int32_t tool;                /* -1 if the device does not select a tool */
@@ -57,8 +60,8 @@ typedef struct link_packet {
 typedef enum link_verdict { LINK_GOOD, LINK_MALFORMED, LINK_WRONG_KEY } link_verdict;
 
 /*
- * Convert between a packet and its bytes without the HMAC. link_decode checks the size, the magic
- * number, the version and the type, that unused flags are 0, and that pose and tool are valid.
+ * link_encode and link_decode convert between a packet and its bytes without the HMAC. link_decode checks the size, the
+ * magic number, the version and the type. It also checks that unused flags are 0, and that pose and tool are valid.
  */
 size_t link_encode(const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
 bool link_decode(const uint8_t *bytes, size_t size, link_packet *out);
@@ -68,25 +71,26 @@ bool link_decode(const uint8_t *bytes, size_t size, link_packet *out);
 typedef struct link_key link_key;
 
 /*
- * Read or copy a key. Return OST_ERR_INPUT if the key has too few or too many bytes. link_key_read
- * returns OST_ERR_USAGE if anyone other than the file's owner may read the file.
+ * link_key_read reads a key from a file, and link_key_make copies a key from memory. Both return OST_ERR_INPUT if the
+ * key has too few or too many bytes. link_key_read returns OST_ERR_USAGE if users other than the file's owner may read
+ * the file.
  */
 ost_status link_key_read(const char *path, link_key **out, ost_error *err);
 ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err);
 void link_key_free(link_key *key); /* NULL is allowed */
 
 /*
- * Encode and decode with the HMAC. A key may be used by only one thread at a time. link_seal
- * returns 0 if libcrypto fails.
+ * link_seal encodes a packet and appends the HMAC; it returns 0 if libcrypto fails. link_unseal checks the HMAC and
+ * decodes a packet. A key may be used by only one thread at a time.
  */
 size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
 link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out);
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which of a sender's packets have arrived, for the newest packet and the 63 before it. */
+/* Records which packets of a sender have arrived, for the newest packet and the 63 packets before it. */
 typedef struct link_window {
-    uint64_t last, seen; /* bit i of seen: packet last - i has arrived */
+    uint64_t last, seen; /* bit i of `seen` is set if packet last - i has arrived */
 } link_window;
 
 typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;
@@ -99,7 +103,7 @@ typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;
  */
 link_order link_window_add(link_window *window, uint64_t sequence, uint64_t *lost);
 
-/* Reads a random number from the system, never 0. Returns false if the system provides none. */
+/* Reads a random number other than 0 from the system. Returns false if the system provides none. */
 bool link_random(uint64_t *out);
 
 #endif

@@ -27,7 +27,7 @@ static const double TURN = 0.0188;            /* greatest rotation per tick, in 
 struct ost_mouse_input {
     newest newest; /* passes the newest state from the window's thread to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    /* lifts: for each state, number of lifts that preceded it; lifted: total number of lifts */
+    /* lifts[i] is the number of lifts that preceded state[i]; `lifted` is the total number of lifts */
     uint32_t lifts[NEWEST_SLOTS], lifted;
 };
 
@@ -130,8 +130,8 @@ static void approach_position(haptic_instance *m, const double to[3])
         m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
 }
 
-/* Rotates the tool toward `to` along the shorter arc, by the fraction FOLLOW of the angle but by at
-   most TURN. q and -q are the same orientation. */
+/* Rotates the tool toward `to` along the shorter arc. The rotation is the fraction FOLLOW of the angle, but at most
+   TURN. The quaternions q and -q denote the same orientation. */
 static void approach_turn(haptic_instance *m, const double to[4])
 {
     double cosine = 0, n = 0;

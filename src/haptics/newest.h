@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Passes the newest value from one thread to another, wait-free on both sides. Of three slots, one
- * belongs to the writer, one to the reader, and the third one is exchanged between them.
+ * Passes the newest value from one thread to another, wait-free on both sides. There are three slots: one belongs to
+ * the writer, one belongs to the reader, and writer and reader exchange the third.
  *
  *   writer: back --exchange--> middle --exchange--> front :reader
  *
@@ -17,7 +17,8 @@
 enum { NEWEST_SLOTS = 3, NEWEST_FRESH = 4 };
 
 typedef struct newest {
-    _Atomic unsigned char middle; /* index of a slot; NEWEST_FRESH is set until the reader takes the slot */
+    /* index of the slot that is exchanged; NEWEST_FRESH is set until the reader takes the slot */
+    _Atomic unsigned char middle;
     unsigned char back;           /* slot of the writer */
     unsigned char front;          /* slot of the reader */
 } newest;

@@ -42,7 +42,7 @@ typedef struct servo {
     ost_servo_report *report;
     ost_servo_sample sample;
     int64_t due, wake_ns;
-    /* ready: time at the end of the sleep before a tick; begin: time at the beginning of the tick */
+    /* `ready` is the time at the end of the sleep before a tick, and `begin` the time at the beginning of the tick */
     thread_time ready, begin;
     bool has_pose;
     int ticks_without_sample; /* number of consecutive ticks without a new pose */
@@ -133,8 +133,8 @@ static bool run_loop(servo *s)
 }
 
 /*
- * Classifies the missed deadlines. Of the time spent on rehearsals and on the wait after them, only
- * the part beyond lead_ns counts as work.
+ * Classifies the missed deadlines. The time spent on rehearsals and on waiting after them counts as work only as far as
+ * it exceeds lead_ns.
  */
 static void count_missed(servo *s, uint64_t missed)
 {
@@ -204,8 +204,8 @@ static void run_without_clock(servo *s)
 }
 
 /*
- * Called on the thread of a device with its own clock. The device determines when a tick runs, and
- * the delay of a tick is measured with ost_clock_ns.
+ * Called on the thread of a device with its own clock. The device determines when a tick runs. The delay of a tick is
+ * measured with ost_clock_ns.
  */
 static bool beat(void *user)
 {
@@ -222,7 +222,10 @@ static bool beat(void *user)
     return true;
 }
 
-/* Returns the time stolen from all cores since boot, in ms; -1 if the system does not report it. */
+/*
+ * Returns the time that the hypervisor has taken from all cores since boot, in ms, or -1 if the system does not report
+ * this time.
+ */
 static int64_t stolen_ms(void)
 {
     long long field[8];

@@ -132,8 +132,8 @@ static double noise(haptic_instance *s)
 }
 
 /*
- * Adds a tremor: noise filtered by a low pass of about 10 Hz. The factor 5 compensates the loss of
- * amplitude in the filter approximately.
+ * Adds a tremor, which is noise filtered by a low pass of about 10 Hz. The factor 5 approximately compensates the
+ * filter's loss of amplitude.
  */
 static void shake(haptic_instance *s)
 {

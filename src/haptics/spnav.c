@@ -203,7 +203,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     spnav_event event;
     for (int i = 0; i < EVENTS && s->spnav.poll(&event); i++)
         take_event(s, &event);
-    /* libspnav does not report the end of its daemon, but the socket does. */
+    /* libspnav does not report that the daemon has ended, but the socket does. */
     if (s->lost || daemon.fd < 0 || (poll(&daemon, 1, 0) > 0 && (daemon.revents & (POLLHUP | POLLERR | POLLNVAL))))
         return OST_HAPTIC_LOST;
     const bool moves = !s->how.hold || (s->buttons >> HOLD_BUTTON & 1);

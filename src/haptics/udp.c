@@ -49,7 +49,7 @@ enum {
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* greatest motion per tick in m; less than the jump that an operation treats as a fault */
+#define FAR_M 0.004     /* greatest motion per tick in m, below the jump that an operation treats as a fault */
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };
@@ -126,12 +126,12 @@ static void answer(haptic_instance *u, const struct sockaddr_storage *to, sockle
         p.torque_unm[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.torque_nm[a] * 1e6)));
     }
     const size_t length = link_seal(u->key, &p, bytes);
-    /* A state that cannot be sent now is dropped, because the next one will be newer. */
+    /* A state that cannot be sent now is dropped, because the next state will be newer. */
     if (length && sendto(u->socket, bytes, length, MSG_DONTWAIT | MSG_NOSIGNAL, (const struct sockaddr *)to, size) < 0)
         return;
 }
 
-/* Processes a pose of the bridge. Returns true if it must be answered. */
+/* Processes a pose of the bridge. Returns true if the pose must be answered. */
 static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;

@@ -23,7 +23,7 @@ typedef struct vendor_symbol {
 
 typedef struct vendor_library {
     const char *variable;        /* environment variable that names another file to load instead */
-    const char *const *names;    /* names passed to dlopen, in this order; ends with NULL */
+    const char *const *names;    /* names that are passed to dlopen, in this order; the list ends with NULL */
     const char *product;         /* product that the user must install; named in messages */
     const vendor_symbol *symbols;
     size_t count;

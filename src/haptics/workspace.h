@@ -15,7 +15,8 @@
 
 typedef struct haptic_workspace {
     double at[3];          /* position of start, m */
-    double turn[3][3];     /* [row][column]: rotates the device's frame into the bone's frame */
+    /* element [row][column] of the rotation from the device's frame to the bone's frame */
+    double turn[3][3];
     /* rotation from the tool's frame to the device's frame while the handle is upright */
     double identity[3][3];
     double scale;          /* metres in the bone's frame per metre of the device */
@@ -28,8 +29,8 @@ typedef struct haptic_workspace {
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
 
 /*
- * Returns the tool's pose for a handle at `position` (m). frame[row][column] rotates the handle's
- * frame into the device's frame. Returns an invalid pose if a value is not finite or is too large.
+ * Returns the tool's pose for a handle at `position` (m). The matrix frame[row][column] rotates the handle's frame into
+ * the device's frame. Returns an invalid pose if a value is not finite or is too large.
  */
 ost_pose haptic_workspace_pose(const haptic_workspace *workspace, const double position[3], const double frame[3][3]);
 

@@ -25,20 +25,20 @@ struct ost_operation {
     int64_t t_ns;      /* time of the loop's first tick */
     bool moved;        /* true if a tick was executed; `hand` is then valid */
     ost_motor motor;
-    bool on;           /* the motor is switched on, even if no button is held */
+    bool on;           /* true if the motor is switched on without a button being held */
     uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
     int32_t tool;      /* index of the tool that is used if the device does not select a tool */
     ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's rotation */
     haptic_clutch clutch;
-    bool clutched;     /* the clutch is applied between device and hand */
+    bool clutched;     /* true if the clutch is applied between device and hand */
     int32_t last_tool;
     ost_safety safety;
-    bool given;        /* a force is written to the device in this tick */
+    bool given;        /* true if a force is written to the device in this tick */
     double contact_n;  /* force of the tool on the bone in this tick */
     ost_fault fault;   /* the current fault */
-    uint64_t dropout;  /* ticks of the current drop-out; 0: the device is tracked */
-    bool lifted;       /* the tool was lifted after the last executed tick */
+    uint64_t dropout;  /* number of ticks of the current drop-out; 0 while the device is tracked */
+    bool lifted;       /* true if the tool was lifted after the last executed tick */
     ost_operation_report report;
     ost_record pending; /* record of the last tick, until its duration is available */
     bool has_pending;
@@ -159,7 +159,7 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
-/* Handles a tick without tracking. As in a fault, the force is 0; but a drop-out is not an error. */
+/* Handles a tick without tracking. The force is 0, as in a fault, but a drop-out is not counted as an error. */
 static void drop_out(ost_operation *o, int64_t t_ns)
 {
     ost_operation_report *r = &o->report;
@@ -256,7 +256,7 @@ static void remember(ost_operation *o, const ost_servo_sample *sample, const ost
     o->has_pending = true;
 }
 
-/* Updates the state for viewers. In a fault, step is NULL, because neither tool nor bone changes. */
+/* Updates the state for viewers. In a fault, neither tool nor bone changes, and `step` is NULL. */
 static void show(ost_operation *o, const ost_servo_sample *sample, const ost_tick *tick, const ost_step_result *step,
                  const ost_wrench *wrench)
 {
@@ -294,8 +294,8 @@ static bool is(uint32_t actions, ost_action action)
 }
 
 /*
- * Combines buttons and keys. Returns the actions that are held, and sets *pressed to those that were
- * not held in the previous tick.
+ * Combines buttons and keys. Returns the actions that are held, and sets *pressed to the actions that were not held in
+ * the previous tick.
  */
 static uint32_t actions_of(ost_operation *o, uint32_t buttons, uint32_t *pressed)
 {
@@ -313,11 +313,9 @@ void ost_operation_keys(ost_operation *operation, uint32_t active_actions)
 }
 
 /*
- * Converts *pose from the pose of the device to the pose of the hand.  The two
- * poses are equal until OST_ACTION_CLUTCH or OST_ACTION_HOME occurs for the first
- * time. Sets *put if OST_ACTION_HOME moves the tool to the home pose. Returns false
- * while OST_ACTION_CLUTCH is held, during which the pose of the hand does not
- * change.
+ * Converts *pose from the pose of the device to the pose of the hand. The two poses are equal until OST_ACTION_CLUTCH
+ * or OST_ACTION_HOME occurs for the first time. Sets *put if OST_ACTION_HOME moves the tool to the home pose. While
+ * OST_ACTION_CLUTCH is held, the pose of the hand does not change, and the function returns false.
  */
 static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed, ost_pose *pose, bool *put)
 {
@@ -346,9 +344,9 @@ static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed,
 }
 
 /*
- * Sets the motor speed of the tick and the pose of the tool.  If the tick is so late
- * that the motor would have rotated by more than 1/8 turn, the motor is off in this
- * tick: the motion in between is unknown, so there is no sweep.
+ * Sets the motor speed of the tick and the pose of the tool. If the tick is so late that the motor would have rotated
+ * by more than 1/8 turn, the motor is off in this tick. There is then no sweep, because the motion in between is
+ * unknown.
  */
 static void run_motor(const ost_operation *o, const ost_haptic_state *state, bool on, ost_motor *motor, ost_tick *tick)
 {
@@ -376,8 +374,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         return true;
     }
     /*
-     * After a drop-out there is no sweep from the previous pose. A device that is far from the previous pose causes a
-     * fault, as without a drop-out.
+     * After a drop-out, there is no sweep from the previous pose. As without a drop-out, a device that is far from the
+     * previous pose causes a fault.
      */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;
@@ -397,7 +395,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        ost_safety_stop(&o->safety); /* the displacement then does not count as work of the hand */
+        /* the safety layer is reset, so that the displacement does not count as work of the hand */
+        ost_safety_stop(&o->safety);
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
     if (fault == OST_FAULT_NONE && o->options.force) {

@@ -5,13 +5,13 @@
 
 #include "core/bits_run.h"
 
-/* SLACK: number of unchanged pixels that a box may include if this avoids a further box */
+/* SLACK is the number of unchanged pixels that a box may include if this avoids a further box */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
 
 typedef struct range {
-    int begin, end; /* empty unless begin < end */
+    int begin, end; /* the range is empty unless begin < end */
 } range;
 
 static uint32_t turned(uint32_t v)

@@ -58,8 +58,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     ost_window *w = glfwGetWindowUserPointer(handle);
     (void)scancode;
     w->mods = mods_of(mods);
-    /* In the event of a modifier key, GLFW reports the modifiers that were active before the key
-       was pressed or released. */
+    /* GLFW reports a modifier key with the modifiers that were active before the key was pressed or released. */
     if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_SHIFT : w->mods | OST_WINDOW_SHIFT;
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
@@ -92,7 +91,10 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/* On some systems, the coordinates of a window differ from the pixels of its framebuffer. */
+/*
+ * Converts the pointer's position to pixels, because on some systems the coordinates of a window differ from the pixels
+ * of the window's framebuffer.
+ */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
@@ -151,7 +153,7 @@ static void on_damage(GLFWwindow *handle)
     w->hidden = false;
 }
 
-/* Not every system reports that a window is hidden, so this function queries the state. */
+/* Queries whether the window is hidden, because not every system reports this. */
 static void check_display(ost_window *w)
 {
     const int64_t now = ost_clock_ns();

@@ -37,7 +37,9 @@ struct ost_window {
     char title[OST_WINDOW_TITLE], renderer[128], version[64];
 };
 
-/* Returns true if the window and its display exist. Otherwise no function of GLFW may be called. */
+/*
+ * Returns true if the window and its display exist. If the function returns false, no function of GLFW may be called.
+ */
 static inline bool ost_window_lives(const ost_window *window)
 {
     return window->handle && ost_x11_state_get() == OST_X11_FINE;

@@ -56,9 +56,9 @@ typedef struct calls {
 } calls;
 
 /*
- * Finds a function by name. Returns false if there is no such function. The handle of a missing
- * library is NULL, which is equal to RTLD_DEFAULT. With this handle, dlsym searches the program,
- * which does not contain the function either.
+ * Finds a function by name. Returns false if there is no such function. If a library is missing, its handle is NULL,
+ * which is equal to RTLD_DEFAULT. With this handle, dlsym searches the program, which does not contain the function
+ * either.
  */
 static bool find(void *library, const char *name, void *function)
 {
@@ -77,7 +77,8 @@ struct ost_shm {
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
     size_t capacity;  /* capacity in pixels */
-    int width, height; /* size of the picture in the memory and in the window; 0 if the size is unknown */
+    /* size of the picture in the shared memory and in the window; 0 if the size is unknown */
+    int width, height;
     bool pending;     /* set while the last picture is being copied */
     xcb_cookie copied;
 };
@@ -118,8 +119,8 @@ static bool went_well(ost_shm *s, xcb_cookie checked)
 }
 
 /*
- * Returns true if pixels have eight bits per colour in the byte order of this machine, with red in
- * the highest of the three bytes. Sets the depth.
+ * Returns true if pixels have eight bits per colour in the byte order of this machine, with red in the highest of the
+ * three bytes. Sets s->depth.
  */
 static bool learn_pixels(ost_shm *s)
 {
@@ -151,8 +152,8 @@ static void give_back(ost_shm *s)
 }
 
 /*
- * Reserves memory for count pixels. The segment is marked for removal at once. It is therefore
- * freed when its last user detaches, even if this process is killed.
+ * Reserves memory for `count` pixels. The segment is marked for removal at once, so it is freed when its last user
+ * detaches, even if this process is killed.
  */
 static bool reserve_memory(ost_shm *s, size_t count)
 {

@@ -4,10 +4,9 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software OpenGL would draw the finished picture again, pixel by pixel, which takes a third of a
- * frame's time on one core. The program is not linked with the X libraries. GLFW and the driver
- * load these libraries, and their functions are looked up by name. If a precondition does not hold,
- * OpenGL shows the picture instead.
+ * A software OpenGL would draw the finished picture again, pixel by pixel, which takes a third of a frame's time on one
+ * core. The program is not linked with the X libraries. GLFW and the driver load these libraries, and the functions are
+ * looked up by name. If a precondition is not met, OpenGL shows the picture instead.
  *
  * All functions must be called on the window's thread.
  */
@@ -22,8 +21,8 @@
 typedef struct ost_shm ost_shm;
 
 /*
- * Opens the shared memory. Returns NULL if the window is not an X11 window, if the server runs on
- * another machine, or if its pixels do not have eight bits each of red, green and blue.
+ * Opens the shared memory. Returns NULL if the window is not an X11 window, if the server runs on another machine, or
+ * if the pixels of the window do not have eight bits each of red, green and blue.
  */
 ost_shm *ost_shm_open(void *glfw_window);
 /* Frees shm. The window may already be destroyed. shm may be NULL. */

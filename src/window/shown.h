@@ -10,7 +10,8 @@
 #include <epoxy/gl.h>
 
 typedef struct ost_shown {
-    GLuint program, texture, nothing; /* nothing: an empty vertex array object, because a core profile requires one */
+    /* `nothing` is an empty vertex array object, which a core profile requires */
+    GLuint program, texture, nothing;
     int width, height;                /* size of the texture */
 } ost_shown;
 

@@ -2,10 +2,9 @@
 /*
  * Manages GLFW's window: opens it, presents pictures, and recreates it.
  *
- * Three events can end a window during an operation, but they must not end the program. The first
- * is a reset of the driver: all OpenGL objects must then be recreated, and with GLFW this requires
- * a new window. The other two are the loss of the X server and the destruction of the window by
- * another program (x11.h).
+ * Three events can end a window during an operation, but they must not end the program. The first is a reset of the
+ * driver. All OpenGL objects must then be recreated, which with GLFW requires a new window. The other two are the loss
+ * of the X server and the destruction of the window by another program (x11.h).
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -159,7 +158,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     return OST_OK;
 }
 
-/* If the display is gone, no function of GLFW may be called. */
+/* Closes the window. If the display is gone, no function of GLFW is called. */
 void ost_window_close(ost_window *window)
 {
     if (!window)

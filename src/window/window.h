@@ -7,8 +7,8 @@
  * Other modules draw the pictures. OpenGL, on a graphics card or in software, shows them on the
  * screen.
  *
- * There is at most one window. All functions must be called on the thread that opened it, which
- * must be the program's main thread.
+ * There is at most one window. All functions must be called on the thread that opened the window, which must be the
+ * program's main thread.
  */
 #ifndef OST_WINDOW_WINDOW_H
 #define OST_WINDOW_WINDOW_H
@@ -23,15 +23,17 @@ typedef struct ost_window ost_window;
 
 typedef enum ost_window_event_kind {
     OST_WINDOW_KEY,    /* key, pressed, mods */
-    OST_WINDOW_BUTTON, /* button: 0 left, 1 right, 2 middle; pressed, mods */
-    OST_WINDOW_MOVE,   /* x, y: position of the pointer in pixels of the picture */
-    OST_WINDOW_WHEEL,  /* y: number of steps, positive if the wheel is turned away from the user; mods */
+    /* button (0 left, 1 right, 2 middle), pressed, mods */
+    OST_WINDOW_BUTTON,
+    OST_WINDOW_MOVE,   /* x, y are the position of the pointer in pixels of the picture */
+    /* y is the number of steps, positive if the wheel is turned away from the user; mods */
+    OST_WINDOW_WHEEL,
     OST_WINDOW_RELEASE /* events were lost; all keys and buttons count as released */
 } ost_window_event_kind;
 
 enum { OST_WINDOW_SHIFT = 1, OST_WINDOW_CONTROL = 2, OST_WINDOW_ALT = 4 };
 
-/* A printable key has the code of its capital letter or digit on a US layout. The other keys have these codes: */
+/* A printable key has the code of its capital letter or digit on a US layout. The other keys have these codes. */
 enum {
     OST_KEY_ESCAPE = 256,
     OST_KEY_ENTER,
@@ -45,7 +47,7 @@ enum {
     OST_KEY_PAGE_DOWN,
     OST_KEY_PLUS,
     OST_KEY_MINUS,
-    OST_KEY_F1 = 300 /* the codes of F2 to F12 follow this one */
+    OST_KEY_F1 = 300 /* the codes of F2 to F12 follow this code */
 };
 
 typedef struct ost_window_event {
@@ -59,27 +61,27 @@ typedef struct ost_window_event {
 typedef struct ost_window_info {
     const char *renderer; /* name of OpenGL's renderer, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     const char *version;
-    bool software;        /* OpenGL is executed by the processor */
+    bool software;        /* true if the processor executes OpenGL */
     bool robust;          /* set if the driver reports resets */
     int resets;           /* number of resets of the driver after which the window continued with a new context */
 } ost_window_info;
 
-/* Returns NULL if this build supports windows; otherwise the reason why it does not, and a remedy. */
+/* Returns NULL if this build supports windows. Otherwise returns the reason why it does not, and a remedy. */
 const char *ost_window_missing(void);
 
 /*
- * Opens a window. Returns OST_ERR_UNAVAILABLE and names the missing part in err: windows in this
- * build, a display, or OpenGL 3.3. A context of version 4.4 is tried first. If the driver supports
- * it, the context reports resets of the driver.
+ * Opens a window. Returns OST_ERR_UNAVAILABLE if this build has no windows, if there is no display, or if OpenGL 3.3 is
+ * missing; err names the missing part. A context of version 4.4 is tried first. If the driver supports it, the context
+ * reports resets of the driver.
  */
 ost_status ost_window_open(const char *title, int width, int height, ost_window **out, ost_error *err);
 void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels of the picture to present. This is the size of the framebuffer,
- * limited to the greatest size that can be shown. The size is 0 x 0 while the window is not
- * visible. scale: ratio of the display's resolution to 96 pixels per inch.
+ * Returns the size in pixels of the picture to present. This is the size of the framebuffer, limited to the greatest
+ * size that can be shown. The size is 0 x 0 while the window is not visible. *scale is the ratio of the display's
+ * resolution to 96 pixels per inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
@@ -96,16 +98,16 @@ void ost_window_title(ost_window *window, const char *title);
 bool ost_window_damaged(const ost_window *window);
 
 /*
- * ost_window_poll waits at most timeout_s seconds for an event; if timeout_s is 0, it does not
- * wait. Afterwards, ost_window_next returns the events in the order of their arrival. It returns
- * false when there are no more events.
+ * ost_window_poll waits at most timeout_s seconds for an event; it does not wait if timeout_s is 0. Afterwards,
+ * ost_window_next returns the events in the order of their arrival, and false when there are no more events.
  */
 void ost_window_poll(ost_window *window, double timeout_s);
 bool ost_window_next(ost_window *window, ost_window_event *out);
 
 enum { OST_WINDOW_CELL_WIDTH = 16, OST_WINDOW_CELL_HEIGHT = 8 };
 typedef struct ost_window_picture {
-    const uint32_t *pixels; /* pixels 0x..BBGGRR, from the top row on; a row has stride pixels */
+    /* pixels 0x..BBGGRR, with the top row first; a row has `stride` pixels */
+    const uint32_t *pixels;
     int stride, width, height;
     /*
      * The cells that may differ from the last presented picture: one bit for each cell of 16 x 8
