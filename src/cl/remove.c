@@ -167,8 +167,7 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
     return false;
 }
 
-/* Adds the entries of one block and sets *count to their number, which is 0 if the tool overlaps the block at no pose.
-   */
+/* Adds the entries of one block. Sets *count to their number, which is 0 if the tool overlaps the block at no pose. */
 static ost_status plan_entries(plan *p, const int32_t first[3], uint32_t *count, ost_error *err)
 {
     const ost_dims dims = p->bone->base.geometry.dims;
