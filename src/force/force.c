@@ -254,9 +254,7 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     }
 }
 
-/*
- * Adds the vibration force (vibration.h). The tool's frame is rotated by `turned`, so the angle in it is phi - turned.
- */
+/* Adds the vibration force (vibration.h). In the tool's frame, which is rotated by `turned`, phi is phi - turned. */
 static void shake(ost_force *f, double period, ost_force_result *out)
 {
     const ost_force_params *p = &f->params;
@@ -275,7 +273,7 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. The parameter turn is a given part of the tool's angular velocity, in the
+ * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity, in the
  * tool's frame; the balance does not solve for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
@@ -304,8 +302,8 @@ static void gather(ost_force *f, int axes, const double turn[3])
 }
 
 /*
- * Adds the springs and dampers of the coupling to the balance. The parameters away and velocity are the offset and the
- * velocity of the device in the tool's frame.
+ * Adds the springs and dampers of the coupling to the balance. The parameters `away` and `velocity` are the offset and
+ * the velocity of the device in the tool's frame.
  */
 static void pull(balance *e, int first, double k, double d, double dt, const double away[3], const double velocity[3])
 {

@@ -29,7 +29,7 @@ enum {
     PIECES = 6,
     CAPITAL = 9
 };
-/* distance between two letters; half of the width of a stroke; both in units of the grid */
+/* GAP is the distance between two letters, and WEIGHT half of the width of a stroke, in units of the grid. */
 static const double GAP = 2.7, WEIGHT = 0.62;
 
 typedef struct drawing {
@@ -249,7 +249,7 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    /* The distance is computed only for those pixels that a segment can reach. */
+    /* Computes the distance only for the pixels that a segment can reach. */
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
@@ -289,7 +289,7 @@ void ost_lettering_free(ost_lettering *lettering)
     free(lettering);
 }
 
-/* Returns the next letter of a UTF-8 text; NULL at its end. */
+/* Returns the next letter of a UTF-8 text, or NULL at the end of the text. */
 static const glyph *next(const ost_lettering *l, const char **text)
 {
     const unsigned char c = (unsigned char)**text;

@@ -20,19 +20,19 @@ typedef struct ost_lettering ost_lettering;
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
-    const ost_cells *written; /* set to which the cells are added in which something is drawn; may be NULL */
+    const ost_cells *written; /* if not NULL, the set of cells to which the cells with drawn pixels are added */
 } ost_sheet;
 
-/* Makes letters of one size. height: height of a capital letter in pixels, 5 to 200. */
+/* Creates letters of one size. The parameter `height` is the height of a capital letter in pixels, from 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
 void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
-/* Draws a line of text and clips it to the sheet. x: left end; y: baseline. */
+/* Draws a line of text and clips it to the sheet. The text begins at x, and its baseline is at y. */
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
                         uint32_t colour);
 
-/* Blends a box of one colour over the sheet. alpha: opacity, 256 for opaque. */
+/* Blends a box of one colour over the sheet. The opacity alpha is at most 256, which means opaque. */
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);
 
 #endif

@@ -14,39 +14,40 @@
 
 #include "render/legend.h"
 
-/* The marks are designed in units that are one pixel in a picture 720 pixels high. */
+/* The marks are designed in units; a unit is one pixel in a picture 720 pixels high. */
 enum { OST_MARKS_MARGIN = 12 };
 #define OST_MARKS_LETTER 9.5 /* height of capitals in units */
 /* Returns the size of a unit in pixels for a picture of the given height. */
 double ost_marks_unit(int height);
 
-/* Returns the greatest number of the form 1, 2 or 5 times a power of ten that is not greater than
-   `most`. The result is at least 0.001. */
+/*
+ * Returns the greatest number of the form 1, 2 or 5 times a power of ten that is at most `most`. The smallest result is
+ * 0.001.
+ */
 double ost_round_down(double most);
 
 /*
- * Writes the letters of an anatomical direction: first the letter of the axis with the greatest
- * component, then those of the other axes whose components are large enough. The frame is LPS+; "S"
- * and "I" mean superior and inferior. For a zero vector, writes "".
+ * Writes the letters of an anatomical direction, beginning with the letter of the axis with the greatest component,
+ * followed by those of the other axes whose components are large enough. The frame is LPS+; "S" and "I" mean superior
+ * and inferior. For a zero vector, writes "".
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
-/* Writes the letters of the anatomical direction toward an edge of a picture. edge: 0 left, 1 right, 2 upper, 3
-   lower. right and up: the picture's axes in the patient's frame. */
+/* Writes the letters of the anatomical direction toward an edge of a picture. The edges are 0 left, 1 right, 2 upper
+   and 3 lower. The vectors `right` and `up` are the picture's axes in the patient's frame. */
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar with its length above it and its lower edge at y. The length is the greatest
- * round number of millimetres (1, 2 or 5 times a power of ten) for which the bar is at most
- * `longest` pixels long. x is the position of the bar's left end if from_left is true, and
- * otherwise that of its right end.
+ * Draws a scale bar with its length above it and its lower edge at y. The length is the greatest round number of
+ * millimetres (1, 2 or 5 times a power of ten) for which the bar is at most `longest` pixels long. The bar's left end
+ * is at x if from_left is true; if it is false, the right end is at x.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);
 
 typedef struct ost_marks {
-    /* unit vectors of the picture's axes in the patient's frame; zero if the axes are not known */
+    /* unit vectors of the picture's axes in the patient's frame; zero vectors if the axes are unknown */
     double right[3], up[3];
-    double mm_per_pixel;    /* size of a pixel in mm; 0 if no scale bar is drawn */
+    double mm_per_pixel;    /* size of a pixel in mm; 0 to draw no scale bar */
     ost_legend legend;
 } ost_marks;
 

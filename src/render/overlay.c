@@ -25,8 +25,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* distance in voxels; a line that is at most this far behind a surface is drawn as if it were in front of the
-   surface */
+/* distance in voxels; a line that is at most BEHIND behind a surface is drawn as if it were in front of the surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -55,8 +54,8 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
 }
 
 /*
- * Reduces the interval *from .. *to, which lies within 0 .. 1, to those t for which lo <= v0 + t dv
- * <= hi. Returns false if there is no such t.
+ * Reduces the interval *from .. *to, which lies within 0 .. 1, to the values t for which lo <= v0 + t dv <= hi. Returns
+ * false if there is no such t.
  */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {
@@ -236,8 +235,8 @@ static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
     }
 }
 
-/* Computes the intersection of the bone's box and the axis-parallel box around the tool. Returns
-   false if it is empty. */
+/* Computes the intersection of the bone's box and the axis-parallel box around the tool. Returns false if the
+   intersection is empty. */
 static bool meeting(const ost_overlay_scene *s, float lo[3], float hi[3])
 {
     point3 corner[8];

@@ -32,7 +32,7 @@ extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* the names "chu
 enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 
 typedef struct ost_overlay_scene {
-    const ost_surface *bone, *tool; /* borrowed; tool is NULL if there is no tool to draw */
+    const ost_surface *bone, *tool; /* borrowed; `tool` is NULL if no tool is drawn */
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* pose of the tool */
     int chunk;                      /* voxels per side of a chunk */
@@ -45,15 +45,18 @@ typedef struct ost_overlay_scene {
     int rim_count;
 } ost_overlay_scene;
 
-/* Draws overlays on the frame. which: bit mask of overlays. eye: the frame's eye, in the bone's voxels. */
+/*
+ * Draws overlays on the frame. The bit mask `which` selects the overlays, and `eye` is the frame's eye in the bone's
+ * voxel coordinates.
+ */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Computes the half-open range of chunks that may intersect the tool's box. The range is empty if
-   there are no such chunks. */
+/* Computes the half-open range of chunks that may intersect the tool's box. The range is empty if no chunk may
+   intersect it. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* Draws a line between two positions, in the bone's voxel coordinates. strength: opacity, 256 for opaque; width: in
-   pixels, at least 1. */
+/* Draws a line between two positions in the bone's voxel coordinates. The parameter `strength` is the opacity, at most
+   256, which means opaque. The width is in pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3],
                       uint32_t colour, unsigned strength, int width);
 

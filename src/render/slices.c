@@ -7,8 +7,8 @@
  *     x ->                x ->                y ->
  *     y down              z up                z up
  *
- * All three have the same scale and square pixels. Not densities but colours are interpolated
- * between voxel centres, so that individual voxels can be recognized at the border of a cut.
+ * All three slices have the same scale and square pixels. Colours, not densities, are interpolated between voxel
+ * centres, so that individual voxels can be recognized at the border of a cut.
  */
 #include "render/slices.h"
 
@@ -31,13 +31,13 @@ typedef struct source {
     double spacing[3];
 } source;
 
-/* OVER: number of samples per pixel along each axis */
+/* OVER is the number of samples per pixel along each axis. */
 enum { GAP = OST_SLICES_GAP, OVER = 2 };
 enum { OUTLINE = 2 };        /* width of an outline in pixels */
 enum { LEAST_SIDE = 120 };  /* in pixels; letters do not fit if the shorter side of a panel is less than this */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Adds to sum the colour at the position (a, b) in the plane, in voxels. Outside the grid, the colour is black. */
+/* Adds the colour at the position (a, b) in the plane, in voxels, to sum[]. Outside the grid, the colour is black. */
 static void add_sample(const source *s, const plane *p, int through, double a, double b, double sum[3])
 {
     const int na = s->n[p->across], nb = s->n[p->down];
@@ -101,7 +101,7 @@ static uint32_t region_at(const source *s, const plane *p, int through, double m
                             (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]));
 }
 
-/* Draws the outlines of the regions of a panel. `regions` has room for the panel's pixels. */
+/* Draws the outlines of the regions of a panel. The array `regions` has one element per pixel of the panel. */
 static void outline(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
                     uint32_t *regions, const ost_sheet *sheet)
 {
@@ -124,7 +124,7 @@ static void outline(const source *s, const plane *p, int through, double mm_per_
         }
 }
 
-/* Draws a word on a darker background, so that the word is legible on bone. y: position of the baseline. */
+/* Draws a word on a darker background, so that the word is legible on bone. The baseline is at y. */
 static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, int y, double unit, const char *text)
 {
     const int edge = (int)(3 * unit + 0.5), high = (int)(OST_MARKS_LETTER * unit);
@@ -151,7 +151,7 @@ static void annotate(const plane *p, const ost_lettering *letters, const char *t
     }
 }
 
-/* Draws short ticks at the edges of the panel, where the other two planes intersect the panel. */
+/* Draws short ticks at the edges of the panel where the other two slice planes intersect the panel. */
 static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height,
                   const ost_sheet *sheet)
 {
@@ -240,7 +240,7 @@ static bool is_removed(const densities *d, size_t v)
     return d->before && d->now->voxels[v] < d->threshold && d->before->voxels[v] >= d->threshold;
 }
 
-/* Computes the grey value of a density. A removed voxel is tinted, but the density before its removal remains
+/* Computes the grey value of a density. A removed voxel is tinted with a colour; the density before its removal remains
    visible. */
 static void colour_of(const void *user, size_t voxel, double rgb[3])
 {
@@ -253,7 +253,7 @@ static void colour_of(const void *user, size_t voxel, double rgb[3])
         rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
 }
 
-/* Computes the middle of the removed voxels' box, or the middle of the grid if no voxel was removed. */
+/* Computes the middle of the removed voxels' box. If no voxel was removed, computes the middle of the grid. */
 static void middle(const densities *d, int32_t at[3])
 {
     const ost_dims n = d->now->geometry.dims;

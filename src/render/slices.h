@@ -14,19 +14,18 @@ enum { OST_NO_REGION = 0x7fffffff };
 
 typedef struct ost_slices_paint {
     ost_slices_colour *colour;
-    /* Each region is outlined along its inner side; voxels of one colour are one region. May be NULL. */
+    /* returns the region of a voxel; each region is outlined along its inner side; NULL if there are no regions */
     ost_slices_region *region;
     const void *user;
-    /* if true, each pixel has the colour of one voxel; otherwise the colours are interpolated
-       between the centres of voxels */
+    /* true if each pixel has the colour of one voxel; if false, colours are interpolated between voxel centres */
     bool by_voxel;
-    bool unoriented; /* true if the directions of the axes are not known; no directions are then drawn */
+    bool unoriented; /* true if the directions of the axes are unknown; no directions are then drawn */
 } ost_slices_paint;
 
 enum { OST_SLICES_GAP = 8 };                           /* pixels between two slices */
 enum { OST_SLICES_LEVEL = 400, OST_SLICES_WIDTH = 1800 }; /* default window for densities of bone, in HU */
-/* Draws the slices through the voxel at[]. pixels: longest side of a slice; 0 means 480. Returns
-   OST_ERR_RANGE if at is outside the grid. */
+/* Draws the slices through the voxel at[]. The longest side of a slice has `pixels` pixels; 0 means 480. Returns
+   OST_ERR_RANGE if the voxel is outside the grid. */
 ost_status ost_slices_draw(const ost_geometry *geometry, const int32_t at[3], int pixels, const ost_slices_paint *paint,
                            ost_picture *out, ost_error *err);
 

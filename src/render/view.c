@@ -77,7 +77,8 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            uint32_t odd = 0x020002, green = 0x0200; /* added for rounding: half of the divisor 4, in each channel */
+            /* added for rounding; half of the divisor 4, in each channel */
+            uint32_t odd = 0x020002, green = 0x0200;
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
                 green += four[i] & 0x00ff00;
@@ -106,7 +107,10 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
     return OST_OK;
 }
 
-/* Draws a view for the functions below. before: the uncut bone, or NULL. labels, unit: see ost_view_draw. */
+/*
+ * Draws a view for the functions below. The parameter `before` is the uncut bone or NULL. The parameters `labels` and
+ * `unit` are those of ost_view_draw.
+ */
 static ost_status draw(const ost_volume *volume, const ost_volume *before, bool labels, double unit,
                        const ost_view_options *options, ost_picture *out, ost_error *err)
 {
@@ -136,7 +140,7 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
     viewer.reference.uncut = labels;
     if (status == OST_OK && (before || labels))
         ost_viewer_set_colouring(&viewer, before ? OST_COLOUR_DEPTH : OST_COLOUR_LABEL);
-    /* The box of the uncut bone is used, so that pictures before and after a removal show the same part of the bone. */
+    /* Uses the box of the uncut bone, so that pictures before and after a removal show the same part of the bone. */
     if (status == OST_OK)
         status = find_axes(o, &a, err);
     if (o->extent_mm > 0) {
@@ -163,7 +167,7 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
         status = ost_picture_init(out, width, height, err);
     if (status == OST_OK) {
         ost_sheet sheet = ost_frame_sheet(&viewer.frame);
-        sheet.written = NULL; /* no cells are recorded, because this frame is not drawn again */
+        sheet.written = NULL; /* records no cells, because this frame is not drawn again */
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)

@@ -35,9 +35,8 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 }
 
 /*
- * Returns the tool's grid as a geometry of the type that describes a bone. Its origin is the middle
- * of the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres, which
- * is not visible.
+ * Returns the tool's grid as a geometry of the type that describes a bone. The origin of this geometry is the middle of
+ * the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres, which is not visible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {
@@ -45,7 +44,7 @@ static ost_geometry grid_of(const ost_tool_geometry *t)
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-/* Makes the surface of a tool. On failure, the surface is empty. */
+/* Creates the surface of a tool. If this fails, the surface is empty. */
 static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
     const ost_geometry g = grid_of(&volume->geometry);
@@ -146,8 +145,8 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Draws with OpenGL. Returns false if the frame must be drawn by the processor instead. If the camera is out of range,
- * OpenGL and the processor report the same error.
+ * Draws with OpenGL. Returns false if the processor must draw the frame instead. If the camera is out of range, OpenGL
+ * and the processor report the same error.
  */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {

@@ -38,7 +38,7 @@ typedef struct ost_viewer {
     int threads;
     ost_style style;
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
-    ost_frame frame;     /* the last frame that was drawn; it has the size of the camera's picture */
+    ost_frame frame;     /* the last frame that was drawn, with the size of the camera's picture */
     ost_live_state state;
     bool has_state;      /* set if the tool is drawn at the pose in `state` */
     uint64_t changed;    /* number of changed chunks taken from live so far */
@@ -51,36 +51,35 @@ typedef struct ost_viewer {
     unsigned overlays;   /* bits of ost_overlay */
     ost_overlay_scene scene;
     int64_t aged_ns;
-    ost_gl *gl;          /* owned; NULL if frames are drawn by the processor */
+    ost_gl *gl;          /* owned; NULL if the processor draws frames */
     const ost_gl_variant *variant;
-    /* reason why frames are drawn by the processor instead of OpenGL; "" if there is no such reason */
+    /* reason why the processor draws frames instead of OpenGL; "" if there is no such reason */
     char lost[OST_ERROR_TEXT];
 } ost_viewer;
 
-/* Makes a viewer with an empty bone. The parameters isa and threads are those of ost_points_options. */
+/* Creates a viewer with an empty bone. The parameters `isa` and `threads` are those of ost_points_options. */
 ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
                            ost_error *err);
 void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer */
 
 /*
- * Selects OpenGL for the following frames. If OpenGL fails later, frames are again drawn by the
- * processor, and viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions
- * of ost_gl_open.
+ * Selects OpenGL for the following frames. If OpenGL fails later, the processor draws the frames again, and
+ * viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
 /* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
- * Sets the uncut bone. Takes ownership of the volume, as ost_uncut_init does. Must be called before
- * the surface of the bone is first set or updated from live.
+ * Sets the uncut bone. Takes ownership of the volume, as ost_uncut_init does. Must be called before the surface of the
+ * bone is first set or updated.
  */
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
                                 const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
                                 ost_error *err);
-/* Sets the colouring. All colourings except OST_COLOUR_BONE need a reference. */
+/* Sets the colouring. All colourings except OST_COLOUR_BONE need the uncut bone. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
-/* Sets the clip plane. If the clip plane is NULL, the complete bone is shown. */
+/* Sets the clip plane; NULL means that the complete bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
 /* Sets the ghost, a translucent shape, and its pose. */
 ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose,
@@ -88,7 +87,7 @@ ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volum
 /* Enables highlighting of places where bone was just removed. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 
-/* Makes the viewer show the bone of the operation whose live state is `live`. The channel is borrowed. */
+/* Makes the viewer show the bone of the operation whose live state is published in `live`. The channel is borrowed. */
 void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live);
 /* Applies the changes that viewer->live has published since the last call. */
 ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);

@@ -6,7 +6,7 @@
 
 #include "core/vector.h"
 
-/* maximum elevation, in radians, so that the picture is never upside down */
+/* maximum elevation in radians, which keeps the picture from turning upside down */
 static const double STEEPEST = 1.55;
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
@@ -70,8 +70,8 @@ void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t
 }
 
 /*
- * Returns the orbit whose camera is in the direction `back` from the point `at`, at which it looks. In LPS, x points to
- * the patient's left, y to the back, and z up.
+ * Returns an orbit whose camera looks at the point `at` from the direction `back`. In LPS, x points to the patient's
+ * left, y to the back, and z up.
  */
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {

@@ -41,11 +41,15 @@ typedef enum ost_view_name {
 
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
-    /* middle and longest side of the bone's grid or, after ost_view_subject_fit, of the bone */
+    /*
+     * `middle` is the middle of the bone's grid, and `size` the grid's longest side; after ost_view_subject_fit, those
+     * of the bone
+     */
     double middle[3], size;
     bool has_face;           /* set if `face` and `inward` are known */
-    double face[3], inward[3]; /* centre of the glenoid; unit vector from there into the bone */
-    bool has_landmarks;      /* set if trigonum and inferior are known */
+    /* `face` is the centre of the glenoid, and `inward` the unit vector from there into the bone */
+    double face[3], inward[3];
+    bool has_landmarks;      /* set if `trigonum` and `inferior` are known */
     double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
     bool left;               /* set if the bone is from the left side of the body */
 } ost_view_subject;
@@ -57,24 +61,27 @@ typedef struct ost_orbit {
     double distance;         /* mm */
 } ost_orbit;
 
-/* Makes a subject. at and axis: position and axis of the glenoid; if axis is NULL, the glenoid is not known. */
+/*
+ * Creates a subject. The parameters `at` and `axis` are the position and the axis of the glenoid; axis is NULL if the
+ * glenoid is unknown.
+ */
 ost_view_subject ost_view_subject_make(const ost_geometry *bone, const ost_pm3 *at, const double *axis, bool left);
 
-/* Computes the box lo <= v < hi of the voxels whose density is at least the threshold. If there are
-   no such voxels, lo and hi are the middle of the grid. */
+/* Computes the box lo <= v < hi of the voxels whose density is at least the threshold. If there are no such voxels,
+   sets lo and hi to the middle of the grid. */
 void ost_active_box(const ost_volume *volume, int32_t threshold, int32_t lo[3], int32_t hi[3]);
-/* Sets subject->middle and subject->size from the box that ost_active_box computes, so that views
-   of the entire bone do not depend on the surrounding air. */
+/* Sets subject->middle and subject->size from the box that ost_active_box computes, so that views of the entire bone do
+   not depend on the air around the bone. */
 void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, int32_t threshold);
 
-/* Returns the orbit of a view. tool: pose of the tool, used only for the view along the tool; if it is NULL, the
-   operator's view is returned instead. */
+/* Returns the orbit of a view. The view along the tool needs the pose of the tool; if `tool` is NULL, the operator's
+   view is returned instead. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
 /* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-/* zooms; each step of the wheel changes the distance by one eighth */
+/* Zooms by a number of wheel steps. Each step changes the distance by one eighth. */
 void ost_orbit_near(ost_orbit *orbit, double steps);
 
 /* Computes unit vectors that point right, up, and out of the picture toward the viewer. */

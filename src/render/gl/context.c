@@ -163,7 +163,7 @@ static int find_candidates(candidate *out, ost_error *err)
     return count;
 }
 
-/* Opens a context of any version, to find the version that the driver supports for the error message. */
+/* Opens a context of any version, so that the error message can name the version that the driver supports. */
 static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 {
     const EGLint none[] = {EGL_NONE};
@@ -222,9 +222,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * The display is not closed, because it belongs to the process and other threads may use it. In
- * addition, a driver that is unloaded when the last display is closed leaks the data of this
- * thread.
+ * Closes the context but not the display, because the display belongs to the process and other threads may use it. In
+ * addition, a driver that is unloaded when the last display is closed leaks the data of this thread.
  */
 static void drop(ost_gl_context *c)
 {
@@ -239,8 +238,8 @@ static void drop(ost_gl_context *c)
 }
 
 /*
- * Opens the first candidate that is not a software renderer. If there is none, opens the first
- * candidate that works. On failure, err contains the reason for which the first candidate failed.
+ * Opens the first candidate that is not a software renderer. If all candidates are software renderers, opens the first
+ * candidate that works. On failure, err contains the reason why the first candidate failed.
  */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {

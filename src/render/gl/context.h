@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL context without a display. It belongs to the thread that opens it. A driver's messages
- * are reported as errors.
+ * An OpenGL context without a display. The context belongs to the thread that opens it. A driver's messages are
+ * reported as errors.
  *
  *   EGL:  the platform without a surface (Mesa), each device that EGL lists
  *         (NVIDIA, Mesa); the first hardware device, else the first device
@@ -19,17 +19,17 @@ typedef struct ost_gl_context {
     EGLContext context;
     int version;         /* version of the context, times ten; at most the version in the options */
     bool persistent;     /* set if buffers can stay mapped (OpenGL 4.4) */
-    /* set if the depth in clip space can range from 0 to 1, so that the depth is stored unchanged (OpenGL 4.5) */
+    /* set if the depth in clip space can range from 0 to 1 (OpenGL 4.5); the depth is then stored without rounding */
     bool zero_to_one;
     ost_gl_info info;
     char complaint[256]; /* first message of the driver since the last check */
 } ost_gl_context;
 
-/* Opens a context. The struct must not be moved, because the driver's messages are written to it. */
+/* Opens a context. The struct must not be moved afterwards, because the driver's messages are written to it. */
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
 void ost_gl_context_close(ost_gl_context *context); /* accepts a zero-initialized context */
 
-/* Returns OST_OK if no error has occurred since the last check. doing: description of the action, used in the
+/* Returns OST_OK if no error has occurred since the last check. The parameter `doing` describes the action for the
    message, for example "draws 3 things". */
 ost_status ost_gl_context_check(ost_gl_context *context, const char *doing, ost_error *err);
 

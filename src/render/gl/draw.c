@@ -131,7 +131,7 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     return gl->did;
 }
 
-/* Waits until the last frame is drawn. Afterwards, the data that this frame used may be overwritten. */
+/* Waits until the last frame is drawn. After this call, the data that the frame used may be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -162,7 +162,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer into the G-buffer, then copies the layer's pixels that are nearer than the picture's pixels to the
+/* Draws a layer into the G-buffer. Then copies the pixels of the layer that are nearer than those of the picture to the
    picture. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
@@ -187,7 +187,7 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     return status;
 }
 
-/* Draws all layers into one G-buffer with a common depth, or, with OST_GL_FORWARD, into the picture. */
+/* Draws all layers with a common depth, into one G-buffer or, with OST_GL_FORWARD, into the picture. */
 static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_WIDE, .target = v->target};
@@ -228,8 +228,8 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
 }
 
 /*
- * Makes the lists of the layers and draws the layers, one after the other. gl->blocks contains the
- * blocks of the layer that was prepared last.
+ * Builds the lists of the layers and draws the layers one after the other. On entry, gl->blocks contains the blocks of
+ * the layer that was prepared last.
  */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Provides the uniforms of an object's camera and light, which every shader stage uses: the uniform
-   block of eye.glsl and the palette. */
+/* Provides the uniforms of an object's camera and light, which every shader stage uses. These are the uniform block of
+   eye.glsl and the palette. */
 #ifndef OST_RENDER_GL_EYE_H
 #define OST_RENDER_GL_EYE_H
 

@@ -7,8 +7,8 @@
  *   eye --blocks in view, points that face it--> list --GL_POINTS--> colour, face and depth of each pixel
  *                                                      --composite--> lit colours, depth --read--> planes of a frame
  *
- * The context needs no display (EGL) and belongs to a separate thread. The functions may therefore
- * be called on any thread, including a window's, but only one at a time.
+ * The context needs no display (EGL) and belongs to a separate thread. The functions may therefore be called on any
+ * thread, including a window's thread, but by only one thread at a time.
  */
 #ifndef OST_RENDER_GL_H
 #define OST_RENDER_GL_H
@@ -22,7 +22,7 @@ typedef enum ost_gl_target {
     OST_GL_COMPACT, /* colour, face and depth in 64 bits per pixel */
     OST_GL_WIDE,    /* normal and colour as 32-bit floats, as in the thesis */
     OST_GL_SMALL,   /* normal and colour, 8 bits each */
-    OST_GL_FORWARD  /* the lit colour; the lit colour, without a G-buffer */
+    OST_GL_FORWARD  /* the lit colour, drawn without a G-buffer */
 } ost_gl_target;
 
 /* A drawing method. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
@@ -36,22 +36,23 @@ typedef struct ost_gl_variant {
     /* if true, only cells of 8^3 voxels that are not hidden are drawn; requires `frustum` and OST_GL_COMPACT,
        excludes `true_depth` */
     bool occlusion;
-    /* used with `occlusion`: if true, a shader computes the depths of tiles, as on a graphics card, even with a
-       software renderer */
+    /* if true, a shader computes the depths of tiles, as on a graphics card, even with a software renderer; used only
+       with `occlusion` */
     bool tiles;
-    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; otherwise
-       the square around the bounding sphere of the cube */
+    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; if false, the square around the
+       bounding sphere of the cube */
     bool tight;
-    /* if true, linear inequalities on three axes determine whether a pixel is covered; otherwise the slab test of
-       the thesis is used */
+    /* if true, linear inequalities on three axes determine whether a pixel is covered; if false, the slab test of the
+       thesis is used */
     bool lines;
-    /* if true, the fragment shader writes the depth; otherwise the depth is the squared distance of
-       the voxel's centre */
+    /* if true, the fragment shader writes the depth; if false, the depth is the squared distance of the voxel's
+       centre */
     bool true_depth;
     /* if true, a point represents 4^3 voxels, which the shader traverses; requires `tight` and either OST_GL_COMPACT
        or OST_GL_FORWARD, excludes `facing` */
     bool bricks;
-    bool choose;      /* if true, bricks are drawn if voxels are small on the screen, and otherwise single voxels */
+    /* if true, bricks are drawn if voxels are small on the screen, and single voxels in all other cases */
+    bool choose;
     ost_gl_target target;
 } ost_gl_variant;
 
@@ -61,8 +62,8 @@ extern const ost_gl_variant ost_gl_thesis;
 
 typedef struct ost_gl_options {
     bool debug;  /* if true, the driver's messages are enabled and reported as errors */
-    /* newest OpenGL version to use, times ten; 0: no limit; if the driver supports only an older version, that
-       version is used */
+    /* newest OpenGL version to use, times ten; 0 if there is no limit; an older version is used if the driver supports
+       only that version */
     int version;
 } ost_gl_options;
 
@@ -70,15 +71,15 @@ typedef struct ost_gl_info {
     char version[96];  /* for example "4.5 (Core Profile) Mesa 22.3.6" */
     char driver[128];  /* for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
     char way[48];      /* for example "EGL without a surface" */
-    bool software;     /* set if OpenGL is executed by the processor */
-    bool mapped;       /* buffers stay mapped */
+    bool software;     /* set if the processor executes OpenGL */
+    bool mapped;       /* set if buffers stay mapped */
     float largest;     /* maximum size of a point, in pixels */
 } ost_gl_info;
 
-/* Returns NULL if this build supports OpenGL, otherwise the reason why it does not support OpenGL. */
+/* Returns NULL if this build supports OpenGL. Otherwise returns the reason why it does not. */
 const char *ost_gl_missing(void);
-/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE and names the missing part in err: support in this
-   build, EGL, a driver, or OpenGL 3.3. */
+/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, or OpenGL 3.3 is missing.
+   err names the missing part. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
@@ -92,8 +93,8 @@ ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_fram
                        ost_style style, ost_error *err);
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
-/* Copies the last picture to a frame of the same size: colour, face and, if requested, depth. The
-   keys of the frame do not change. */
+/* Copies colour, face and, if `depth` is true, depth of the last picture to a frame of the same size. The keys of the
+   frame do not change. */
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err);
 
 /* Numbers that describe the last draw. */
@@ -101,8 +102,8 @@ typedef struct ost_gl_counts {
     uint64_t points;   /* number of vertices passed to OpenGL */
     uint64_t uploaded; /* number of bytes of surface data uploaded */
     bool bricks;       /* set if the first object was drawn as bricks */
-    /* number of hidden cells of 8^3 voxels that were skipped, counted for the first object in
-       blocks that are in view */
+    /* number of hidden cells of 8^3 voxels that were skipped; only cells of the first object in blocks in view are
+       counted */
     uint32_t hidden;
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);

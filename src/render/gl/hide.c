@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search is considered worthwhile if at least one of every WORTH cells is hidden */
-    PAUSE = 8, /* number of frames until the next search if the last search was not worthwhile */
+    WORTH = 8,  /* the search is worthwhile if at least one of every WORTH cells is hidden */
+    PAUSE = 8, /* number of frames until the next search, after a search that was not worthwhile */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -45,9 +45,9 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden, that is, farther from the eye than
- * everything that is drawn in its pixels. o: centre of the cube relative to the eye. The slopes are
- * derived in splat_scalar.c.
+ * Returns true if a cube with edges of `side` voxels is hidden, that is, farther from the eye than everything that is
+ * drawn in the pixels of the cube. The vector `o` points from the eye to the cube's centre. The slopes are derived in
+ * splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
@@ -55,8 +55,8 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o),
                 nearest = z - 2 * half * l->eye.reach[2];
     /*
-     * The depth of a point is that of its voxel's centre; the depth of a brick is that of the
-     * middle of its 4^3 voxels.
+     * The depth of a point is the depth of its voxel's centre. The depth of a brick is the depth of the middle of its
+     * 4^3 voxels.
      */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
     float square = 0, sx = 0, sy = 0;
@@ -80,7 +80,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     return true;
 }
 
-/* Returns the hidden cells of a block. base: position of the block's first voxel relative to the eye. */
+/* Returns the hidden cells of a block. The vector `base` points from the eye to the block's first voxel. */
 static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
     enum { CELL = 8 };
@@ -99,8 +99,8 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* Computes the greatest depth of each tile. Depths are not negative, so comparing their bits as
-   integers gives the same order. */
+/* Computes the greatest depth of each tile. Depths are compared as integers by their bits, which gives the same order,
+   because no depth is negative. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

@@ -6,11 +6,11 @@
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
  *   cells of these that were not drawn yet --drawn--> depth
  *
- * The cells that were visible in the last frame are drawn first, because they probably hide the others. If they
- * do not, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover are
- * filled by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A
- * voxel's depth is the squared distance of its centre, so a cell's nearest depth is that of the voxel centre
- * nearest to the eye, with a margin for rounding.
+ * The cells that were visible in the last frame are drawn first, because these cells probably hide the others. If they
+ * hide few cells, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover
+ * are filled by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A voxel's
+ * depth is the squared distance of its centre, so a cell's nearest depth is that of the voxel centre nearest to the
+ * eye, with a margin for rounding.
  *
  * Cells are tested rather than blocks of 32^3 voxels, because bone is thin: often the box around a cell is hidden
  * although the box around the complete block is not.
@@ -28,9 +28,8 @@ bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int numb
 /* Sets gl->wanted to the cells that were visible in the last frame. */
 void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
 /*
- * Called after the wanted cells were drawn. Sets gl->wanted to the cells that were not drawn
- * although they may be visible. Sets *missing to true if there are such cells. May change the
- * framebuffer, the viewport and the program.
+ * Called after the wanted cells were drawn. Sets gl->wanted to the cells that may be visible but were not drawn. Sets
+ * *missing to true if there are such cells. May change the framebuffer, the viewport and the program.
  */
 ost_status ost_gl_hide_test(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 

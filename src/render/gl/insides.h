@@ -16,19 +16,19 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    /* begin: index of the layer's first entry in the list; near: number of its entries that are drawn as quads;
-       count: total number of its entries */
+    /* `begin` is the index of the layer's first entry in the list, `near` the number of the layer's entries that are
+       drawn as quads, and `count` the total number of the layer's entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
-    /* true if the list contains the points to draw; otherwise all points of the blocks are drawn */
+    /* true if the list contains the points to draw; if false, all points of the blocks are drawn */
     bool listed;
-    /* factor that converts a squared distance to a depth buffer value; upper bound of the rounding error */
+    /* `depth_scale` converts a squared distance to a depth buffer value; `depth_slack` bounds the rounding error */
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
 
 struct ost_gl {
-    /* the following fields belong to the worker's thread; other threads read them only while the worker is idle */
+    /* The worker's thread owns the following fields. Other threads read them only while the worker is idle. */
     ost_gl_worker *worker;
     ost_gl_context context;
     ost_gl_store store;
@@ -43,18 +43,17 @@ struct ost_gl {
     ost_gl_layer layer[OST_FRAME_LAYERS];
     ost_frame_block *blocks; /* owned; block_capacity entries */
     float *bases;           /* owned; 4 values for each block */
-    GLint *firsts;          /* owned; firsts, counts and wanted have block_capacity entries each */
+    GLint *firsts;          /* owned; `firsts`, `counts` and `wanted` have `block_capacity` entries each */
     GLsizei *counts;        /* owned */
-    /* owned; for each block, the cells whose points are listed next, as bits in the order of
-       ost_gl_run.cells */
+    /* owned; for each block, the cells whose points are listed next, as bits in the order of ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;
     bool tests_depth;       /* set if this frame searches for hidden cells (hide.c) */
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    /* signalled when the last frame is complete; NULL if there is no frame or if a thread has already waited for the
-       frame */
+    /* signalled when the last frame is complete; NULL if there is no such frame or if a thread has already waited for
+       it */
     GLsync fence;
     ost_gl_counts did;
 };

@@ -103,7 +103,10 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     return OST_OK;
 }
 
-/* Returns the first granule of a run of count free granules at or after `from`; p->granules if there is none. */
+/*
+ * Returns the first granule of a run of `count` free granules at or after `from`. Returns p->granules if there is no
+ * such run.
+ */
 static uint32_t find(const ost_gl_pool *p, uint32_t from, uint32_t count)
 {
     uint32_t run = 0;

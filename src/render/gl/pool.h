@@ -6,10 +6,9 @@
  *   | block 7 . . | block 2 | free | block 0 . . . |      granules
  *   | page | page | page    |      | page | page   |      page: position of the granule's block in voxels
  *
- * A vertex shader finds the block of a vertex by the vertex number: the page has the index number >> bits.
- * If OpenGL supports it (4.4), the buffer stays mapped and is written through the mapping; otherwise it is
- * written by glBufferSubData. Data that is still read for a frame must not be overwritten, so the caller
- * waits for the last frame before it writes.
+ * A vertex shader finds the block of vertex v in page v >> bits. If OpenGL supports it (4.4), the buffer stays mapped
+ * and is written through the mapping; otherwise it is written by glBufferSubData. Data that is still read for a frame
+ * must not be overwritten, so the caller waits for the last frame before it writes.
  */
 #ifndef OST_RENDER_GL_POOL_H
 #define OST_RENDER_GL_POOL_H
@@ -20,8 +19,8 @@ typedef struct ost_gl_pool {
     const char *what;    /* name of the elements, used in messages */
     size_t element;      /* size of an element in bytes */
     unsigned bits;
-    GLenum format;       /* format of the texture; 0: no texture */
-    /* number of granules; index of the granule at which the next search for a free run begins */
+    GLenum format;       /* format of the texture; 0 if there is no texture */
+    /* `granules` is the number of granules; `next` is the granule at which the next search for a free run begins */
     uint32_t granules, next;
     uint8_t *used;       /* owned; one entry for each granule */
     GLuint buffer, texture, page_buffer, page_texture;
@@ -29,8 +28,8 @@ typedef struct ost_gl_pool {
 } ost_gl_pool;
 
 /*
- * Initializes an empty pool. The first call of ost_gl_pool_take creates the OpenGL objects. format:
- * format of the texture through which shaders read the buffer, or 0 for no texture.
+ * Initializes an empty pool. The first call of ost_gl_pool_take creates the OpenGL objects. Shaders read the buffer
+ * through a texture with the given format; 0 means that there is no texture.
  */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
 /* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
@@ -45,8 +44,8 @@ void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data
 /* Stores the position of the block's first voxel in all pages of the block's run. */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3]);
 
-/* Creates a buffer that the processor writes. If OpenGL supports mapped buffers, the buffer is
-   mapped; otherwise *mapped is NULL. */
+/* Creates a buffer that the processor writes. Maps the buffer if OpenGL supports mapped buffers; otherwise sets *mapped
+   to NULL. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
 /* Creates a texture through which shaders read a buffer. */
 GLuint ost_gl_buffer_texture(GLuint buffer, GLenum format);

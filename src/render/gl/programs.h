@@ -14,7 +14,7 @@ typedef enum ost_gl_stage {
     OST_GL_STAGE_TILES
 } ost_gl_stage;
 
-/* The texture unit of each sampler; it is the same in every program. */
+/* The texture unit of each sampler, which is the same in every program. */
 typedef enum ost_gl_unit {
     OST_GL_UNIT_PAGES,
     OST_GL_UNIT_POINTS,
@@ -42,15 +42,14 @@ typedef struct ost_gl_programs {
     struct {
         ost_gl_program_key key;
         GLuint program;
-        /* location of the uniform `first`, which is used for quads; -1 if the program does not have
-           this uniform */
+        /* location of the uniform `first`, which is used for quads; -1 if the program has no such uniform */
         GLint first;
     } made[OST_GL_PROGRAMS];
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program the current program and compiles it if necessary. Stores the location of its
-   uniform `first` in *first. The pointer may be NULL. */
+/* Makes a program the current program, and compiles it if necessary. Stores the location of the program's uniform
+   `first` in *first, unless the pointer is NULL. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 

@@ -51,7 +51,7 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return form == OST_GL_POINTS ? &store->points : form == OST_GL_BRICKS ? &store->bricks : &store->voxels;
 }
 
-/* Returns the surface's entry if there is one; otherwise a free entry; if there is no free entry, the least recently
+/* Returns the entry of the surface. If there is none, returns a free entry or, if no entry is free, the least recently
    used entry. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
@@ -73,7 +73,7 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 
 /* ------------------------------------------------------------------- forms */
 
-/* Reserves a run for count elements. If the current run is large enough, it is used again. */
+/* Reserves a run for `count` elements. The current run is used again if it is large enough. */
 static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules,
                           ost_error *err)
 {

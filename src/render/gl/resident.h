@@ -22,16 +22,21 @@ typedef struct ost_gl_run {
     uint32_t first, count, granules;
     /* first element and number of granules of the run of shades; used only by bricks */
     uint32_t shade_first, shade_granules;
-    uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
-    uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
+    /* set of the bricks of 4^3 voxels that contain a point; brick (x, y, z) is bit x | y << 3 of word z */
+    uint64_t bricks[8];
+    /* set of the cells of 8^3 voxels that contain a point; cell (x, y, z) is bit x | y << 2 | z << 4 */
+    uint64_t cells;
     uint64_t hidden;      /* set of the cells that the last search found to be hidden (hide.h) */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    /* surface of this entry; only compared, never dereferenced; the versions identify the contents */
+    /*
+     * surface of this entry; the pointer is compared and never dereferenced, because the versions identify the contents
+     */
     const ost_surface *surface;
     uint64_t last;              /* number of the last frame that used this entry */
-    ost_gl_run *run[OST_GL_FORMS]; /* owned; for each form, one run for every slot */
+    /* owned; for each form, an array with one run for every slot */
+    ost_gl_run *run[OST_GL_FORMS];
     int32_t runs[OST_GL_FORMS];
     int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;

@@ -3,9 +3,9 @@
  * A thread that owns the context and executes functions for other threads, which wait for the
  * result.
  *
- * A context belongs to one thread, and a thread can have only one. The main thread already has a
- * window's context, and libglvnd does not allow a second context of a different kind on the same
- * thread. Because the worker owns the context, any thread can draw.
+ * A context belongs to one thread, and a thread can have only one context. The main thread already has a window's
+ * context, and libglvnd does not allow a second context of a different kind on the same thread. Because the worker owns
+ * the context, any thread can draw.
  */
 #ifndef OST_RENDER_GL_WORKER_H
 #define OST_RENDER_GL_WORKER_H

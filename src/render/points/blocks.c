@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Greatest distance of the eye, in voxels. Up to this distance, the squared distances of adjacent
-   voxels near the eye's axis can be distinguished. */
+/* Greatest distance of the eye in voxels. Up to this distance, floats distinguish the squared distances of adjacent
+   voxels near the eye's axis. */
 static const float FARTHEST = 32768.0f;
 
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
@@ -20,8 +20,7 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
     return OST_OK;
 }
 
-/* Computes the half-open range of those pixels among 0 .. count - 1 that the interval from p - h to
-   p + h intersects. */
+/* Computes the half-open range of the pixels 0 .. count - 1 that the interval from p - h to p + h intersects. */
 static void range(float p, float h, int count, int *from, int *to)
 {
     *from = p - h > 0 ? (int)(p - h) : 0;
@@ -29,8 +28,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * The cube is treated as one large voxel. The slopes are derived in splat_scalar.c. The range is
- * extended by one pixel on each side because of rounding.
+ * Treats the cube as one large voxel. The slopes are derived in splat_scalar.c. The range is extended by one pixel on
+ * each side because of rounding.
  */
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
@@ -59,8 +58,8 @@ bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_e
 }
 
 /*
- * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. base: vector
- * from the eye to the block's voxel (0, 0, 0).
+ * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. The vector `base` points from the
+ * eye to the block's voxel (0, 0, 0).
  */
 static uint64_t nearest_key(const float base[3])
 {

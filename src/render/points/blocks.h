@@ -12,7 +12,7 @@
 
 typedef struct ost_frame_block {
     int32_t slot;
-    float distance;      /* squared distance of the block's centre from the eye; blocks are sorted by this distance */
+    float distance;      /* squared distance of the block's centre from the eye, by which blocks are sorted */
     uint64_t nearest;    /* lower bound of the keys of the block's voxels (splat.h) */
     ost_extent pixels;   /* range of pixels that the block may cover */
     uint32_t count;      /* number of points of the block */
@@ -22,22 +22,22 @@ typedef struct ost_frame_block {
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
 /*
- * Selects and sorts the blocks that may be visible, and computes `bases` for all slots. `blocks`
- * must have space for surface->used entries, and `bases` for 4 floats per slot. Stores in *y0 and
- * *y1 the half-open range of rows that the selected blocks may cover.
+ * Selects and sorts the blocks that may be visible, and computes `bases` for all slots. The array `blocks` must have
+ * space for surface->used entries, and `bases` for 4 floats per slot. Sets *y0 and *y1 to the half-open range of rows
+ * that the selected blocks may cover.
  */
 void ost_blocks_choose(const ost_surface *surface, const ost_splat_eye *eye, ost_frame_block *blocks, float *bases,
                        int32_t *count, int *y0, int *y1);
 
 /*
- * Computes the half-open range of pixels that a cube with edges of `side` voxels may cover. middle:
- * vector from the eye to the cube's centre. Returns false if the cube is not visible.
+ * Computes the half-open range of pixels that a cube with edges of `side` voxels may cover. The vector `middle` points
+ * from the eye to the cube's centre. Returns false if the cube is not visible.
  */
 bool ost_blocks_pixels(const ost_splat_eye *eye, const float middle[3], int side, ost_extent *out);
 
 /*
- * For each coordinate i on an axis, computes which faces are turned to the eye, as bits of ost_face. base: coordinate
- * of voxel 0 minus coordinate of the eye.
+ * For each coordinate i on an axis, computes which faces are turned to the eye, as bits of ost_face. The parameter base
+ * is the coordinate of voxel 0 minus the coordinate of the eye.
  */
 void ost_blocks_turned(float base, int axis, uint8_t turned[OST_BLOCK]);
 

@@ -21,8 +21,8 @@ typedef struct ost_eye {
     float right[3], up[3], forward[3];     /* unit vectors, to the accuracy of a float */
     float focal;                           /* pixels */
     float half_w, half_h;                  /* pixels */
-    /* distance of the near plane in voxels; a voxel is not drawn if one of its corners is nearer
-       than this along the forward axis */
+    /* distance of the near plane in voxels along the forward axis; a voxel is drawn only if all of its corners are
+       beyond this plane */
     float near;
     int width, height;
 } ost_eye;
@@ -33,10 +33,10 @@ static inline float ost_eye_dot(const float a[3], const float b[3])
     return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
-/* Returns the eye of a camera in the bone's voxels. The camera must have passed ost_camera_check. */
+/* Returns the eye of a camera in the bone's voxel coordinates. The camera must have passed ost_camera_check. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone);
-/* Returns the eye of a camera in the voxels of an object at a pose. The object's grid has its own
-   frame, which the pose maps to the bone's frame. The camera must have passed ost_camera_check. */
+/* Returns the eye of a camera in the voxel coordinates of an object at a pose. The object's grid has its own frame,
+   which the pose maps to the bone's frame. The camera must have passed ost_camera_check. */
 ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose);
 
 #endif

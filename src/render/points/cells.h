@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* OST_CELL_WORDS: maximum number of words per row, for 8192 pixels */
+/* OST_CELL_WORDS is the maximum number of words per row, which is sufficient for 8192 pixels. */
 enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
 typedef struct ost_cells {
@@ -21,7 +21,7 @@ typedef struct ost_cells {
     int width, height; /* size of the picture in pixels */
 } ost_cells;
 
-/* Makes an empty set for a picture of up to 8192 x 8192 pixels. Returns false if memory is exhausted. */
+/* Creates an empty set for a picture of up to 8192 x 8192 pixels. Returns false if memory is exhausted. */
 bool ost_cells_init(ost_cells *cells, int width, int height);
 /* Frees the memory. Accepts zero-initialized cells. */
 void ost_cells_free(ost_cells *cells);

@@ -188,7 +188,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_empty(surface, lo, hi);
 }
 
-/* Computes the light. Returns true if the light is equal to that of the previous frame. */
+/* Computes the light. Returns true if the light equals that of the previous frame. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -243,7 +243,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
         status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
     if (status != OST_OK) {
         for (int i = 0; i < count; i++)
-            /* the current contents of the surfaces have not been drawn, so nothing can be reused in the next frame */
+            /* the current contents of the surfaces were not drawn, so the next frame can reuse nothing */
             frame->layer[i].surface = NULL;
         return status;
     }
@@ -252,8 +252,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        /* With one thread, the list of a block is made when the first band draws the block, so that
-           no lists are made for hidden blocks. */
+        /* With one thread, the list of a block is computed when the first band draws the block. Therefore no lists are
+           computed for hidden blocks. */
         for (int l = 0; l < count && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)

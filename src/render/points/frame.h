@@ -40,7 +40,7 @@ enum {
     OST_BAND = 64,
 };
 
-/* The farthest key of a tile. If stale is true, `farthest` is only an upper bound of this key. */
+/* The farthest key of a tile. While `stale` is true, `farthest` is only an upper bound of this key. */
 typedef struct ost_frame_tile {
     uint64_t farthest;
     bool stale;
@@ -51,8 +51,7 @@ _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TI
 
 /* A thread's scratch for drawing a band, small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    /* owned; planes for the current layer, if it is not the first one; the first layer uses only the keys of these
-       planes */
+    /* owned; planes for the current layer; the first layer uses only the keys of these planes */
     ost_planes over;
     ost_frame_tile *tiles;  /* owned; each row has tiles_across tiles */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
@@ -61,12 +60,15 @@ typedef struct ost_frame_bench {
 /* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was made */
-    uint32_t count, capacity; /* number of entries; number of entries for which memory is reserved */
-    /* index at which memory is reserved for the block's next list; the current list begins at visible.begin */
+    /* `count` is the number of entries, and `capacity` the number of entries for which memory is reserved */
+    uint32_t count, capacity;
+    /*
+     * index at which memory for the block's next list is reserved; the current list begins at the index visible.begin
+     */
     uint32_t visible_first;
     int32_t at[3];          /* position of the block, in blocks */
-    bool listed;            /* set if the list exists; otherwise no voxel of the block is drawn */
-    /* set if the block was inside the view frustum in the last frame, even if other blocks hid it */
+    bool listed;            /* set if the list exists; if not set, no voxel of the block is drawn */
+    /* set if the block was in the view frustum in the last frame, whether or not other blocks hid it */
     bool there;
 } ost_frame_list;
 
@@ -78,7 +80,9 @@ typedef struct ost_frame_layer {
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    /* number of slots in the last frame; capacity, in slots, of the arrays that are indexed by slot */
+    /*
+     * `slots` is the number of slots in the last frame; `slot_capacity` is the capacity of the arrays indexed by slot
+     */
     int32_t slots, slot_capacity;
     float *bases;           /* owned; 4 values for each slot */
     ost_splat_eye eye;
@@ -96,15 +100,19 @@ enum { OST_FRAME_LAYERS = 4 };
 
 typedef struct ost_frame {
     int width, height;
-    ost_planes planes;      /* owned; contains keys only after ost_frame_store_keys */
+    /* owned; planes of the frame; they contain keys only after ost_frame_store_keys */
+    ost_planes planes;
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
-    ost_planes stored;      /* owned; planes of the first layer alone, without keys; NULL before ost_frame_store */
+    /* owned; planes of the first layer alone, without keys; NULL before the first call of ost_frame_store */
+    ost_planes stored;
     bool is_stored;         /* set if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that are redrawn in this frame */
-    /* cells to be copied from `stored`, because they are redrawn or because other layers covered them in the
+    /* cells that are copied from `stored`, because they are redrawn or because other layers covered them in the
        previous frame */
     ost_cells stale;
-    /* cells whose colours may differ from those in `stored`; drawing on the frame adds cells (ost_frame_sheet) */
+    /*
+     * cells whose colours may differ from those in `stored`; drawing on the sheet of the frame adds cells to this set
+     */
     ost_cells over;
     ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
@@ -122,7 +130,8 @@ typedef struct ost_frame {
 /* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    ost_eye eye;            /* eye in the object's voxel coordinates; its picture size must be that of the frame */
+    /* eye in the object's voxel coordinates; the picture size of the eye must be that of the frame */
+    ost_eye eye;
     ost_paint paint;
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
 } ost_frame_thing;
@@ -133,12 +142,12 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 /* Frees the frame's memory. Accepts a zero-initialized frame. */
 void ost_frame_free(ost_frame *frame);
 
-/* Enables keys for later frames: the planes then contain the keys of the first layer, which
-   identify the voxel of each pixel. */
+/* Enables keys for later frames. The planes then contain the keys of the first layer, which identify the voxel of each
+   pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables partial redrawing: in later frames, only the parts that differ from the previous frame are drawn. Useful
-   if few blocks change from frame to frame. */
+/* Enables partial redrawing. In later frames, only the parts that differ from the previous frame are drawn, which saves
+   time if few blocks change from frame to frame. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /* Records that another renderer has overwritten all pixels, so that no part of the last frame is reused. */
 void ost_frame_overwritten(ost_frame *frame);
@@ -146,16 +155,14 @@ void ost_frame_overwritten(ost_frame *frame);
 ost_sheet ost_frame_sheet(const ost_frame *frame);
 
 /*
- * Draws count objects into the planes. Depth is in voxels of the first object. Returns
- * OST_ERR_RANGE if the eye is more than 2^15 voxels away from an object, measured in that object's
- * voxels.
+ * Draws `count` objects into the planes. Depth is in voxels of the first object. Returns OST_ERR_RANGE if the eye is
+ * more than 2^15 voxels away from an object, measured in voxels of this object.
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame that any renderer has drawn. The weight of the object is
- * `share` / 256 where it is in front of other objects, and half of that where it is behind other
- * objects. Only colours change. spacing: spacing of the first object's voxels, which is the unit of
- * depth.
+ * Blends one more object over a frame that any renderer has drawn. The weight of the object is `share` / 256 where the
+ * object is in front of other objects, and half of that elsewhere. Only colours change. The parameter `spacing` is the
+ * voxel spacing of the first object, which is the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
                                 ost_error *err);
@@ -164,7 +171,10 @@ ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const os
 
 /* Copies the colours of the last frame to the picture. The picture must have the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
-/* Copies colours in a frame's format to the picture: red in the lowest byte, stride pixels per row. */
+/*
+ * Copies colours to the picture. The colours have the format of a frame, with red in the lowest byte and `stride`
+ * pixels per row.
+ */
 void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif

@@ -6,14 +6,14 @@
 
 #include <string.h>
 
-/* A band: its rows, y0 <= y < y1, and the scratch of the thread that draws it. */
+/* A band of the rows y0 <= y < y1, and the scratch of the thread that draws the band. */
 typedef struct band {
     int y0, y1;
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of tiles in a band that a block may cover. Rows of tiles are counted from the
-   first row of the band. */
+/* The half-open range of tiles in a band that a block may cover. Tile rows are counted from the first row of the
+   band. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
 } tile_range;
@@ -59,8 +59,8 @@ typedef struct cell_row {
     int words, y0, y1; /* rows of pixels that the row of cells contains: y0 <= y < y1 */
 } cell_row;
 
-/* Returns the cells of a row that are in both a and b. If `without` is true, returns those that are
-   in a but not in b. */
+/* Returns the cells of a row that are in both `a` and `b` or, if `without` is true, those that are in `a` but not in
+   `b`. */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
@@ -70,8 +70,8 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
     return row;
 }
 
-/* Finds the next run of consecutive cells in a row. Stores the run's half-open range of columns, in
-   pixels, in *from and *to. *to must be 0 or the end of the previous run. */
+/* Finds the next run of consecutive cells in a row. Sets *from and *to to the half-open range of the run's pixel
+   columns. On entry, *to must be 0 or the end of the previous run. */
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;
@@ -166,7 +166,7 @@ static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
            (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
-/* Returns true if the layer covers at least one pixel of the planes into which it was drawn. */
+/* Returns true if the ghost's planes show the layer at the pixel (x, y). */
 static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
 {
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
@@ -200,7 +200,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns the band with this number. If the planes have no keys, they use the keys of the thread's scratch. */
+/* Returns the band with the given number. Planes without keys get the keys of the thread's scratch. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

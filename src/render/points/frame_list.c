@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes the lists of a layer: for each block, the voxels that have a face toward the eye. Also
-   manages their memory, and finds the differences from the previous frame. */
+/* Computes the lists of a layer. The list of a block contains the voxels that have a face toward the eye. This file
+   also manages the memory of the lists, and finds the differences from the previous frame. */
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
@@ -52,7 +52,10 @@ static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
     return OST_OK;
 }
 
-/* Returns the capacity for count entries: one eighth more for growth, rounded up to a multiple of OST_LANES. */
+/*
+ * Returns the capacity for `count` entries. The capacity is one eighth more for growth, rounded up to a multiple of
+ * OST_LANES.
+ */
 static uint32_t padded(uint32_t count)
 {
     return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
@@ -150,7 +153,7 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     list->listed = true;
 }
 
-/* The parts of a block whose appearance has changed. A part is a cube of 4 voxels per side and is represented by one
+/* The parts of a block whose appearance has changed. A part is a cube of PART voxels per side, represented by one
    bit. */
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
@@ -205,9 +208,9 @@ static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int3
 }
 
 /*
- * Sets frame->part to the cells that changed blocks may cover before or after the change. A block
- * that was hidden has no list and adds no cells. This is correct: either the voxels that hid this
- * block still hide it, or they have changed, and then frame->part contains their cells.
+ * Sets frame->part to the cells that changed blocks may cover before or after the change. A hidden block has no list
+ * and adds no cells. This is correct, because the voxels that hid the block either still hide it or have changed; in
+ * the second case, frame->part contains their cells.
  */
 static void find_part(ost_frame *frame, const ost_frame_layer *layer)
 {

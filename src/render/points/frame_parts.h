@@ -15,7 +15,7 @@
 #include <omp.h>
 #endif
 
-/* A thread's scratch for making a list. It also contains a copy of the previous list. */
+/* A thread's scratch for computing a list, including a copy of the previous list. */
 typedef struct ost_frame_lists {
     ost_chosen chosen;
     uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
@@ -23,7 +23,7 @@ typedef struct ost_frame_lists {
     uint8_t only[OST_BLOCK_POINTS];
 } ost_frame_lists;
 
-/* Returns the calling thread's number in its team, which is also the index of its scratch. */
+/* Returns the calling thread's number in its team, which is also the index of the thread's scratch. */
 static inline int ost_frame_thread(void)
 {
 #ifdef _OPENMP
@@ -36,31 +36,30 @@ static inline int ost_frame_thread(void)
 /* ---- frame_list.c */
 
 /*
- * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of
- * slots. Sets layer->same to false if the reallocation discarded lists or if the lists belong to
- * blocks at different positions.
+ * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of slots. Sets
+ * layer->same to false if the reallocation discarded lists, or if the existing lists belong to blocks at different
+ * positions.
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
-/* Makes the list of the block in the given slot. */
+/* Computes the list of the block in the given slot. */
 void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with);
-/* Makes the missing lists. Must be called by all threads of a team. */
+/* Computes the missing lists. All threads of a team must call this function. */
 void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 /* Drops the lists that are not valid for this frame. */
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
- * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the
- * cells that must be copied from the stored planes. Returns the planes to draw into. The stored
- * planes are drawn completely only in the second of two frames with the same eye and light, so that
- * this work is not done while the eye moves. If a list changes, so do the numbers of its voxels; a
- * frame with keys is therefore always drawn completely.
+ * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the cells that must be
+ * copied from the stored planes. Returns the planes to draw into. The stored planes are drawn completely only in the
+ * second of two frames with the same eye and light, so that this work is avoided while the eye moves. If a list
+ * changes, the numbers of its voxels change too. Therefore a frame with keys is always drawn completely.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. base: planes that contain only the first layer. If frames are not
-   stored, base is the frame's own planes. */
+/* Draws a band of all layers. The planes `base` contain only the first layer. If frames are not stored, `base` is the
+   frame's own planes. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);

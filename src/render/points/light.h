@@ -34,20 +34,20 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    /* for each direction, two values: the low OST_BRIGHT_BITS bits are the brightness in units of 1/256, at most
-       320; the higher bits are the amount added to each channel */
+    /* for each direction, one number; its low OST_BRIGHT_BITS bits are the brightness in units of 1/256, at most 320,
+       and its higher bits the amount added to each channel */
     uint16_t shade[OST_OCTAHEDRAL_COUNT];
     uint32_t face[8];                     /* light on each face, in units of 1/256; entries 6 and 7 are not used */
     uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
     ost_style style;
-    /* The inputs from which `shade` was computed. The values of `shade` are reused while these inputs do not change. */
+    /* The inputs from which `shade` was computed. While they do not change, `shade` is reused. */
     float right[3], up[3], forward[3];
     uint8_t gloss;
     bool made;
 } ost_light;
 
-/* Directions of the lights, as unit vectors. half: halfway between the direction of the key light
-   and that of the eye. */
+/* Directions of the lights as unit vectors. The vector `half` is halfway between the directions of the key light and of
+   the eye. */
 typedef struct ost_lamps {
     float key[3], fill[3], half[3], back[3], up[3];
 } ost_lamps;
@@ -57,8 +57,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * Unit vectors of all directions, and a function that computes the shades of all directions: the function in light.c,
- * unless `shade` is set to the result of ost_light_shade_for.
+ * Unit vectors of all directions, and the function that computes the shades of all directions. This is the function in
+ * light.c or, if `shade` is set to the result of ost_light_shade_for, a variant.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];
@@ -68,8 +68,8 @@ void ost_directions_make(ost_directions *directions);
 ost_light_shade_of *ost_light_shade_for(ost_isa isa);
 
 /*
- * Computes the light of a frame. The parameter palette is the result of ost_palette_make; if it is NULL, the object's
- * own paint is used for every paint number. The light must be zero-initialized before its first use.
+ * Computes the light of a frame. The parameter `palette` is the result of ost_palette_make; if it is NULL, all paint
+ * numbers have the object's own paint. The light must be zero-initialized before its first use.
  */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
                     ost_paint paint, const uint32_t *palette);

@@ -19,15 +19,17 @@ typedef enum ost_colouring {
     OST_COLOUR_CLASS,
     OST_COLOUR_DEPTH,
     OST_COLOUR_DENSITY,
-    OST_COLOUR_COUNT, /* number of the colourings above, which a user can select */
-    OST_COLOUR_LABEL = OST_COLOUR_COUNT /* the uncut bone holds OST_LABEL_DENSITY + label instead of densities */
+    OST_COLOUR_COUNT, /* number of colourings that a user can select */
+    /* the uncut bone contains OST_LABEL_DENSITY + label instead of densities */
+    OST_COLOUR_LABEL = OST_COLOUR_COUNT
 } ost_colouring;
 
 enum {
     OST_PAINTS = 256,
-    OST_PAINT_LIT = 1,      /* first lit colour; OST_PAINT_FLAT is the first colour that is shown without lighting */
+    /* first colour with lighting */
+    OST_PAINT_LIT = 1,
     OST_PAINT_FLAT = 128,
-    OST_SCALE = 127,        /* number of steps of a scale; the steps are 0 .. 126 */
+    OST_SCALE = 127,        /* number of steps of a scale, numbered 0 .. 126 */
 };
 
 /* A tissue of the bone, determined by density and position. The first three tissues are the default
@@ -43,9 +45,9 @@ extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 
 /*
- * Labels of the parts of a CT. Label 0 is a part that was left out or cut away, labels 1 to
- * OST_LABELS - 2 have colours of their own, and all others share the last colour. The colours differ
- * for every kind of colour blindness (Okabe and Ito 2008), on bone as well as on black.
+ * Labels of the parts of a CT. Label 0 is a part that was omitted or cut away. Labels 1 to OST_LABELS - 2 have colours
+ * of their own, and all other labels share the last colour. The colours differ for every type of colour blindness
+ * (Okabe and Ito 2008), on bone as well as on black.
  */
 enum { OST_LABELS = 7, OST_LABEL_DENSITY = 1000 };
 extern const uint32_t ost_label_colours[OST_LABELS]; /* 0xBBGGRR */
@@ -55,8 +57,8 @@ uint32_t ost_label_colour(int label);
 /* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* ost_scale_colour returns the colour of a step of the scale, and ost_window_grey that of a step of
-   the grey window. A step is 0 .. 126. */
+/* ost_scale_colour returns the colour of a step of the scale. ost_window_grey returns the colour of a step of the grey
+   window. A step is 0 .. 126. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
 /* Returns the step, 0 .. 126, for a density in HU. */

@@ -81,7 +81,7 @@ static bool find_changed(const ost_surface *s, const ost_surface_block *b, const
     return any != 0;
 }
 
-/* Copies the previous shades of those rows that are not stale. */
+/* Copies the previous shades of the rows that are not stale. */
 static void copy_shading(const ost_surface_block *b, ost_shading_scratch *k)
 {
     const uint16_t *begin = k->faces.begin;
@@ -125,8 +125,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* A renderer identifies its copy of a list by the version. The address of a block would not suffice, because another
-   surface could reuse the address. */
+/* The version of the last list. A renderer identifies its copy of a list by the version, because another surface could
+   reuse the address of a block. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,
@@ -174,8 +174,8 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_changed(surface, b, points, k))
         status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        /* must be called last, because computing the stale rows may overwrite words after the ends
-           of these rows */
+        /* copy_shading must follow the computation of the stale rows, which may overwrite words after the ends of these
+           rows */
         copy_shading(b, k);
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);

@@ -16,9 +16,8 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the distance of the next shift when bits are spread by OR with shifted copies. The bits
- * have already been spread by `covered`. A shift by at most 2 covered + 1 leaves no gap between the
- * copies.
+ * Returns the distance of the next shift when bits are spread by OR with shifted copies. Earlier shifts have spread the
+ * bits by `covered`. A shift by at most 2 covered + 1 leaves no gap between the copies.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -74,7 +73,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* For each of the six faces, computes the voxels of a row whose neighbour at this face has a set bit. */
+/* For each of the six faces, computes the voxels of a row whose neighbour across this face has a set bit. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const uint32_t own = rim->row[z + 1][y + 1];

@@ -21,14 +21,14 @@ enum {
     OST_POINT_SLACK = 16,
 };
 
-/* Rows of voxels, one word each, indexed by [z][y]. z and y are counted from -OST_SHADING_REACH.
-   The bits of a word are x = -16 .. 47. */
+/* Rows of voxels, one word per row, indexed by [z][y]. Both indices are counted from -OST_SHADING_REACH. The bits of a
+   word are x = -16 .. 47. */
 typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;
 
-/* The words of a block with a margin of one row, indexed by [z + 1][y + 1]. left and right: the
-   words of the two neighbours along x. */
+/* The words of a block with a margin of one row, indexed by [z + 1][y + 1]. The arrays `left` and `right` are the words
+   of the two neighbours along x. */
 typedef struct ost_rim {
     uint32_t row[OST_RIM][OST_RIM];
     const uint32_t *left, *right;
@@ -43,14 +43,14 @@ typedef struct ost_faces {
 typedef struct ost_row_kernels {
     /* Computes out[i]: bits 16 .. 31 of left[i], then all bits of own[i], then bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
-    /* Sets all voxels whose distance to a set voxel is at most `reach` along each axis. Afterwards the outer `reach`
-       rows, slices and bits are undefined. */
+    /* Sets all voxels whose distance to a set voxel is at most `reach` along each axis. Afterwards, the outermost
+       `reach` rows, slices and bits are undefined. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* For each row, finds the voxels that have a face to the air and whose neighbour at this face has a set bit in
+    /* For each row, finds the voxels that have a face to the air and whose neighbour across this face has a set bit in
        the rim. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
-    /* Writes the points, in ascending order of rows. Their number is faces->begin[OST_BLOCK_ROWS]. */
+    /* Writes the points in ascending order of rows. The number of points is faces->begin[OST_BLOCK_ROWS]. */
     void (*points)(const ost_faces *faces, uint32_t *points);
 } ost_row_kernels;
 

@@ -49,8 +49,8 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Computes k->near, the voxels near removed voxels. Returns false if no voxel was removed; k->near is then
-   undefined. */
+/* Computes k->near, the voxels near removed voxels. Returns false and leaves k->near undefined if no voxel was
+   removed. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
@@ -64,8 +64,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns the LINE voxels of a row from index `first` on. size: number of voxels in the row. Values beyond the row
-   are never used, because there is no bone beyond the row. */
+/* Returns the LINE voxels of a row from index `first` on. The row has `size` voxels. Values beyond the row are never
+   used, because there is no bone beyond the row. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -149,8 +149,8 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Finds the rows of cells from which the needed rows of the wide field are interpolated: for each
-   needed row, the two adjacent rows of cells. */
+/* Finds the rows of cells from which the needed rows of the wide field are interpolated. For each needed row, these are
+   the two adjacent rows of cells. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -258,7 +258,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    /* each number: all needed slices with a lower index have been computed */
+    /* For each of these numbers, all needed slices with a lower index have been computed. */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
     const bool cut = s->reference && find_near(s, b, k);
@@ -282,7 +282,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels that have a face to the air and whose neighbour at this face belongs to the set that `which`
+/* Finds the voxels that have a face to the air and whose neighbour across this face belongs to the set that `which`
    returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
@@ -320,8 +320,8 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes k->bared, the voxels exposed by a tool. The depths of the block are computed only if a voxel next to one
-   of its points was removed. */
+/* Computes k->bared, the voxels exposed by a tool. If a voxel next to one of the block's points was removed, also
+   computes the depths of the block. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

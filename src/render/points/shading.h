@@ -21,18 +21,21 @@
 typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
-    ost_faces faces;             /* faces to the air, for the block's voxels that are shown */
-    uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed: bit y of word z */
+    ost_faces faces;             /* faces to the air of the block's voxels that are shown */
+    uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed; row (y, z) is bit y of word z */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    /* cap: voxels exposed by the clip plane; bared: voxels exposed by a tool; contact: voxels next to which bone was
-       just removed */
+    /* `cap` contains the voxels exposed by the clip plane, `bared` the voxels exposed by a tool, and `contact` the
+       voxels next to which bone was just removed */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    /* occupied: active voxels; near: voxels near removed voxels; other: scratch for the `spread` function */
+    /*
+     * `occupied` contains the active voxels, `near` the voxels near removed voxels; `other` is scratch for the `spread`
+     * function
+     */
     ost_rows occupied, near, other;
-    /* one slice including the neighbours' voxels, or two slices without them */
+    /* one slice that includes the neighbours' voxels, or two slices without these voxels */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
-    /* y: slice z is stored at index z % 9; field: slice z is stored at index z % 3 */
+    /* in y[], slice z has the index z % 9; in field[], slice z has the index z % 3 */
     ost_field_slice y[9], field[3];
     uint16_t cells[OST_CELLS + 10 + 2][OST_FIELD_LINE];  /* a slice */
     ost_field_slice cells_y[9], cells_field[3], wide[3];
@@ -41,8 +44,8 @@ typedef struct ost_shading_scratch {
 /* Recomputes the block's cells near changed voxels. Must be called for all blocks before the first block is shaded. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
-/* Computes the shades of all points in stale rows and writes them to the scratch. The scratch must
-   already contain the faces of the block. */
+/* Computes the shades of all points in stale rows and writes them to the scratch. On entry, the scratch must contain
+   the faces of the block. */
 ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
                              ost_shading_scratch *scratch, ost_error *err);
 /* Computes scratch->cap and scratch->contact for all rows of the block. */

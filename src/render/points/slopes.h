@@ -20,13 +20,13 @@
 #include "render/points/smooth.h"
 
 enum {
-    /* number of the row bit at which a line begins: a row begins at x = -16 and a line at x = -8 */
+    /* number of the row bit at which a line begins, because a row begins at x = -16 and a line at x = -8 */
     OST_LINE_SHIFT = 8,
     /* the first entry of a field row is the sum for x = -1, which begins at entry 3 of a line (x = -5) */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
-    /* openness of a plane; minimum openness; rate at which openness falls in a pit; rate at which openness rises on
-       an edge */
+    /* openness of a plane (PLANE), minimum openness (LEAST), and the rates at which openness falls in a pit (PIT) and
+       rises on an edge (EDGE) */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* divisor of the wide field's values */
     OST_WIDE_LEAST = 120, /* smallest slope of the wide field that is used */

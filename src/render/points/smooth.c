@@ -63,13 +63,8 @@ static inline uint16_t between(uint16_t near, uint16_t far)
 }
 
 /*
- * Position 2 m of a field is one quarter of the way from cell m to cell m + 1, and position 2 m + 1
- * is three quarters of the way. Positions and cells are counted from -1, like all rows
- * of a field:
- *
- *    cell m - 1  |    cell m     |  cell m + 1
- *                    o   |   o
- *                  3 : 1 | 1 : 3
+ * Position 2 m of a field is one quarter of the distance from cell m to cell m + 1, and position 2 m + 1 is three
+ * quarters of this distance. Positions and cells are counted from -1, like all rows of a field:
  */
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
 {

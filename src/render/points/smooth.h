@@ -27,11 +27,11 @@ enum {
     /* distance in voxels up to which the field's gradient depends on bone: 4 for the sum and 1 for the gradient */
     OST_FIELD_REACH = 5,
     OST_WIDE_REACH = 11,   /* distance in voxels up to which the wide field's gradient depends on bone */
-    /* distance from a cut, in voxels, up to which every bone voxel is treated as 100 % bone, regardless of its
-       density */
+    /* distance from a cut, in voxels, up to which every bone voxel is treated as 100 % bone, whatever its density */
     OST_NEAR_REACH = 3,
-    OST_FIELD_LINE = 48,   /* number of voxels in a line; the first one is at x = -8 */
-    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH, /* number of rows in a slice of bone, and number of slices */
+    OST_FIELD_LINE = 48,   /* number of voxels in a line, which begins at x = -8 */
+    /* number of rows in a slice of bone, and number of slices */
+    OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH,
     /* number of rows of a sum: the block's rows and one more on each side */
     OST_FIELD_ROWS = OST_BLOCK + 2,
     OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
@@ -54,8 +54,8 @@ typedef struct ost_smooth_kernels {
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
     /* Computes sums along y for count rows i: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
-    /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is at x
-       = i - 1. Entries from OST_FIELD_ROWS on are undefined. */
+    /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is the sum at x = i - 1.
+       Entries from OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
     /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
@@ -64,8 +64,8 @@ typedef struct ost_smooth_kernels {
        = -8. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
-    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At
-       least one bit must be set. If odd is true, the slice is nearer to the second slice of cells. */
+    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At least one bit must
+       be set. The slice is nearer to the second slice of cells if `odd` is true, and otherwise nearer to the first. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the shades of the points of one slice. fine[1] is the field in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],

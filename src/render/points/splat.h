@@ -32,7 +32,7 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* The value of every byte of the key of a pixel without a voxel. Interpreted as a distance, such a key is greater
+/* Every byte of the key of a pixel without a voxel has this value. Interpreted as a distance, such a key is greater
    than all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
@@ -45,8 +45,7 @@ enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_S
  * `key_top`.
  */
 typedef struct ost_planes {
-    /* squared distance << 32 | number of the voxel; valid for pixels to which something may have
-       been drawn */
+    /* squared distance << 32 | number of the voxel; valid only for pixels to which something may have been drawn */
     uint64_t *key;
     float *depth;     /* depth along the forward axis, in voxels; valid for pixels with a face */
     uint8_t *face;    /* a value of ost_face; OST_NO_FACE if the pixel shows no voxel */
@@ -68,7 +67,8 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    float axis[3][3];     /* focal * forward, right, up; the ray of a pixel is axis[0] + u axis[1] + v axis[2] */
+    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u axis[1] + v axis[2] */
+    float axis[3][3];
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */
 } ost_splat_eye;
@@ -76,8 +76,8 @@ typedef struct ost_splat_eye {
 /* Half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the eye is at most this far from a voxel's centre along an axis, some rays to the voxel may run in the positive
-   direction of this axis and others in the negative direction. */
+/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, some rays to the voxel
+   may run in the positive direction of this axis and others in the negative direction. */
 #define OST_FACE_HALF 0.501f
 
 /* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */
@@ -93,25 +93,25 @@ typedef struct ost_extent {
    scratch. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the face that is both to the air and turned to the eye; OST_SEVERAL if there are several such faces */
+    /* axis of the face that is to the air and turned to the eye; OST_SEVERAL if there are several such faces */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both values; tint: colour of the
-       voxel in full light */
+    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both values; the tint is the voxel's
+       colour in full light */
     uint64_t *seen;
     uint8_t *only;              /* owned by the frame; same values as ost_chosen.only */
     /*
-     * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. The
-     * value is OST_EXTENT_UNKNOWN until a thread has drawn the group. Every thread computes the
-     * same value, so threads need not wait for each other.
+     * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. Before a thread has drawn
+     * the group, the value is OST_EXTENT_UNKNOWN. Every thread computes the same value, so threads need not wait for
+     * each other.
      */
     _Atomic uint64_t *extent;
     /* owned by the frame; for each slot, the index at which the list of the slot's block begins */
     uint32_t *begin;
-    /* entry 4 * slot + a: component a of the vector from the eye to the block's voxel (0, 0, 0) */
+    /* element 4 * slot + a is component a of the vector from the eye to the block's voxel (0, 0, 0) */
     const float *bases;
     uint32_t light[8];          /* light on each face, in units of 1/256, at most 256 */
     uint32_t background;
@@ -119,30 +119,30 @@ typedef struct ost_visible {
 
 typedef struct ost_splat_kernels {
     /*
-     * Selects the points that have a face toward the eye. The order of the points does not change.
-     * turned[a][i]: faces perpendicular to axis a that are turned to the eye at coordinate i, as
-     * bits of ost_face. Returns the number of selected points.
+     * Selects the points that have a face toward the eye. The order of the points does not change. turned[a][i]
+     * contains the faces perpendicular to axis a that are turned to the eye at coordinate i, as bits of ost_face.
+     * Returns the number of selected points.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
     /*
-     * Draws a block's list into the keys of the pixels in `part`. May also write keys outside `part` in the same rows;
-     * these keys are not used.
+     * Draws a block's list into the keys of the pixels in `part`. May also write keys outside `part` in the same rows,
+     * which are not used.
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
-    /* Computes face, depth and colour of the pixels of a row with x0 <= x < x1. x0 and x1 must be
-       multiples of OST_LANES. */
+    /* Computes face, depth and colour of the pixels x0 <= x < x1 of a row. The parameters x0 and x1 must be multiples
+       of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
                     int x1);
-    /* Returns the greatest key in up to OST_TILE rows, from row y on, and OST_TILE columns, from
-       column x on. x must be a multiple of OST_TILE. */
+    /* Returns the greatest key in up to OST_TILE rows from row y on and OST_TILE columns from column x on. The
+       parameter x must be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if it is nearer. At equal
-     * depth, the pixel of `to` remains. Depths of `from` are first multiplied by scale. Keys are
-     * not changed. For each group of OST_LANES pixels that begins at x, sets bit x / OST_LANES of
-     * taken if at least one pixel was copied.
+     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if this pixel is nearer than the pixel of `to`.
+     * At equal depth, the pixel of `to` remains. Depths of `from` are first multiplied by `scale`. Keys do not change.
+     * For each group of OST_LANES pixels that begins at x, sets bit x / OST_LANES of `taken` if at least one pixel was
+     * copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;

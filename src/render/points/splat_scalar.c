@@ -68,7 +68,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* pixels; the range includes x1 and y1 */
+    int x0, x1, y0, y1; /* pixels, including x1 and y1 */
 } rectangle;
 
 static int within(float v, int lo, int hi)
@@ -87,8 +87,8 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* Computes the pixels that a voxel may cover or, if only one face is drawn, that this face may
-   cover. Returns false if there are no such pixels. */
+/* Computes the pixels that a voxel may cover. If only one face is drawn, these are the pixels that the face may cover.
+   Returns false if there are no such pixels. */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -122,12 +122,12 @@ typedef struct edge {
 } edge;
 
 /*
- * Computes the edges of a voxel's outline. negative: bit a is set if rays run in the negative
- * direction of axis a. only: axis of the face if only one face is drawn, otherwise OST_SEVERAL.
+ * Computes the edges of a voxel's outline. Bit a of `negative` is set if rays run in the negative direction of axis a.
+ * The parameter `only` is the axis of the face if only one face is drawn, and OST_SEVERAL if several faces are drawn.
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    /* for each vector v in {focal forward, right, up}: n contains the product o x v, and m contains h s v */
+    /* For each vector v in {focal forward, right, up}, n contains the product o x v, and m contains h s v. */
     float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);
@@ -240,9 +240,9 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 }
 
 /*
- * Returns the face through which the ray enters the cube: the face's plane is the last one that the
- * ray crosses on its way in. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The
- * greatest of the three values is found by comparing products, so that only one division is needed.
+ * Returns the face through which the ray enters the cube. The plane of this face is the last of the three near planes
+ * that the ray crosses. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The greatest of the three
+ * values is found by comparing products, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

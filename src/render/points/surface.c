@@ -136,8 +136,8 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     return remember(s, b, err);
 }
 
-/* Computes the smallest box, in coordinates within the block, that contains all differing bits.
-   Returns false if no bits differ. */
+/* Computes the smallest box that contains all differing bits, in coordinates within the block. Returns false if no bits
+   differ. */
 static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int hi[3])
 {
     uint32_t x = 0, y = 0, z = 0;
@@ -219,7 +219,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        /* from now on, the voxels of the block that are removed are recorded */
+        /* after this call, removals of the block's voxels are recorded */
         mark(surface, at, first, last, 1, SEES_UNCUT);
     }
     if (status == OST_OK)

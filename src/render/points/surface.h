@@ -36,7 +36,7 @@ enum {
     OST_BLOCK = 32, /* voxels per side */
     OST_BLOCK_ROWS = 32 * 32, /* rows per block: bit x of row y + 32 z is voxel (x, y, z) */
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
-    /* maximum number of blocks with a slot: the slot in an id has 17 bits, and one value means "none" */
+    /* maximum number of blocks with a slot; the slot in an id has 17 bits, and one of the values means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
@@ -59,16 +59,17 @@ typedef struct ost_surface_block {
     bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the lists of points and shades, unique within the process; 0 before the first list */
     uint64_t version;
-    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
+    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown; row y + 32 z */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
-    /* owned; voxels of `occupied` that changed since the last update; NULL if no voxels changed */
+    /* owned; voxels of `occupied` that changed since the last update; NULL if no voxel changed */
     uint32_t *changed;
     uint32_t *before;          /* owned; bits of the uncut bone's voxels; NULL if the surface has no reference */
-    /* owned; fresh: voxels removed since the last call of ost_surface_age; recent: voxels removed between the last
-       two calls; NULL if there are no such voxels */
+    /* owned; `fresh` contains the voxels removed since the last call of ost_surface_age, and `recent` those removed
+       between the last two calls; NULL if there are no such voxels */
     uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until a depth is needed for the first time */
-    uint32_t count, capacity;  /* number of points; number of points for which memory is allocated */
+    /* `count` is the number of points, and `capacity` the number of points for which memory is allocated */
+    uint32_t count, capacity;
     /* amount of bone in each cell, which is a cube of 2^3 voxels (shading.h); x is the fastest index */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
     uint32_t *points, *shades; /* owned; `count` surface points, in ascending order of rows */
@@ -89,18 +90,21 @@ typedef struct ost_surface {
     ost_surface_block **slot;  /* owned; `used` entries */
     int32_t used, capacity;
     uint64_t points;           /* total number of points of all blocks; valid after an update */
-    /* owned; renewed: slots whose lists the last update changed; renewals: number of these slots */
+    /*
+     * owned; `renewed` contains the slots whose lists the last update changed, and `renewals` is the number of these
+     * slots
+     */
     int32_t renewals, *renewed;
-    struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is not known */
+    struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is unknown */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
-    bool clipped;              /* set if clip is in use */
-    bool shows_contact;        /* set if removed voxels are recorded in fresh */
+    bool clipped;              /* set if a clip plane is in use */
+    bool shows_contact;        /* set if removed voxels are recorded in `fresh` */
     bool any_fresh, any_recent;
     struct ost_shading_scratch *scratch; /* owned */
 } ost_surface;
 
-/* Makes a surface without active voxels. Returns OST_ERR_RANGE if the spacing differs between axes. */
+/* Creates a surface without active voxels. Returns OST_ERR_RANGE if the spacing differs between axes. */
 ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, ost_error *err);
 /* Frees the surface's memory. Accepts a zero-initialized surface. */
 void ost_surface_free(ost_surface *surface);
@@ -112,9 +116,8 @@ void ost_surface_free(ost_surface *surface);
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Replaces the active voxels of a chunk of n^3 voxels, like ost_surface_set; at[] is in chunks. n
- * is 16, 32 or 64, and bit v % 32 of word v / 32 is voxel v = x + n (y + n z). Allocates no memory
- * for blocks that never contained an active voxel.
+ * Replaces the active voxels of a chunk of n^3 voxels. The position at[] is in chunks, and n is 16, 32 or 64. Bit v %
+ * 32 of word v / 32 is voxel v = x + n (y + n z). Allocates no memory for blocks that never contained an active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
@@ -122,14 +125,13 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * ost_surface_set_uncut sets the uncut bone, whose grid must be equal, and borrows it.
- * ost_surface_set_colouring sets the colouring. If the uncut bone or the colouring changes, the
- * next update recomputes all shades.
+ * ost_surface_set_uncut sets the uncut bone, which must have the same grid and is borrowed. ost_surface_set_colouring
+ * sets the colouring. If the uncut bone or the colouring changes, the next update recomputes all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent voxels are no longer
-   highlighted. Has an effect only if shows_contact is set. */
+/* Starts a new interval for highlighting removed voxels. Fresh voxels become recent, and recent voxels are no longer
+   highlighted. Has no effect unless shows_contact is set. */
 void ost_surface_age(ost_surface *surface);
 
 /* Recomputes the points and shades that have changed since the last update, and lists the changed blocks in renewed. */

@@ -89,8 +89,8 @@ void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate: the voxel is close to the face, and there is
- * no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
+ * Returns true if a voxel is in the subchondral plate. This is the case if the voxel is close to the face, and if there
+ * is no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -115,8 +115,8 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if there is a voxel, at most two steps away along one of the axes, whose density d satisfies from <=
-   d < to. */
+/* Returns true if there is a voxel at most two steps away along one of the axes whose density d satisfies from <= d <
+   to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -194,8 +194,8 @@ static bool empty_cell(const ost_uncut *g, int32_t x, int32_t y, int32_t z)
 }
 
 /*
- * Marks all empty cells from which a path through empty cells leads to the border of the grid. mark
- * must be zero-initialized. Returns false if memory is exhausted.
+ * Marks all empty cells from which a path through empty cells leads to the border of the grid. The array `mark` must be
+ * zero-initialized. Returns false if memory is exhausted.
  */
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {
@@ -324,8 +324,8 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* Computes, for each i, the minimum of line[i + k count] + k^2 over all |k| < 32. A line has
-   `count` numbers, and the lines follow each other in memory. */
+/* For each i, computes the minimum of line[i + k count] + k^2 over all |k| < 32. A line has `count` numbers, and the
+   lines follow each other in memory. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

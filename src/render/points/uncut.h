@@ -3,9 +3,9 @@
  * The uncut bone, with which the current bone is compared. It contains the CT's densities, from
  * which paint is computed.
  *
- *   densities --class, density---------> paint of voxels exposed by a tool bits before --distance
- *   to outside--> paint of the same voxels, by depth densities --window-----------------> paint of
- *   voxels exposed by a clip plane
+ *   densities --class, density---------> paint of voxels exposed by a tool
+ *   bits before --distance to outside--> paint of the same voxels, by depth
+ *   densities --window-----------------> paint of voxels exposed by a clip plane
  *
  * A paint is a number that a palette maps to a colour (palette.h): 0 is the object's own colour, 1
  * .. 127 are lit like the surface, and 128 .. 255 are shown without lighting.
@@ -24,26 +24,28 @@
 #include "render/points/palette.h"
 #include "render/points/surface.h"
 
-/* greatest depth, in voxels; its square */
+/* OST_DEPTH_REACH is the greatest depth in voxels, and OST_DEPTH_FAR is its square. */
 enum { OST_DEPTH_REACH = 32, OST_DEPTH_FAR = OST_DEPTH_REACH * OST_DEPTH_REACH };
 
 typedef struct ost_uncut {
     ost_volume volume;      /* owned */
     int32_t threshold;
-    /* set if the bone before the operation is not available; the entire surface is then painted */
+    /* set if the bone before the operation is unavailable; the entire surface is then painted */
     bool uncut;
     int32_t classes, border[OST_CLASS_MAX];
     bool has_face;          /* set if `face` and `inward` are known */
-    /* face: middle of the glenoid's face, in voxels; inward: unit vector from this point into the bone */
+    /*
+     * `face` is the middle of the glenoid's face in voxels, and `inward` the unit vector from this point into the bone
+     */
     double face[3], inward[3];
     double scale_mm;        /* depth of the last colour of the scale, in mm */
     uint8_t level[OST_DEPTH_FAR + 1]; /* paint number for each squared distance */
-    /* owned; one entry per cube of 2^3 voxels; NULL until a depth is needed for the first time */
+    /* owned; one entry per cube of 2^3 voxels; NULL before a depth is needed for the first time */
     uint8_t *outside;
 } ost_uncut;
 
-/* Makes a reference. Takes ownership of the volume, which must have cubic voxels. at: position of the glenoid; NULL
-   if it is not known. */
+/* Creates a reference. Takes ownership of the volume, which must have cubic voxels. The parameter `at` is the position
+   of the glenoid, or NULL if the position is unknown. */
 ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
                           const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err);
 /* Frees the reference's memory. Accepts a zero-initialized reference. */
@@ -51,7 +53,7 @@ void ost_uncut_free(ost_uncut *reference);
 
 /* Computes a block of the uncut bone, one bit per voxel. */
 void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
-/* Returns the paint of a voxel exposed by a tool. depth: the entry of block->depth for this voxel. */
+/* Returns the paint of a voxel exposed by a tool. The parameter `depth` is the entry of block->depth for this voxel. */
 uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth);
 /* Returns the paint of a voxel exposed by a clip plane. The reference may be NULL. */
 uint32_t ost_uncut_cap(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3]);

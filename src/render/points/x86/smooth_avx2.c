@@ -146,7 +146,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* This code uses the method of x86/smooth_avx512.c. The reasons are given in that file. */
+/* The following functions use the method of x86/smooth_avx512.c, which states the reasons. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)

@@ -10,7 +10,7 @@
 
 #include <immintrin.h>
 
-enum { EIGHT = 8, SMALL = 4 }; /* SMALL: greatest side of a small rectangle in pixels */
+enum { EIGHT = 8, SMALL = 4 }; /* SMALL is the greatest side of a small rectangle in pixels */
 
 typedef __m256 lanes;
 typedef struct lanes3 {
@@ -100,8 +100,8 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
 }
 
 /*
- * Computes the edges of eight voxels' outlines. negative[a]: the sign bit is set if rays run in the
- * negative direction of axis a. single[a]: all ones if the only face to draw is on axis a.
+ * Computes the edges of eight voxels' outlines. The sign bit of negative[a] is set if rays run in the negative
+ * direction of axis a. All bits of single[a] are set if the only face to draw is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3],
                             eight *out)
@@ -114,7 +114,10 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    /* i = 0, 1, 2 means focal forward, right, up, from which the coefficients a, b, c of an edge are computed */
+    /*
+     * i = 0, 1, 2 selects the vectors focal forward, right and up, from which the coefficients a, b and c of an edge
+     * are computed
+     */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -139,8 +142,8 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* The function across returns the horizontal distances of pixels from the middle of the frame, and
-   the function upward the vertical ones. The distances are those of the pixels' middles. */
+/* The function `across` returns the horizontal distances of the pixels' middles from the middle of the frame, and the
+   function `upward` the vertical distances. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -375,8 +378,8 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the
-   voxel's index in the lists. */
+/* For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the index of the voxel in the
+   lists. */
 static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
     const __m256i slot = _mm256_srli_epi32(number, OST_LOCAL_BITS);

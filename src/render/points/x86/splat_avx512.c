@@ -101,7 +101,10 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-/* greatest side of a small rectangle, in pixels; number of rows whose edges are computed at the same time */
+/*
+ * SMALL is the greatest side of a small rectangle in pixels. TALL is the number of rows whose edges are computed at the
+ * same time.
+ */
 enum { SMALL = 4, TALL = 16 };
 
 typedef struct sixteen {
@@ -111,8 +114,8 @@ typedef struct sixteen {
 } sixteen;
 
 /*
- * Computes the edges of sixteen voxels' outlines. negative[a]: the sign bit is set if rays run in
- * the negative direction of axis a. single[a]: set if the only face to draw is on axis a.
+ * Computes the edges of sixteen voxels' outlines. The sign bit of negative[a] is set if rays run in the negative
+ * direction of axis a. The mask single[a] is set if the only face to draw is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3],
                             sixteen *out)
@@ -124,7 +127,10 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    /* i = 0, 1, 2 means focal forward, right, up, from which the coefficients a, b, c of an edge are computed */
+    /*
+     * i = 0, 1, 2 selects the vectors focal forward, right and up, from which the coefficients a, b and c of an edge
+     * are computed
+     */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -153,8 +159,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* The function across returns the horizontal distances of pixels from the middle of the frame, and
-   the function upward the vertical ones. The distances are those of the pixels' middles. */
+/* The function `across` returns the horizontal distances of the pixels' middles from the middle of the frame, and the
+   function `upward` the vertical distances. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -166,9 +172,8 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most
- * SMALL x SMALL pixels. A pixel is stored as index << 4 | lane; this fits, because frames have at
- * most 2^26 pixels.
+ * Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most SMALL x SMALL pixels.
+ * A pixel is stored as index << 4 | lane, which fits 32 bits, because frames have at most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
                                                  const ost_planes *planes)
@@ -218,7 +223,7 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
     }
 }
 
-/* Updates eight pixels of a row. The pixels in `in` are covered. */
+/* Updates eight pixels of a row. The mask `in` contains the covered pixels. */
 static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
 {
     const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
@@ -445,9 +450,8 @@ static inline __m512i lit(__m512i colour, __m512i light)
 }
 
 /*
- * For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the
- * voxel's index in the lists. The voxels in a register belong to few blocks, so both values are
- * computed block by block.
+ * For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the index of the voxel in the
+ * lists. The voxels in a register belong to few blocks, so both values are computed block by block.
  */
 static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
