@@ -4,9 +4,9 @@
  * them (for any machine with configure --disable-native-bench), in a separate library that only
  * the command links.
  *
- * This code may contain instructions that the executing machine lacks, so call
- * bench_baseline_runs() first. The file that lists the instruction sets allowed to the compiler
- * contains data and no code.
+ * This code may contain instructions that the executing machine lacks. Therefore, bench_baseline_runs() must be called
+ * first. The file baseline_needs.c, which lists the instruction sets that the compiler was allowed to use, contains
+ * data and no code.
  */
 #ifndef OST_BENCH_BASELINE_H
 #define OST_BENCH_BASELINE_H
@@ -18,7 +18,8 @@
 /* Returns false, with the reason, if this processor lacks an instruction set that the baselines
    were built for. */
 bool bench_baseline_runs(char *reason, size_t size);
-extern const uint32_t bench_native_needs; /* one bit per instruction set, in the order of BENCH_NATIVE_LIST */
+/* set of the instruction sets that the baselines need, one bit each, in the order of BENCH_NATIVE_LIST */
+extern const uint32_t bench_native_needs;
 
 #define BENCH_NATIVE_LIST(X)                                                                                           \
     X(SSE3, "sse3")                                                                                                    \
@@ -34,8 +35,9 @@ extern const uint32_t bench_native_needs; /* one bit per instruction set, in the
    voxels of the chunk. */
 typedef struct bench_thesis_event {
     int chunk_count, chunk_size;
-    int16_t *const *chunks;       /* each chunk has chunk_size^3 densities, x fastest */
-    const int32_t (*corners)[3];  /* position of each chunk's first voxel in the bone, in voxels */
+    int16_t *const *chunks;       /* an array of chunk_size^3 densities for each chunk, x fastest */
+    /* position of each chunk's first voxel in the bone's grid */
+    const int32_t (*corners)[3];
     float map[3][4];              /* affine matrix from bone voxels to tool voxels, row by row */
     int32_t dims[3];              /* dimensions of the tool's grid */
     const int16_t *tool;          /* 0 or 1, x fastest */
@@ -43,7 +45,7 @@ typedef struct bench_thesis_event {
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);
 
-/* A 64-byte aligned row of 32 densities. The densities whose bit is set in `hit` are set to 0. */
+/* A 64-byte aligned row of 32 densities. The store sets the densities whose bit is set in `hit` to 0. */
 typedef struct bench_row_store {
     int16_t *row;
     uint32_t hit;
@@ -59,9 +61,9 @@ void bench_store_rows(const bench_row_store *rows, size_t count);
 /* The method by which bytes are copied: memcpy of the C library, or stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
-/* Copies `in` to `out`, starting again at the beginning of `in` each time its end is reached,
-   until `bytes` bytes of `out` are written. If `in` is longer than `out`, also reads the
-   remaining bytes of `in` and returns a sum over them. */
+/* Copies `in` to `out` until `bytes` bytes of `out` are written. Starts again at the beginning of `in` each time the
+   end of `in` is reached. If `in` is longer than `out`, also reads the remaining bytes of `in` and returns a sum over
+   them. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
 /* Reads every byte, 64 per step, and returns a sum over them. */

@@ -21,17 +21,19 @@
 typedef struct bench_options {
     const char *backend; /* "cpu", "cpu:isa=avx2", "ref" */
     int threads;         /* number of threads of rows whose name does not end in /1 */
-    int repeat;          /* number of repetitions; 0: the default of each row */
-    bool quick;          /* true: few repetitions and small inputs, with the usual row names */
+    int repeat;          /* number of repetitions; 0 selects the default of each row */
+    /* true to use few repetitions and small inputs; the names of the rows do not change */
+    bool quick;
     double scale;        /* fraction of the 12,040,704 text lines that the row parse/text reads */
-    const char *filter;  /* text that the names of the selected rows contain; NULL: all rows */
+    /* only rows whose names contain this text are measured; NULL selects all rows */
+    const char *filter;
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
     void *user;
 } bench_options;
 
 /* ------------------------------------------------------------------ figures */
 
-/* The times of all repetitions. A series must be zero-initialized before use and freed at the end. */
+/* The times of all repetitions of a measurement. A series must be zero-initialized before use and freed at the end. */
 typedef struct bench_series {
     size_t count, capacity;
     double *ns; /* owned */
@@ -46,7 +48,7 @@ double bench_series_at(bench_series *series, double share);
 double bench_series_mean(const bench_series *series);
 
 typedef struct bench_figures {
-    size_t count; /* repetitions; 0: not measured */
+    size_t count; /* number of repetitions; 0 if not measured */
     double median, min, max; /* times in the row's unit */
 } bench_figures;
 
@@ -55,7 +57,8 @@ typedef struct bench_row {
     char name[BENCH_NAME];
     const char *unit;      /* "us" or "ms" */
     int threads;
-    bool equal;            /* true if the result equals the reference's; false is an error */
+    /* true if osteon's result equals the reference's result; false is an error */
+    bool equal;
     char reason[BENCH_TEXT];          /* reason why osteon was not measured; "" if osteon was measured */
     char baseline_reason[BENCH_TEXT]; /* reason why there is no baseline */
     char baseline_is[BENCH_TEXT];     /* description of the baseline */
@@ -74,34 +77,35 @@ typedef struct bench_table {
 
 void bench_table_free(bench_table *table);
 
-/* Returns true if options->filter selects the row with this name. If so, calls options->show first. */
+/* Returns true if options->filter selects the row with this name. In this case, calls options->show first. */
 bool bench_wanted(const bench_options *options, const char *name);
-/* Appends a row of this name, with `equal` set and without figures. The pointer is valid until
-   the next call. Returns NULL if there is no memory. */
+/* Appends a row with this name, with `equal` set and without figures. The pointer is valid until the next call. Returns
+   NULL if memory is exhausted. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
- * If status is an error, adds the named rows with the error's text as their reason, so that the
- * suite continues, and returns OST_OK. The statuses OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL
- * (a defect in osteon) are returned unchanged. No row is added for a name that is NULL, that the
- * filter excludes, or whose row exists already.
+ * If status is an error, adds the named rows with the error's text as their reason, so that the suite continues, and
+ * returns OST_OK. The statuses OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in osteon) are returned
+ * unchanged. A name is skipped if it is NULL, if the filter excludes it, or if its row already exists.
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
-/* bench_row_ours and bench_row_baseline compute the median, minimum and maximum of a series and store
-   them in the row, in the row's unit. The parameter what is a description of the baseline. */
+/* bench_row_ours and bench_row_baseline store the median, minimum and maximum of a series in the row, in the row's
+   unit. The parameter `what` is a description of the baseline. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);
 void bench_row_extra(bench_row *row, const char *key, double value);
-/* Returns the baseline's median time divided by osteon's; 0 if one of the two medians is missing. */
+/*
+ * Returns the baseline's median time divided by osteon's median time. Returns 0 if one of the two medians is missing.
+ */
 double bench_row_ratio(const bench_row *row);
-/* Returns the baseline's minimum time divided by osteon's. Other load on the machine affects this
-   ratio less than the ratio of the medians. */
+/* Returns the baseline's minimum time divided by osteon's minimum time. Background load affects this ratio less than
+   the ratio of the medians. */
 double bench_row_ratio_of_minima(const bench_row *row);
-/* Returns true if one of the row's two medians is more than 1.5 times the corresponding minimum.
-   Possible reasons are other load on the machine, or a short operation with cold caches. */
+/* Returns true if one of the row's two medians is more than 1.5 times the corresponding minimum. Possible reasons are
+   background load or, for a short operation, cold caches. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions of a row: options->repeat if it is not 0, otherwise `normal`, which
+/* Returns the number of repetitions of a row. This is options->repeat if it is not 0, and otherwise `normal`, which
    options->quick limits to 3. */
 int bench_repeat(const bench_options *options, int normal);
 
@@ -112,12 +116,12 @@ const char *bench_cpu_model(char text[BENCH_TEXT]);
 /* Returns the name of the instruction set that the backend uses, or "scalar" if the backend has no
    choice of instruction sets. */
 const char *bench_isa(const bench_options *options);
-/* Returns the number of bytes of memory that can be allocated without swapping; a large number if
-   this is unknown. */
+/* Returns the number of bytes of memory that can be allocated without swapping. Returns a large number if the system
+   does not report it. */
 int64_t bench_memory(void);
 
-/* Opens the backend that the options name. `threads` is ignored if the backend has no option for the
-   number of threads. */
+/* Opens the backend that the options name. If the backend has no option for the number of threads, `threads` is
+   ignored. */
 ost_status bench_backend(const bench_options *options, int threads, ost_backend **out, ost_error *err);
 
 /* ------------------------------------------------------------------- suites */

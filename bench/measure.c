@@ -21,8 +21,8 @@ int64_t bench_now(void)
 
 /* ------------------------------------------------------------------ figures */
 
-/* Adds a value to the series. If there is no memory, the value is dropped and the series then has
-   fewer values than there were repetitions. */
+/* Adds a value to the series. If memory is exhausted, the value is dropped, and the series has fewer values than there
+   were repetitions. */
 void bench_series_add(bench_series *series, double ns)
 {
     if (series->count == series->capacity) {
@@ -260,7 +260,7 @@ ost_status bench_backend(const bench_options *options, int threads, ost_backend 
     const char *given = strchr(options->backend, ':');
     if (!is_cpu(options->backend))
         return ost_backend_open(options->backend, out, err);
-    /* Copies all options except threads=. The row determines the number of threads. */
+    /* Copies all options except threads=, because the row determines the number of threads. */
     for (const char *at = given ? given + 1 : ""; *at;) {
         size_t length = strcspn(at, ","), used = strlen(remainder);
         if (strncmp(at, "threads=", 8) != 0)

@@ -43,7 +43,7 @@ static void put_triangle(ost_mesh *mesh, size_t *at, size_t a, size_t b, size_t 
 
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err)
 {
-    enum { M = 300, RINGS = 134 }; /* RINGS: number of rings of vertices between the two poles */
+    enum { M = 300, RINGS = 134 }; /* RINGS is the number of rings of vertices between the two poles */
     const size_t north = (size_t)M * RINGS, south = north + 1;
     ost_status status = ost_mesh_init(out, south + 1, 2 * (size_t)M * RINGS, err);
     if (status != OST_OK)
@@ -79,7 +79,8 @@ static vec knot_point(double t)
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
 {
     enum { U = 2048, V = 128 };
-    const double radius = 0.42, reach = 3 + radius; /* radius of the tube; outer radius of the knot */
+    /* radius of the tube, and outer radius of the knot */
+    const double radius = 0.42, reach = 3 + radius;
     ost_status status = ost_mesh_init(out, (size_t)U * V, 2 * (size_t)U * V, err);
     if (status != OST_OK)
         return status;

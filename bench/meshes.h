@@ -10,7 +10,7 @@
 
 #include <osteon/mesh.h>
 
-/* These functions make a mesh. On the longest axis, its vertices span 98 % of `side` (picometres). */
+/* bench_sphere and bench_knot create a mesh. On the longest axis, its vertices span 98 % of `side` (picometres). */
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err);
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err);
 

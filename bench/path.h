@@ -11,13 +11,12 @@
 
 enum { PATH_TICKS = 2000, PATH_TICKS_QUICK = 100 };
 
-/* Makes `count` ticks of 1 ms for tool 0, whose working face points toward -z in the tool's coordinates.
-   The caller frees *out by free. */
+/* Creates `count` ticks of 1 ms for tool 0, whose working face points toward -z in the tool's coordinates. The caller
+   frees *out by free. */
 ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, ost_error *err);
 
-/* The times of a sequence of ticks that is repeated. `means` contains the mean time of each
-   repetition, `ticks` contains the times of all ticks, and `best` contains for each tick the minimum
-   over all repetitions. */
+/* The times of a sequence of ticks that is repeated. `means` contains the mean time of each repetition, and `ticks` the
+   times of all ticks. best[i] is the minimum time of tick i over all repetitions. */
 typedef struct bench_sequence {
     bench_series means, ticks;
     double *best;  /* owned; count elements */
@@ -31,8 +30,8 @@ void bench_sequence_add(bench_sequence *sequence, const double *ns);
 void bench_sequence_row(bench_sequence *sequence, bench_row *row);
 void bench_sequence_free(bench_sequence *sequence);
 
-/* These functions measure the removal events of the path alone, and the complete ticks of the path. They are defined
-   in suite_sequence.c. */
+/* bench_removal_sequence measures the removal events of the path alone, and bench_tick_sequence the complete ticks of
+   the path. Both functions are defined in suite_sequence.c. */
 ost_status bench_removal_sequence(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_tick_sequence(const bench_options *options, bench_table *table, ost_error *err);
 

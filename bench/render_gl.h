@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rows of the suite `render` that draw with OpenGL: the frame of the thesis, the frame of osteon,
-   and the steps between the two. */
+/* The rows of the suite `render` that draw with OpenGL. They are the frame of the thesis, the frame of osteon, and the
+   steps between the two. */
 #ifndef OST_BENCH_RENDER_GL_H
 #define OST_BENCH_RENDER_GL_H
 
@@ -11,8 +11,7 @@ typedef struct bench_gl bench_gl;
 
 /* Returns true if the filter may select a row render/gl/... */
 bool bench_gl_wanted(const char *filter);
-/* Opens OpenGL. If OpenGL is not available, the function still succeeds, and every row contains the
-   reason. */
+/* Opens OpenGL. If OpenGL is unavailable, the function still succeeds, and every row contains the reason. */
 ost_status bench_gl_open(bench_gl **out, ost_error *err);
 void bench_gl_close(bench_gl *gl); /* gl may be NULL */
 /* Adds the rows of one view, which have the names render/gl/VIEW/... */

@@ -21,7 +21,7 @@ static const struct {
                       .by_range = true},
 };
 
-/* Makes the parametric tool by the reference, on a grid whose voxels have the size `voxel`. */
+/* Voxelizes the parametric tool by the reference, on a grid whose voxels have the size `voxel`. */
 static ost_status make_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
 {
     ost_backend *ref = NULL;
@@ -180,8 +180,8 @@ static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3
     return count;
 }
 
-/* Rounds the affine matrix of the exact map to floats. The matrix maps to tool voxels; the corner of
-   the tool's grid is at 0. */
+/* Rounds the affine matrix of the exact map to floats. The matrix maps to tool voxels, with the corner of the tool's
+   grid at 0. */
 static void float_map(const ost_map *map, float out[3][4])
 {
     const double scale = (double)ost_i128_of(map->divisor) * (1 << OST_MAP_FRACTION);

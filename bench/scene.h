@@ -32,34 +32,36 @@ typedef struct bench_scene {
     ost_geometry bone;
     ost_density_classes classes;
     ost_pose pose;
-    /* true: the event processes all chunks of the intersection box; false: it processes only the
-       chunks that the tool's oriented box enters */
+    /* true if the event processes all chunks of the intersection box; false if it processes only the chunks that the
+       tool's oriented box enters */
     bool by_range;
     ost_map map;
     ost_voxel_box box;
-    ost_removal_event event; /* contains pointers to map and box, so the scene must not move in memory */
+    /* contains pointers to `map` and `box`, so the scene must not move in memory */
+    ost_removal_event event;
 } bench_scene;
 
-/* Makes a scene. The bone has `side` voxels along each axis. The position of the event relative to the
-   bone's far corner is the same for every `side`. */
+/* Creates a scene. The bone has `side` voxels along each axis. The position of the event relative to the bone's far
+   corner is the same for every `side`. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
 /* Moves the tool to a pose. */
 ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
-/* Returns the slices [z0, z0 + count) of the full bone, which the caller frees by free. Returns NULL if
-   there is no memory. */
+/* Returns the slices z0 <= z < z0 + count of the full bone, which the caller frees by free. Returns NULL if memory is
+   exhausted. */
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
-/* Makes the full bone on a backend. */
+/* Creates the full bone on a backend. */
 ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out,
                             ost_error *err);
 
 /* A removal event for the thesis' kernel, on separate copies of the chunks. */
 typedef struct bench_thesis {
     bench_thesis_event event;
-    int16_t *tool;        /* owned; the pointers below are owned too */
-    int16_t *full, *live; /* the chunks, one after the other: before the event, and modified by the event */
+    int16_t *tool;        /* owned, like the following pointers */
+    /* the chunks, one after the other; `full` before the event, and `live` modified by the event */
+    int16_t *full, *live;
     int16_t **chunks;
     int32_t (*corners)[3];
     size_t bytes;
@@ -74,12 +76,13 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The least number of rows and bricks that any method must write in an event. They are counted in the
-   chunks that the thesis' kernel has modified. */
+/* The least number of rows and bricks that every method must write in an event, counted in the chunks that the thesis'
+   kernel has modified. */
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;
-    int64_t complete_bricks, mixed_bricks; /* numbers of bricks of which all, or some, of the 4^3 voxels were removed */
+    /* numbers of bricks of which all (complete) or some (mixed) of the 4^3 voxels were removed */
+    int64_t complete_bricks, mixed_bricks;
     bench_row_store *rows;               /* owned */
 } bench_work;
 

@@ -196,7 +196,8 @@ static ost_status launches(opencl *o, bench_cl *cl)
     bench_series series = {0};
     if (!bench_wanted(o->options, name))
         return OST_OK;
-    bool done = bench_cl_launch(cl); /* an untimed launch, because a driver may build the kernel at the first launch */
+    /* an untimed launch precedes the measurement, because a driver may build the kernel at the first launch */
+    bool done = bench_cl_launch(cl);
     for (int i = 0; i < bench_repeat(o->options, REPEAT_LAUNCH) && done; i++) {
         const int64_t begin = bench_now();
         done = bench_cl_launch(cl);

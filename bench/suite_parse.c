@@ -8,10 +8,9 @@
  *   parse/text/floor  the baseline reads every byte of the mapped file, with as many
  *                     threads as osteon uses
  *
- * osteon's time is that of the complete import without its last two stages. The import opens the file,
- * finds the spacing, converts every number exactly, checks every line, and scatters the samples. The
- * file is in the page cache. The file has no name while it is used, so it disappears however the
- * program ends.
+ * osteon's time is the time of the complete import without its last two stages. The import opens the file, finds the
+ * spacing, converts every number exactly, checks every line, and scatters the samples. The file is in the page cache.
+ * The file has no name while it is used, so it disappears however the program ends.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"

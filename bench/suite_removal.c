@@ -30,7 +30,8 @@ typedef struct removal {
     ost_error *err;
     bench_scene *scene;
     int chunk_size, threads;
-    bench_cl *cl; /* device of the baseline, the thesis' kernel; NULL: the baseline is in C */
+    /* device of the baseline, the thesis' kernel; NULL if the baseline is in C */
+    bench_cl *cl;
 
     ost_backend *backend;
     ost_tool *tool;
@@ -128,8 +129,8 @@ static ost_status compare_bones(removal *r, const ost_bone *expected)
     return status;
 }
 
-/* Runs the event once on the reference and once on the measured backend. The bones and the reports must
-   then be equal. */
+/* Runs the event once on the reference and once on the measured backend, and checks that the bones and the reports are
+   equal. */
 static ost_status verify(removal *r)
 {
     ost_backend *ref = NULL;
@@ -158,8 +159,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* Counts the voxels for which the result of the thesis' kernel differs, because that kernel rounds to
-   floats. Requires memory for two copies of the bone. */
+/* Counts the voxels for which the result of the thesis' kernel differs, because this kernel rounds to floats. Needs
+   memory for two copies of the bone. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;
@@ -256,8 +257,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* Adds a row. `stores` contains the times of the event's stores alone (bench_store_rows), which the row
-   shows as a lower bound. `stores` may be NULL. */
+/* Adds a row. The series `stores` contains the times of the event's stores alone (bench_store_rows), which the row
+   shows as a lower bound. It may be NULL. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
                           bench_series *stores)
 {
@@ -387,7 +388,7 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
-        /* The bytes of the densities and the occupancy of two bones, and of slabs. */
+        /* The size of the densities and the occupancy of two bones, and of slabs. */
         double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
         bench_scene scene;
         snprintf(fresh, sizeof fresh, "removal/bone/%d/fresh/1", sides[i]);

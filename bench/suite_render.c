@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures frames of the scapula, 1280 x 720, that the processor draws from a list of surface voxels.
- * As in the thesis (Fig. 3.3), the baseline draws every active voxel of every active chunk as a point.
- * It uses the same inner loops. Before anything is timed, both sides must produce the same picture as
- * the scalar loops.
+ * Measures frames of the scapula, 1280 x 720, that the processor draws from a list of surface voxels. As in the thesis
+ * (Fig. 3.3), the baseline draws every active voxel of every active chunk as a point. The baseline uses the same inner
+ * loops. Before anything is timed, osteon and the baseline must produce the same picture as the scalar loops.
  */
 #include "bench/bench.h"
 #include "bench/render_gl.h"
@@ -27,7 +26,8 @@ typedef struct view {
     const char *name;
     double distance_mm; /* camera's distance from the glenoid's face or, if glenoid is false, from the bone's middle */
     bool glenoid;
-    double side;        /* sideways component of the view direction, relative to that along the glenoid's axis */
+    /* sideways component of the view direction, relative to the component along the glenoid's axis */
+    double side;
 } view;
 
 static const view views[] = {
@@ -70,7 +70,7 @@ static ost_status make_bone(show *s)
     return status;
 }
 
-/* Makes a surface of which every active voxel is a point with six visible faces, as in the thesis. */
+/* Creates a surface in which every active voxel is a point with six visible faces, as in the thesis. */
 static ost_status take_all(ost_surface *s, ost_error *err)
 {
     s->points = 0;
@@ -146,7 +146,8 @@ static size_t covered(const ost_frame *f)
 }
 
 typedef struct frames {
-    ost_frame ours, thesis, set[OST_ISA_COUNT]; /* set[isa]: the frame drawn with that instruction set */
+    /* set[isa] is the frame that is drawn with the instruction set isa */
+    ost_frame ours, thesis, set[OST_ISA_COUNT];
     bench_series drawn, baseline, by_set[OST_ISA_COUNT];
 } frames;
 
@@ -277,8 +278,8 @@ static int32_t spoil(ost_surface *s, renewal what)
     return count;
 }
 
-/* Measures how long it takes to recompute surface blocks at various positions of the bone: only their lists
-   of points, only their shades, or both. */
+/* Measures how long it takes to recompute surface blocks at various positions of the bone. Recomputes either the
+   blocks' lists of points, or the shades of the points, or both. */
 static ost_status add_renewal(show *s, bench_table *table, renewal what)
 {
     static const char *const name[RENEWALS] = {"render/scapula/list", "render/scapula/looks", "render/scapula/extract"};
@@ -306,7 +307,7 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Removes the voxels of a surface block that lie inside a ball. `at` (the ball's centre) and `radius` are in
+/* Removes the voxels of a surface block that lie inside a ball. The ball's centre `at` and its `radius` are in
    voxels. */
 static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
 {
@@ -324,12 +325,12 @@ static bool ream_block(const ost_surface_block *b, const double at[3], double ra
     return any;
 }
 
-/* Measures how long the update of the surface takes while bone is reamed: a ball with a radius of 20 mm enters
-   the glenoid at 1.5 mm/s, with 60 frames per second. The row contains the time of the update and the number
-   of changed blocks per frame. */
+/* Measures how long the update of the surface takes while bone is reamed. A ball with a radius of 20 mm enters the
+   glenoid at 1.5 mm/s, with 60 frames per second. The row contains the time of the update and the number of changed
+   blocks per frame. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
-    enum { PICTURES = 120, BEGIN = 40 }; /* measured from frame BEGIN on, which has a depth of 1 mm */
+    enum { PICTURES = 120, BEGIN = 40 }; /* frames are measured from BEGIN on, at which the depth is 1 mm */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};

@@ -77,7 +77,7 @@ static const step steps[] = {
 enum { STEPS = sizeof steps / sizeof *steps };
 
 struct bench_gl {
-    ost_gl *gl; /* NULL if OpenGL is not available; `missing` contains the reason */
+    ost_gl *gl; /* NULL if OpenGL is unavailable; `missing` then contains the reason */
     char missing[BENCH_TEXT];
 };
 
@@ -100,8 +100,8 @@ ost_status bench_gl_open(bench_gl **out, ost_error *err)
     if (!*out)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the rows of OpenGL");
 #ifdef __GLIBC__
-    /* Software drivers free the memory of every frame and allocate it again. These two settings keep
-       freed memory in the process; otherwise the system would clear the pages for each frame. */
+    /* Software drivers free the memory of every frame and allocate it again. These settings keep freed memory in the
+       process, so that the system need not clear the pages for each frame. */
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);
     mallopt(M_MMAP_THRESHOLD, 1 << 30);

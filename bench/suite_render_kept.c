@@ -25,7 +25,7 @@ enum { FRAMES = 200, QUICK = 6, WIDTH = 1280, HEIGHT = 720, TICKS = 16, CHUNK = 
 typedef struct view {
     const char *name;
     ost_view_name from;
-    double distance_mm; /* 0: the view's own */
+    double distance_mm; /* 0 selects the distance of the view */
 } view;
 
 /* The views of the rows. In the view `close`, the reamer fills the frame. */
@@ -38,7 +38,7 @@ static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* The times of the stages of a frame on one thread, and the inner loops that are timed. */
+/* The times of the stages of a frame on one thread, and the original inner loops, which are called by timed loops. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
@@ -157,7 +157,7 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
     return status;
 }
 
-/* Runs the ticks until the next frame is due. Sets *removed to true if any tick so far has removed voxels. */
+/* Runs the ticks until the next frame is due. Sets *removed to true if at least one tick so far has removed voxels. */
 static ost_status go_on(cut *c, bool *removed)
 {
     ost_status status = OST_OK;
@@ -219,7 +219,8 @@ static bool same(const ost_frame *a, const ost_frame *b)
 
 typedef struct figures {
     bench_series kept, redrawn, other;
-    double stages[2][STAGES]; /* times of the stages of the incremental and of the complete frame, ms */
+    /* times in ms of the stages, in stages[0] for the incremental frame and in stages[1] for the complete frame */
+    double stages[2][STAGES];
     int staged, frames;
     uint64_t cells, stale, chunks;
     bool equal;

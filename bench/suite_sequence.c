@@ -9,9 +9,9 @@
  *
  * All rows use one thread and chunks of 32^3 voxels. Every tick is timed separately.
  *
- * The thesis' kernel runs only at every twentieth tick, on unmodified chunks, because all ticks would
- * take a minute. This does not change the result: the kernel's time depends on the number of chunks
- * that the tool's box enters, and not on the remaining voxels.
+ * The thesis' kernel runs only at every twentieth tick, on unmodified chunks, because all ticks would take a minute.
+ * This does not change the result, because the kernel's time depends only on the number of chunks that the tool's box
+ * enters.
  */
 #include "bench/path.h"
 

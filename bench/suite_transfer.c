@@ -25,7 +25,8 @@ enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
 typedef struct variant {
     const char *name;
     ost_resample rule;
-    ost_pm cubic; /* spacing; 0: the rect grid's x spacing, so that only z is resampled */
+    /* spacing; 0 selects the x spacing of the rect grid, so that only z is resampled */
+    ost_pm cubic;
     bool wanted, equal;
     bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];
     ost_bone_info info;
@@ -56,8 +57,7 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
     return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
 }
 
-/* Converts the grid by the two public calls that any program makes. Their results are freed after the time is
-   measured. */
+/* Converts the grid by two public calls, as any program does. The results are freed after the time is measured. */
 static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;

@@ -7,12 +7,11 @@
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
  *   NAME/bytes, for each of these names         osteon writes one byte per voxel
  *
- * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and
- * parity bits as output. Its time includes building the hierarchy. Both of Embree's build qualities are
- * measured, and the faster one counts. To be comparable, osteon and the baseline write bits into memory
- * that was written before the measurement, and osteon's time is that of the voxelizer alone, without
- * creating a tool. A /bytes row compares the same baseline with the public call, which allocates the
- * tool and assigns each voxel its class.
+ * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and parity bits as
+ * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the faster one
+ * counts. To be comparable, osteon and the baseline write bits into memory that was written before the measurement, and
+ * osteon's time is the time of the voxelizer alone, without creating a tool. A /bytes row compares the same baseline
+ * with the public call, which allocates the tool and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -58,7 +57,7 @@ static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *
     return status;
 }
 
-/* Computes the bits with the voxelizer of the CPU backend. v->backend must be that backend. */
+/* Computes the bits with the voxelizer of the CPU backend. v->backend must be the CPU backend. */
 static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
 {
     return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
@@ -233,7 +232,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     char full[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
-    /* The bytes of two volumes on the host and of one grid on a backend, which exist at the same time. */
+    /* The size of two volumes on the host and of one grid on a backend, which exist at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
     snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);

@@ -48,8 +48,8 @@ struct bench_cl {
     int count;
 };
 
-/* Sets *out to the number after `key` ("device=") in a backend's options, or to 0 if the option is not
-   given. Returns false if the value is not a number from 0 to 63. */
+/* Sets *out to the number that follows `key`, such as "device=", in a backend's options. Sets *out to 0 if the option
+   is not given. Returns false if the value is not a number from 0 to 63. */
 static bool number_of(const char *backend, const char *key, int *out)
 {
     const char *at = strncmp(backend, "cl:", 3) == 0 ? strstr(backend, key) : NULL;

@@ -12,9 +12,9 @@
 typedef struct bench_cl bench_cl;
 
 /*
- * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". A
- * number that is omitted is 0; for another backend than cl, both numbers are 0. If there is no such
- * device, returns NULL and the reason.
+ * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". An omitted number is
+ * 0. If the string names a backend other than cl, both numbers are 0. If there is no such device, returns NULL and the
+ * reason.
  */
 bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT]);
 void bench_cl_close(bench_cl *cl); /* cl may be NULL */

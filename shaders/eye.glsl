@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera's values for all shader stages. ost_gl_eye_block in eye.h has the same layout.  All
- * positions are in voxels of the object that is drawn, relative to the first voxel of its grid.
+ * The camera's values for all shader stages. The struct ost_gl_eye_block in eye.h has the same layout. All positions
+ * are in voxels of the object that is drawn, relative to the first voxel of its grid.
  *
  * PRECISE is `precise` if the language version supports this keyword.  Products and sums are
  * then rounded one by one, as in the processor's renderer.  The names and the order of
@@ -9,20 +9,23 @@
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w: focal length in pixels */
-    vec4 eye_right;   /* w: half the width of a voxel along this vector; eye_up.w and eye_forward.w correspondingly */
+    /* w: half the width of a voxel along this vector, also in eye_up and eye_forward */
+    vec4 eye_right;
     vec4 eye_up;
     vec4 eye_forward;
-    vec4 axis_0;      /* w: half the frame's width */
-    vec4 axis_1;      /* w: half its height */
+    vec4 axis_0;      /* w: half the width of the frame */
+    vec4 axis_1;      /* w: half the height of the frame */
     vec4 axis_2;      /* w: near plane */
-    vec4 frame;       /* x, y: width and height; z, w: depth = squared distance * z + w */
+    /* x, y: width and height; z, w: the factors in depth = (squared distance) * z + w */
+    vec4 frame;
     /*
-     * x: size of a voxel in voxels of the first object; y: 1 if each face has one colour;
-     * z: half of a voxel's side, slightly enlarged
+     * x: size of a voxel in voxels of the first object; y: 1 if each face has one colour; z: half of a voxel's side,
+     * slightly enlarged
      */
     vec4 layer;
     uvec4 light_0;    /* light of faces 0 to 3, in 256ths */
-    uvec4 light_4;    /* x, y: light of faces 4 and 5; z: background, 0xBBGGRR */
+    /* x, y: light of faces 4 and 5; z: background colour, 0xBBGGRR */
+    uvec4 light_4;
     uvec4 paint;      /* red, green, blue */
 };
 
@@ -45,8 +48,8 @@ vec3 cross3(vec3 a, vec3 b)
 }
 
 /*
- * Returns the vector from the eye to the centre of a voxel. word: the voxel's position in its
- * block; page: the position of the block's first voxel.
+ * Returns the vector from the eye to the centre of a voxel. The parameter `word` is the voxel's position in its block,
+ * and `page` the position of the block's first voxel.
  */
 vec3 place(uint word, ivec4 page)
 {
@@ -55,7 +58,7 @@ vec3 place(uint word, ivec4 page)
     return o;
 }
 
-/* Returns the fragment's offset from the middle of the picture, to the right and down. The top row is row 0. */
+/* Returns the offset of a fragment from the middle of the picture, to the right and down. The top row is row 0. */
 vec2 slope(vec2 fragment)
 {
     PRECISE vec2 s = fragment - vec2(axis_0.w, axis_1.w);

@@ -26,7 +26,7 @@ vec3 channels(uint colour)
     return vec3(uvec3(colour, colour >> 8, colour >> 16) & 255u) / 255.0;
 }
 
-/* Returns the lit colour; the last channel contains the face. */
+/* Returns the lit colour, with the face in the last channel. */
 vec4 lit(uint tint, uint face)
 {
     uint light = face < 4u ? light_0[face] : light_4[face - 4u];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests if a pixel's ray meets the voxel, and writes the fragment.
+ * Tests whether a pixel's ray meets the voxel, and writes the fragment.
  *
  *   LINES   |o x d| <= 1/2 (|d_j| + |d_k|) on all axes: the line along d meets
  *           the cube about o; linear in the pixel, no division
@@ -11,7 +11,7 @@ flat in uint tint; /* 0xBBGGRR */
 flat in vec3 o;
 
 #if TARGET == COMPACT
-out uvec2 kept; /* colour, face << 24; depth */
+out uvec2 kept; /* colour and face << 24 in the first word, depth in the second */
 #elif TARGET == FORWARD
 out vec4 kept;
 #else
@@ -26,8 +26,8 @@ bool slabs(vec3 d, out uint face, out float t)
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z,
                       p.z <= layer.z && q.z <= layer.z);
     /*
-     * If a ray is parallel to a plane, the division by zero is harmless: the ray can still hit the
-     * planes of the other two axes.
+     * If a ray is parallel to a plane, the division by zero is harmless, because the ray can still hit the planes of
+     * the other two axes.
      */
     t = hit.x ? near.x : hit.y ? near.y : near.z;
     face = hit.x ? (s.x > 0.0 ? 1u : 0u) : hit.y ? (s.y > 0.0 ? 3u : 2u) : s.z > 0.0 ? 5u : 4u;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A voxel as a point, or, where it is larger than the driver's largest point,
- * as a rectangle of two triangles (QUADS).
+ * Draws a voxel as a point. A voxel that is larger than the driver's largest point is drawn as a rectangle of two
+ * triangles (QUADS).
  *
  *   EVERY_VOXEL   a density for each vertex, positioned by the vertex's number (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
-uniform isamplerBuffer pages; /* positions of the blocks' first voxels; one entry for every 2^PAGE_BITS vertices */
+/* positions of the blocks' first voxels, with one entry for every 2^PAGE_BITS vertices */
+uniform isamplerBuffer pages;
 #if QUADS
 uniform usamplerBuffer list, points;
 uniform int first;
@@ -20,9 +21,8 @@ flat out uint tint;
 flat out vec3 o;
 
 /*
- * Places a vertex where it is not visible.  Without TRUE_DEPTH, this position is on the far
- * plane.  There the vertex fails every depth test and needs no clipping.  Clipping would be
- * slow in software.
+ * Places a vertex where it is not visible. Without TRUE_DEPTH, this position is on the far plane, where the vertex
+ * fails every depth test and needs no clipping. Clipping would be slow in software.
  */
 void nowhere()
 {

@@ -19,8 +19,8 @@ float spread(vec3 axis, float t)
 }
 
 /*
- * Computes the first and last column and the first and last row of the pixels that a cube
- * covers. side: side of the cube in voxels. Returns false if the cube covers no pixel.
+ * Computes the first and last column and the first and last row of the pixels that a cube covers. The parameter `side`
+ * is the side of the cube in voxels. Returns false if the cube covers no pixel.
  */
 bool rectangle_of(vec3 o, float side, out vec4 r)
 {

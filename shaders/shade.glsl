@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computes the colour of a fully lit voxel, 0xBBGGRR, by the same integer operations as points/light.c. */
 /*
- * The palette contains one entry for each direction (brightness in 256ths, and gloss << 9),
- * followed by the colour of each paint.
+ * The palette contains one entry for each direction (brightness in 256ths, and gloss << 9), followed by the colour of
+ * each paint.
  */
 uniform usamplerBuffer palette;
 

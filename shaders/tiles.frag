@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the farthest depth of each 8 x 8 pixels, which hide.h uses. */
+/* Computes the farthest depth in each tile of 8 x 8 pixels, which hide.h uses. */
 uniform sampler2D depths;
 out float farthest;
 
