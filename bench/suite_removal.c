@@ -368,7 +368,7 @@ static ost_status tool_voxels(const bench_options *options, bench_table *table, 
     return status;
 }
 
-/* Adds a row that contains the reason why it cannot be measured. */
+/* Adds a row that was not measured, with the reason. */
 static ost_status add_not_run(bench_table *table, const bench_options *options, const char *name, const char *reason,
                               ost_error *err)
 {

@@ -175,10 +175,9 @@ static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
 }
 
 /*
- * Returns the origin of the cubic grid (AR-CUB-1). The corner of the box lies half a
- * rect voxel before the first centre of the rect grid, and the first centre of the
- * cubic grid lies half a cubic voxel inside that corner. |origin| < 2^43 and
- * spacing < 2^37, so the sum fits int64.
+ * Returns the origin of the cubic grid (AR-CUB-1). The corner of the grid's box lies half a rect voxel before the first
+ * centre of the rect grid, and the first centre of the cubic grid lies half a cubic voxel inside that corner. |origin|
+ * < 2^43 and spacing < 2^37, so the sum fits int64.
  */
 static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
 {

@@ -62,7 +62,7 @@ struct ost_backend_ops {
      * choice of devices. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
-    /* Opens a backend. options is the text after "name:", or "". Sets *out, except (*out)->ops, which the caller
+    /* Opens a backend. `options` is the text after "name:", or "". Sets *out but not (*out)->ops, which the caller
        sets. */
     ost_status (*open)(const char *options, ost_backend **out, ost_error *err);
     void (*close)(ost_backend *backend);

@@ -66,13 +66,13 @@ ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost
 
 /*
  * Opens a regular file as a stream, which the caller closes by fclose. *out is NULL after a failure. *absent is set to
- * true if no file has this name, otherwise to false. absent may be NULL.
+ * true if no file has this name, otherwise to false. The pointer `absent` may be NULL.
  */
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 
 /*
- * Reads the file->size bytes of an open file into `to`. Returns OST_ERR_IO if the size of the file has
- * changed. path is used in messages.
+ * Reads the file->size bytes of an open file into `to`. Returns OST_ERR_IO if the size of the file has changed. `path`
+ * is used only in messages.
  */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);
 
@@ -83,11 +83,10 @@ ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_e
 ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, size_t *size, ost_error *err);
 
 /*
- * Reads a complete regular file into new memory, which the caller frees. The bytes are
- * followed by a NUL that is not counted in *size. *bytes is NULL after a failure.
- * Returns OST_ERR_RANGE if the file has more than max bytes, OST_ERR_IO if its size
- * changes while it is read, or OST_ERR_MEMORY. *absent is set to true if no file has
- * this name, otherwise to false. absent may be NULL.
+ * Reads a complete regular file into new memory, which the caller frees. The bytes are followed by a NUL that is not
+ * counted in *size. *bytes is NULL after a failure. Returns OST_ERR_RANGE if the file has more than max bytes,
+ * OST_ERR_IO if its size changes while it is read, or OST_ERR_MEMORY. *absent is set to true if no file has this name,
+ * otherwise to false. The pointer `absent` may be NULL.
  */
 ost_status ost_file_read(const char *path, size_t max, char **bytes, size_t *size, bool *absent, ost_error *err);
 

@@ -40,8 +40,8 @@ typedef enum ost_isa {
 } ost_isa;
 
 /*
- * The features that an x86-64 machine reports by CPUID. The registers of absent leaves are 0. xcr0
- * is 0 unless leaf 1 sets OSXSAVE, which allows XGETBV.
+ * The features that an x86-64 machine reports by CPUID. The registers of absent leaves are 0. If leaf 1 does not set
+ * OSXSAVE, which allows XGETBV, `xcr0` is 0.
  */
 typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;

@@ -40,7 +40,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true if a component fits int32, as all components up to 1.001 * 2^30 do. */
+/* Returns true if a component fits int32. The components of valid poses, which are at most 1.001 * 2^30, fit. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;

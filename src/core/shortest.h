@@ -9,12 +9,11 @@
 #include <osteon/length.h>
 
 /*
- * Finds the decimal that a float represents, which is the shortest decimal that reads back as the
- * float. There is one exception. If no decimal of at most six digits reads back as a float32, and
- * the float32 is a multiple of 2^-9 below 2^24 in magnitude, the float32 represents its exact
- * value. For example, 431/512 represents 0.841796875, not 0.8417969. value must be finite; single
- * is true if value was read as a float32. Returns false if the exponent is out of the range of
- * ost_decimal.
+ * Finds the decimal that a float represents, which is the shortest decimal that reads back as the float. There is one
+ * exception. If no decimal of at most six digits reads back as a float32, and the float32 is a multiple of 2^-9 below
+ * 2^24 in magnitude, the float32 represents its exact value. For example, 431/512 represents 0.841796875, not
+ * 0.8417969. `value` must be finite. `single` is true if `value` was read as a float32. Returns false if the exponent
+ * is out of the range of ost_decimal.
  */
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out);
 

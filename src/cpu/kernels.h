@@ -26,9 +26,8 @@
 /* ------------------------------------------------------ grids (cpu/import/grid.h) */
 
 /*
- * Gathers elements: to[i] = from[map[i]] for 0 <= i < count, 0 <= count <= 64.
- * The elements of map are >= 0 and ascending; neighbours may be equal.  Every element
- * of `from` with an index from map[0] to map[count - 1] may be read.
+ * Gathers elements: to[i] = from[map[i]] for 0 <= i < count, 0 <= count <= 64. The elements of `map` are >= 0 and
+ * ascending; neighbours may be equal. Every element of `from` with an index from map[0] to map[count - 1] may be read.
  */
 typedef void ost_gather_row_fn(const int16_t *from, const int32_t *map, int count, int16_t *to);
 
@@ -49,14 +48,12 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
 
 /*
  * Computes the sums of a row along x:
- * to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for 0 <= i < width (1 to 64).
- * minus contains the weights negated, so that the full range, -2^15 to 0, fits 16 bits.  The two
- * weights of a pair sum to -2^15.
- * The elements of `at` are >= 0 and ascending; neighbours may be equal.  Every element
- * of `from` with an index from at[0] to at[width - 1] + 1 may be read.  Let n be width
- * rounded up to a multiple of 16.  `at` and `to` have a capacity of n elements, and
- * minus has a capacity of n pairs.  The elements beyond width may be read, and those
- * of `to` may be overwritten.
+ *   to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for 0 <= i < width (1 to 64).
+ * `minus` contains the weights negated, so that the full range, -2^15 to 0, fits 16 bits. The two
+ * weights of a pair sum to -2^15. The elements of `at` are >= 0 and ascending; neighbours may be equal. Every element
+ * of `from` with an index from at[0] to at[width - 1] + 1 may be read. Let n be width rounded up to a multiple of 16.
+ * `at` and `to` have a capacity of n elements, and `minus` has a capacity of n pairs. The elements beyond width may be
+ * read, and those of `to` may be overwritten.
  */
 typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to);
 
@@ -74,14 +71,12 @@ typedef void ost_weigh_rows_fn(const int32_t *const rows[4], const int32_t weigh
 /* ------------------------------------------------------ bones (cpu/bone/bone.h) */
 
 /*
- * Converts sixteen rows of 4 * bricks voxels into a row of bricks.  rows[y + 4 z] is the row (y,
- * z); several rows may be the same.  bricks is 4, 8 or 16.  Voxels below threshold (>= 1) become 0.
- * Brick x is written to density + 64 * spread(x) and occupancy[spread(x)], where spread(x) moves
- * the bits 0 to 3 of x to the bits 0, 3, 6 and 9 (ost_brick_spread).  density is 64-byte aligned.
- * The memory between these bricks is not written.  Returns the number of active voxels and the
- * highest density (0 if no voxel is active).
- * If stream is true, stores bypass the caches.  The thread must then call the `drain` kernel before
- * another thread reads the bricks.
+ * Converts sixteen rows of 4 * bricks voxels into a row of bricks. rows[y + 4 z] is the row (y, z); several rows may be
+ * the same. `bricks` is 4, 8 or 16. Voxels below `threshold` (>= 1) become 0. Brick x is written to density + 64 *
+ * spread(x) and occupancy[spread(x)], where spread(x) moves the bits 0 to 3 of x to the bits 0, 3, 6 and 9
+ * (ost_brick_spread). The array `density` is 64-byte aligned. The memory between these bricks is not written. Returns
+ * the number of active voxels and the highest density (0 if no voxel is active). If `stream` is true, stores bypass the
+ * caches. The thread must then call the `drain` kernel before another thread reads the bricks.
  */
 struct cpu_bone;
 typedef struct ost_brick_sums {
@@ -127,35 +122,32 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  *     v <= -least   outside: the part is dropped
  *     v >=  least   inside: the part's number is appended to `inside`
  *     else          mixed: the part's u and number are appended to `mixed`
- * The set of appended parts is the same for all instruction sets, but their order may differ.  If
- * occupancy is not NULL, it has one word per part, and parts whose word is 0 are dropped.  The
- * cubes' numbers are distinct, and only the words of their parts are read from occupancy.  mixed
- * and inside must not overlap cubes.  Their counts are increased by the appended parts; both have
- * capacity for 8 parts per cube and OST_CUBES_SLACK more elements, which may be overwritten.  u +
- * centre and u + first of every part fit int32.  Up to OST_CUBES_SLACK elements beyond cubes->count
- * may be read.  These elements may have any value: the indices computed from them are clamped to
- * the table.  The values of cells are in [-64, 64].
+ * The set of appended parts is the same for all instruction sets, but their order may differ. If `occupancy` is not
+ * NULL, it has one word per part, and parts whose word is 0 are dropped. The cubes' numbers are distinct, and only the
+ * words of their parts are read from `occupancy`. The lists `mixed` and `inside` must not overlap `cubes`. Their counts
+ * are increased by the appended parts. Each of them has capacity for 8 parts per cube and OST_CUBES_SLACK more
+ * elements, which may be overwritten. u + centre and u + first of every part fit int32. Up to OST_CUBES_SLACK elements
+ * beyond cubes->count may be read. These elements may have any value: the indices computed from them are clamped to the
+ * table. The values of cells are in [-64, 64].
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
- * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i
- * lies in a tool voxel that is solid in match->shape.  All space outside the tool's grid is empty.
- * If match->windows is set, every brick must be one that the `split` kernel has classified as mixed
- * with the same shape (remove.h: "Match").
- * u + offset of every voxel fits int32.  hits has capacity for OST_CUBES_SLACK more
- * elements than there are bricks, and these may be overwritten.  Up to
- * OST_CUBES_SLACK elements beyond bricks->count may be read and can have any value.
+ * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
+ * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows is set, every
+ * brick must be one that the `split` kernel has classified as mixed with the same shape (remove.h: "Match"). u + offset
+ * of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are bricks, and
+ * these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and can have any
+ * value.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 
 /*
- * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose bits are set
- * in hits[i] to the tally, and sets them to 0 if take->apply is true.  No hits[i] is 0.  density is
- * 64-byte aligned.  The densities of voxels that are hit are 1..take->highest; other densities can
- * have any value.  The numbers are distinct.  Only voxels that are hit change, and only the
- * elements 0 to take->borders of the tally change.
+ * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose bits are set in hits[i] to the
+ * tally, and sets them to 0 if take->apply is true. No hits[i] is 0. The array `density` is 64-byte aligned. The
+ * densities of voxels that are hit are 1..take->highest; other densities can have any value. The numbers are distinct.
+ * Only voxels that are hit change, and only the elements 0 to take->borders of the tally change.
  */
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
                          size_t count, ost_tally *tally);
@@ -166,11 +158,10 @@ typedef struct ost_vox_tile ost_vox_tile;
 typedef struct ost_vox_plan ost_vox_plan;
 
 /*
- * Marks the crossings of count triangles with the rows of a tile in the tile's planes and spill.
- * list contains the triangles' numbers; if list is NULL, the numbers are 0 to count - 1. A triangle
- * that is listed several times is counted that many times. Planes and spill may contain earlier
- * crossings. If several crossings of the same sign have the same centre, any of them may be the one
- * that sets the bit in the plane, because they are equivalent.
+ * Marks the crossings of count triangles with the rows of a tile in the tile's planes and spill. `list` contains the
+ * triangles' numbers; if `list` is NULL, the numbers are 0 to count - 1. A triangle that is listed several times is
+ * counted that many times. Planes and spill may contain earlier crossings. If several crossings of the same sign have
+ * the same centre, any of them may be the one that sets the bit in the plane, because they are equivalent.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
@@ -188,9 +179,9 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  * proven row, crossings that enter the mesh and crossings that leave the mesh alternate, and the
  * first and the last crossing are of opposite sign (fill.c).
  *
- * A block is OST_VOX_BLOCK words of planes.  The rows begin at the start of a
- * block and end at the end of a block or of the tile.  bits is 64-byte aligned and
- * is written in complete blocks.  Planes have no bits after a row's last voxel.
+ * A block is OST_VOX_BLOCK words of planes. The rows begin at the start of a block and end at the end of a block or of
+ * the tile. The array `bits` is 64-byte aligned and is written in complete blocks. Planes have no bits after a row's
+ * last voxel.
  *
  * For the other rows, sets OST_VOX_UNPROVEN and the tile's `any_unproven`; the bits of these rows
  * are undefined.  All rows of a block may be marked unproven if one of them is unproven, or if the
@@ -201,12 +192,11 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
 /*
- * Expands the bits of `rows` rows to rows * nx classes, one byte each. A row of the
- * inputs has `words` = ost_vox_words(nx) words. No voxel is set in both inputs; bits
- * after a row's last voxel can have any value. noncutting may be NULL. Reads rows *
- * words words of each input and writes rows * nx bytes, at any alignment. If `stream`
- * is true, stores bypass the caches where the dimensions allow it, and are ordered
- * before the function returns.
+ * Expands the bits of `rows` rows to rows * nx classes, one byte each. A row of the inputs has `words` =
+ * ost_vox_words(nx) words. No voxel is set in both inputs; bits after a row's last voxel can have any value. The array
+ * `noncutting` may be NULL. Reads rows * words words of each input and writes rows * nx bytes, at any alignment. If
+ * `stream` is true, stores bypass the caches where the dimensions allow it, and are ordered before the function
+ * returns.
  */
 typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                                bool stream, uint8_t *voxels);

@@ -64,7 +64,7 @@ void ost_turn_of(const double q[4], double turn[3][3]);
 void ost_into_bone(const contact_pose *pose, const double v[3], double out[3]);
 void ost_into_tool(const contact_pose *pose, const double v[3], double out[3]);
 
-/* Converts a shell to a contact_shell. spacing is the edge length of a bone voxel in metres. */
+/* Converts a shell to a contact_shell. `spacing` is the edge length of a bone voxel in metres. */
 void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *params, double spacing, contact_shell *out);
 /* Updates the values that depend on params->speed, the speed of the tool. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);

@@ -103,7 +103,10 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
     }
     saturate(force_n, s->params.max_force_n);
     saturate(torque_nm, s->params.max_torque_nm);
-    /* The slew limit of the torque is that of the force, scaled by the ratio of their maxima. */
+    /*
+     * The slew limit of the torque is the slew limit of the force, scaled by the ratio of the maximum torque to the
+     * maximum force.
+     */
     slew(force_n, s->last, s->params.slew_n);
     slew(torque_nm, s->last_torque, s->params.slew_n * s->params.max_torque_nm / s->params.max_force_n);
     memcpy(s->last, force_n, sizeof s->last);

@@ -73,8 +73,8 @@ static inline plugin_error_sink *adapt_listening(plugin_error_sink *t)
 }
 
 /*
- * Converts the status that a plugin's function returned to an ost_status, and copies the plugin's error
- * text to err. If the status is OST_PLUGIN_LOST, also sets *lost to true. lost may be NULL.
+ * Converts the status that a plugin's function returned to an ost_status, and copies the plugin's error text to err. If
+ * the status is OST_PLUGIN_LOST, also sets *lost to true. The pointer `lost` may be NULL.
  */
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
                            ost_error *err);

@@ -51,7 +51,7 @@ typedef struct ost_marks {
     ost_legend legend;
 } ost_marks;
 
-/* Draws all marks for which there is space. letters must be OST_MARKS_LETTER units high. */
+/* Draws all marks for which there is space. The letters must be OST_MARKS_LETTER units high. */
 void ost_marks_draw(const ost_marks *marks, const ost_lettering *letters, const ost_sheet *sheet, double unit);
 
 #endif

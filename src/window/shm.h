@@ -25,9 +25,9 @@ typedef struct ost_shm ost_shm;
  * if the pixels of the window do not have eight bits each of red, green and blue.
  */
 ost_shm *ost_shm_open(void *glfw_window);
-/* Frees shm. The window may already be destroyed. shm may be NULL. */
+/* Frees `shm`, which may be NULL. The window may already be destroyed. */
 void ost_shm_close(ost_shm *shm);
-/* Marks the contents of the window as unknown, so that the next picture is copied completely. shm may be NULL. */
+/* Marks the contents of the window as unknown, so that the next picture is copied completely. `shm` may be NULL. */
 void ost_shm_forget(ost_shm *shm);
 /* Shows the picture. Returns false on failure; all later calls then fail as well. */
 bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture);

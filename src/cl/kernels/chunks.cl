@@ -17,7 +17,7 @@ static ulong ost_chunk_voxels(__global const ost_cl_bone *bone)
     return (ulong)bone->size * (ulong)bone->size * (ulong)bone->size;
 }
 
-/* Returns the index in a slab of voxel (x, y) of a slice. A slab consists of complete slices. */
+/* Returns the index of voxel (x, y) of a slice within a slab. A slab consists of complete slices. */
 static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int slice)
 {
     return (ulong)x + (ulong)bone->dims[0] * ((ulong)y + (ulong)bone->dims[1] * (ulong)slice);

@@ -190,7 +190,7 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    /* BLOCK elements; the index of each sample's voxel, or -1 if the sample is rejected */
+    /* array of BLOCK elements; index of each sample's voxel, or -1 if the sample is rejected */
     int64_t *at;
 } batch;
 

@@ -28,7 +28,7 @@
  *
  * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the conditions, and W =
  * -Q. A kernel first tries the order that was valid for the previous row, and then the opposite order. A row that
- * satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is summed crossingby crossing.
+ * satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is summed crossing by crossing.
  */
 #include <string.h>
 

@@ -366,7 +366,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 
 /* ------------------------------------------------------------ from volumes */
 
-/* Returns the active voxels among the first count voxels of a row, one bit for each. count must be at most 32. */
+/* Returns the active voxels among the first `count` voxels of a row, one bit for each; `count` must be at most 32. */
 static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
 {
     uint32_t word = 0;
