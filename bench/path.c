@@ -25,7 +25,7 @@ ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, 
     const double side = scene->bone.dims.x * ost_pm_to_mm(SCENE_SPACING), feed = 0.02, depth = feed * PATH_TICKS;
     const quat tilt = normalised((quat){0.97, 0.17, -0.13, 0.11});
     const quat step = normalised((quat){256, 0, 0, 1});
-    /* The direction into the bone: the tool's -z axis, rotated by `tilt`. */
+    /* The direction into the bone, which is the tool's -z axis rotated by `tilt`. */
     const quat down = product(product(tilt, (quat){0, 0, 0, -1}), (quat){tilt.w, -tilt.x, -tilt.y, -tilt.z});
     /* Halfway along the path, the tool's face is in the middle of the upper part of the bone. At the
        first tick, the tool's face is just inside the bone. */

@@ -131,7 +131,7 @@ static ost_status import(parse *p, ost_backend *backend, bool digests, bench_ser
     return status;
 }
 
-/* Compares the digest of the measured backend's rect grid with the digest of the reference's. */
+/* Compares the digests of the rect grids that the measured backend and the reference have imported. */
 static ost_status verify(parse *p, ost_backend *backend)
 {
     ost_backend *ref = NULL;

@@ -342,8 +342,8 @@ static ost_status static_events(const bench_options *options, bench_table *table
     return status;
 }
 
-/* Adds the rows of Table 3.5, which measure the same event with coarser and finer tool voxels. With tool
-   voxels of 0.5 mm, the event is that of removal/reamer/32. */
+/* Adds the rows of Table 3.5, which measure the same event with coarser and finer tool voxels. With tool voxels of 0.5
+   mm, the event is the event of the row removal/reamer/32. */
 static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const struct {

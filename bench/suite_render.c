@@ -24,7 +24,8 @@ enum { REPEAT = 101, WIDTH = 1280, HEIGHT = 720, THRESHOLD = 120, DIRTY = 20 };
 
 typedef struct view {
     const char *name;
-    double distance_mm; /* camera's distance from the glenoid's face or, if glenoid is false, from the bone's middle */
+    /* distance of the camera from the glenoid's face or, if `glenoid` is false, from the bone's middle */
+    double distance_mm;
     bool glenoid;
     /* sideways component of the view direction, relative to the component along the glenoid's axis */
     double side;

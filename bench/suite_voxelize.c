@@ -195,7 +195,7 @@ static ost_status reserve_output(voxelize *v)
     return OST_OK;
 }
 
-/* Measures the voxelization of a mesh. The caller keeps the ownership of mesh and grid. */
+/* Measures the voxelization of a mesh. The caller retains the ownership of mesh and grid. */
 static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
                           const ost_tool_geometry *grid, int count, ost_error *err)
 {

@@ -499,7 +499,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
 
 /* --------------------------------------------------------------- digests */
 
-/* Copies leaf (x, y) from the `count` slices of its layer. Returns false if all voxels of the leaf are zero. */
+/* Copies leaf (x, y) from the `count` slices of the leaf's layer. Returns false if all voxels of the leaf are zero. */
 static bool cut_leaf(const ost_dims dims, const int16_t *voxels, int32_t x, int32_t y, int32_t count, int16_t *leaf)
 {
     int16_t any = 0;

@@ -89,7 +89,7 @@ typedef struct cl_backend {
     ost_backend base;
     const ost_cl_api *cl;
     ost_cl_device device;
-    bool cpu_set;     /* true if the kernel set for CPUs is used; false for the one for GPUs */
+    bool cpu_set;     /* true if the kernel set for CPUs is used; false if the set for GPUs is used */
     size_t workgroup; /* number of work items per work group; 0 selects the default */
     size_t staging;   /* as in ost_cl_options */
     unsigned order;   /* as in ost_cl_options */
@@ -128,8 +128,8 @@ static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
 {
     return b->staging && b->staging < limit ? b->staging : limit;
 }
-/* Implements the `paths` slot of the function table: calls visit for each kernel of the backend's kernel set and for
-   each path of OST_CL_PATHS, with its count. */
+/* Implements the `paths` slot of the function table. Calls `visit` with the count of each kernel of the backend's
+   kernel set, and with the count of each path of OST_CL_PATHS. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
 /* Functions for tests: they implement slots in cl.c, and take the table of OpenCL functions as a parameter. */
@@ -161,8 +161,8 @@ void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
 /* -------------------------------------------------------------- launch.c */
 
-/* Creates a buffer on the device. If data is NULL, the buffer is uninitialised. Otherwise data is copied to the buffer
-   before the function returns. If `bytes` is 0, the buffer has 1 byte. */
+/* Creates a buffer on the device. If `data` is NULL, the buffer is uninitialised. Otherwise `data` is copied to the
+   buffer before the function returns. If `bytes` is 0, the buffer has 1 byte. */
 ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out,
                          ost_error *err);
 /* Creates a buffer on the device and sets it to zeros. */

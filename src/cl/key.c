@@ -41,8 +41,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Returns the number of driver settings in the environment. If parts is not NULL, also stores the settings in parts,
-   sorted. */
+/* Returns the number of driver settings in the environment. If `parts` is not NULL, also stores the settings in
+   `parts`, sorted. */
 static size_t settings(const char **parts)
 {
     size_t count = 0;

@@ -34,7 +34,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    cl_int code = CL_INVALID_BUFFER_SIZE; /* error for sizes above the limit, which drivers handle in different ways */
+    cl_int code = CL_INVALID_BUFFER_SIZE; /* the error for sizes above the limit, which does not depend on the driver */
     *out = NULL;
     if (bytes <= b->device.max_buffer)
         *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),

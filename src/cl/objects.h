@@ -5,7 +5,7 @@
 
 #include "cl/cl.h"
 
-/* The voxels of one grid or of several grids. While several grids share the voxels, they are not written. */
+/* The voxels of one grid or of several grids. Voxels that several grids share are not written. */
 typedef struct cl_store {
     cl_mem voxels;
     size_t reserved; /* size of the `voxels` buffer in bytes */
@@ -63,7 +63,7 @@ typedef struct cl_tool {
     /* windows (kernels/shared.h) if the kernel set for CPUs is used; otherwise NULL */
     cl_mem windows;
     bool touches;   /* true if a voxel may have class 2 */
-    bool made;     /* true if the launches that make cells and windows have completed */
+    bool made;     /* true if the launches that compute cells and windows have completed */
 } cl_tool;
 
 /*
@@ -74,7 +74,7 @@ ost_status ost_cl_alive(const ost_backend *backend, bool lost, const char *what,
 
 /* grid.c */
 ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
-/* Creates a grid without initialising its voxels. If store is not NULL, the grid shares this store and becomes one of
+/* Creates a grid without initialising its voxels. If `store` is not NULL, the grid shares this store and becomes one of
    the store's holders. */
 ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out,
                                   ost_error *err);

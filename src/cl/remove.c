@@ -323,7 +323,7 @@ static ost_status write_input(plan *p, ost_error *err)
     size_t bytes = sizeof head;
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    for (int i = 0; i < 3; i++) { /* all offsets are multiples of 8, because the sizes of the structs are */
+    for (int i = 0; i < 3; i++) { /* all offsets and struct sizes are multiples of 8 */
         *at[i] = (uint32_t)bytes;
         bytes += parts[i]->bytes;
     }

@@ -53,13 +53,13 @@ struct ost_backend_ops {
     const char *description;
 
     /*
-     * Returns true if, according to a cheap check, `open` can succeed on this machine. Otherwise writes at most `size`
-     * bytes of text to `reason`, which is never NULL.
+     * Performs a cheap check, and returns true if `open` can succeed on this machine. If it cannot, writes the reason
+     * to `reason`, which has `size` bytes and is never NULL.
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Visits every device. If a device cannot be used, the reason is passed too. Visits no device if the backend has no
-     * choice of devices. The slot is slow, because it tests the devices.
+     * Calls `visit` for every device, with the reason if the device cannot be used. If the backend has no choice of
+     * devices, `visit` is not called. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. `options` is the text after "name:", or "". Sets *out but not (*out)->ops, which the caller
@@ -68,10 +68,16 @@ struct ost_backend_ops {
     void (*close)(ost_backend *backend);
     ost_backend_settings (*settings)(const ost_backend *backend);
     ost_status (*finish)(ost_backend *backend, ost_error *err);
-    /* Visits the paths of the backend that compute voxels, with their counts (paths.h). */
+    /*
+     * Calls `visit` for each code path of the backend that computes voxels, with the number of times it was entered
+     * (paths.h).
+     */
     void (*paths)(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-    /* These four slots create a zero-filled grid, free a grid, and copy slices to and from a grid. */
+    /*
+     * grid_create creates a zero-filled grid, and grid_free frees a grid. grid_upload copies slices to a grid, and
+     * grid_download copies slices from a grid.
+     */
     ost_status (*grid_create)(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
     void (*grid_free)(ost_grid *grid);
     ost_status (*grid_upload)(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
@@ -90,7 +96,10 @@ struct ost_backend_ops {
     ost_status (*bone_create)(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,
                               ost_bone **out, ost_error *err);
     void (*bone_free)(ost_bone *bone);
-    /* Fills active_chunks, active_voxels, chunk_bytes and resident_bytes; the caller fills the other fields. */
+    /*
+     * Fills the fields active_chunks, active_voxels, chunk_bytes and resident_bytes of *info; the caller fills the
+     * other fields.
+     */
     ost_status (*bone_stats)(const ost_bone *bone, ost_bone_info *info, ost_error *err);
     ost_status (*bone_upload)(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
@@ -120,7 +129,7 @@ struct ost_backend_ops {
     ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
     ost_status (*tool_upload)(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
-    /* Writes the voxels of a tool to volume, which has been initialised with the tool's geometry. */
+    /* Writes the voxels of a tool to *volume, which has been initialised with the tool's geometry. */
     ost_status (*tool_download)(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
     void (*tool_free)(ost_tool *tool);
 

@@ -44,13 +44,13 @@ typedef struct ost_chunk_grid {
     ost_chunk *chunks; /* owned array, x fastest */
 } ost_chunk_grid;
 
-/* Initialises a grid without active voxels. ost_chunk_grid_free is safe even after a failure. */
+/* Initialises a grid without active voxels. ost_chunk_grid_free may be called even if the initialisation has failed. */
 ost_status ost_chunk_grid_init(ost_chunk_grid *grid, ost_dims dims, int size, int32_t threshold, ost_error *err);
 void ost_chunk_grid_free(ost_chunk_grid *grid);
 
 /* Returns the number of chunks along each axis, ceil(dims / size). */
 ost_dims ost_chunk_dims(ost_dims dims, int size);
-/* Returns the size in bytes of the memory of an active chunk: densities and occupancy. */
+/* Returns the memory size of an active chunk in bytes, for densities and occupancy. */
 size_t ost_chunk_bytes(int size);
 
 /* Allocates zero-filled memory for a chunk without memory. Returns false if the allocation fails. */

@@ -27,7 +27,7 @@
 typedef struct ost_file {
     int fd;       /* file descriptor, close-on-exec and blocking; -1 after a failure */
     int64_t size; /* size in bytes at the time of opening */
-    bool absent;  /* after a failure: true if there is no file with this name */
+    bool absent;  /* set after a failure; true if no file has this name */
 } ost_file;
 
 /*
@@ -55,7 +55,7 @@ ost_status ost_file_spool(const char *path, ost_error *err);
  */
 bool ost_file_is_stream(const char *path);
 
-/* The greatest size of a stream in bytes: 16 GiB. Tests set a smaller one. */
+/* The greatest size of a stream in bytes, 16 GiB. Tests set a smaller size. */
 extern int64_t ost_file_spool_max;
 
 /*

@@ -57,7 +57,10 @@ ost_status ost_meta_set(ost_meta *meta, const char *key, const char *value, ost_
             return ost_fail(err, OST_ERR_RANGE, "too many keys: '%s'; expected at most %d", key, OST_META_MAX);
         i = meta->count++;
     }
-    /* key and value may point into this entry, because ost_meta_get returns pointers to the stored values. */
+    /*
+     * The pointers `key` and `value` may point into this entry, because ost_meta_get returns pointers to the stored
+     * values.
+     */
     memmove(meta->entry[i].key, key, strlen(key) + 1);
     memmove(meta->entry[i].value, value, length);
     meta->entry[i].value[length] = 0;

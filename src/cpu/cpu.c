@@ -26,7 +26,7 @@ static bool available(char *reason, size_t size)
 static int default_threads(void)
 {
 #if defined _OPENMP
-    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS, or the number of available cores */
+    const int most = omp_get_max_threads(); /* the value of OMP_NUM_THREADS or, if it is not set, the number of cores */
     return most < THREADS_MAX ? most : THREADS_MAX;
 #else
     return 1;

@@ -49,8 +49,8 @@ typedef struct contact {
     int16_t density[OST_SHELL_MAX];
     double depth[OST_SHELL_MAX];    /* thickness by which the layer is compressed (law OST_FORCE_INSTANT) */
     /*
-     * Scratch: positions of the points in voxels relative to an integer origin, their voxels, and
-     * the densities of these voxels.
+     * Scratch arrays for the positions of the points, in voxels relative to an integer origin, the voxels of the
+     * points, and the densities of these voxels.
      */
     float position[3][OST_SHELL_MAX];
     int32_t voxel[3][OST_SHELL_MAX];

@@ -41,7 +41,7 @@ enum { TOOLS_MAX = 16, PARTS = 8 };
 #define DRAG_S 0.1
 #define PI 3.14159265358979323846
 
-/* The coupled tool: all state that one tick passes to the next. */
+/* The coupled tool, with all state that one tick passes to the next. */
 typedef struct grip {
     bool coupled;       /* true if a tool is coupled; the other fields are then valid */
     int tool;

@@ -211,7 +211,7 @@ static const char *end_of(const char *text)
     return end;
 }
 
-/* Converts to the nearest double; the result is correctly rounded for up to 15 digits. */
+/* Converts a decimal to a double. The result is correctly rounded if the decimal has at most 15 digits. */
 static double real_of(const ost_decimal *d)
 {
     double value = (double)d->mantissa, ten = 1;

@@ -33,7 +33,7 @@ haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
  * whose axes have a fixed meaning, such as right and up.
  */
 void haptic_clutch_lay(haptic_clutch *clutch);
-/* Disengages the clutch. The next pose engages it with the tool at its current position. */
+/* Disengages the clutch. The next pose engages the clutch with the tool at its current position. */
 void haptic_clutch_release(haptic_clutch *clutch);
 /* Disengages the clutch and sets the tool's pose. */
 void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);

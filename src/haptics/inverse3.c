@@ -55,7 +55,7 @@ enum {
 #define FAR_M 10.0
 
 typedef struct came {
-    double at[3], q[4]; /* in a frame in which y points up and z toward the operator */
+    double at[3], q[4]; /* in a frame with y up and z toward the operator */
     uint32_t buttons;
 } came;
 

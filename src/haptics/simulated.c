@@ -144,7 +144,7 @@ static void shake(haptic_instance *s)
     }
 }
 
-/* Advances by one step. The hand is at `to` and moves with `speed`. */
+/* Advances the simulation by one step. The hand is at `to` and moves with `speed`. */
 static void step(haptic_instance *s, const double to[3], const double speed[3])
 {
     double v[3];

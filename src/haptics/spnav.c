@@ -175,8 +175,8 @@ static double share_of(int counts)
 }
 
 /*
- * Applies the rotation of one tick. It is at most 0.72 degrees about each axis, so the normalized
- * quaternion (1, w / 2) is accurate enough.
+ * Applies the rotation of one tick. The rotation is at most 0.72 degrees about each axis, so the normalized quaternion
+ * (1, w / 2) is accurate enough.
  */
 static void turn_on(double q[4], const double by[3])
 {

@@ -36,9 +36,8 @@ static bool cuts(const ost_motion *m)
 }
 
 /*
- * Finds the intervals of ticks for which the function `is` returns true. Returns the number of
- * intervals and adds their durations to *seconds. in[i] is set to true if tick i lies in an
- * interval; in may be NULL.
+ * Finds the intervals of ticks for which the function `is` returns true. Returns the number of intervals and adds their
+ * durations to *seconds. If `in` is not NULL, sets in[i] to true if tick i lies in an interval.
  */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds,
                   bool *in)

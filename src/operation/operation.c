@@ -40,7 +40,7 @@ struct ost_operation {
     uint64_t dropout;  /* number of ticks of the current drop-out; 0 while the device is tracked */
     bool lifted;       /* true if the tool was lifted after the last executed tick */
     ost_operation_report report;
-    ost_record pending; /* record of the last tick, until its duration is available */
+    ost_record pending; /* record of the last tick, stored until the tick's duration is available */
     bool has_pending;
     ost_live_state seen; /* state published for viewers */
 };
@@ -188,8 +188,8 @@ static int32_t millionths(double value)
 }
 
 /*
- * Converts turns per minute to radians per second. Not called for OST_RPM_ON, because for an unknown
- * speed ost_force uses its default.
+ * Converts turns per minute to radians per second. If the speed is unknown (OST_RPM_ON), this function is not called,
+ * and ost_force uses its default speed.
  */
 static double speed_of(int32_t rpm)
 {

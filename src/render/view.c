@@ -43,8 +43,8 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box. The distance is the one at which the picture contains
-   the complete box. */
+/* Directs the camera at the middle of the active voxels' box. The distance is chosen so that the picture contains the
+   complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
     const ost_geometry *g = &volume->geometry;

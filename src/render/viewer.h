@@ -41,7 +41,7 @@ typedef struct ost_viewer {
     ost_frame frame;     /* the last frame that was drawn, with the size of the camera's picture */
     ost_live_state state;
     bool has_state;      /* set if the tool is drawn at the pose in `state` */
-    uint64_t changed;    /* number of changed chunks taken from live so far */
+    uint64_t changed;    /* number of changed chunks taken from `live` so far */
     ost_uncut reference; /* valid if has_uncut */
     bool has_uncut;
     uint32_t palette[OST_PAINTS];

@@ -78,7 +78,10 @@ void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, i
    view is returned instead. */
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
-/* Turns or moves the orbit by dx, dy pixels of a picture that is `height` pixels high. */
+/*
+ * ost_orbit_turn turns the orbit, and ost_orbit_shift moves it sideways. The distances dx and dy are in pixels of a
+ * picture that is `height` pixels high.
+ */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
 /* Zooms by a number of wheel steps. Each step changes the distance by one eighth. */
@@ -87,7 +90,7 @@ void ost_orbit_near(ost_orbit *orbit, double steps);
 /* Computes unit vectors that point right, up, and out of the picture toward the viewer. */
 void ost_orbit_frame(const ost_orbit *orbit, double right[3], double up[3], double back[3]);
 
-/* Makes the orbit's camera, with a vertical angle of view of 45 degrees. */
+/* Computes the orbit's camera, with a vertical angle of view of 45 degrees. */
 ost_status ost_orbit_camera(const ost_orbit *orbit, int width, int height, ost_camera *out, ost_error *err);
 
 #endif

@@ -113,7 +113,7 @@ static uint ost_store16(__global const short *row, ulong plane, int weight, int 
         if (x + i < nx)
             read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight)
                               : row[x + i];
-        to[i] = read >= threshold ? read : (short)0; /* at x >= nx, read is 0, which is below every threshold */
+        to[i] = read >= threshold ? read : (short)0; /* at x >= nx, `read` is 0, which is below every threshold */
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;

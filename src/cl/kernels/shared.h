@@ -79,21 +79,19 @@ typedef uint64_t ost_cl_u64;
  *   report   ost_cl_scatter_report[1]     of the batch; at first, lines and index are OST_CL_NONE, all else is 0
  *
  * claim: for every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the sample's
- * key.  Keys are ordered so that the sample that determines the voxel has the greatest key: the earliest sample
- * (error, first), the latest (last) or the densest (max).  For exactly one sample of a voxel, the previous owner is
- * 0.  This sample is not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates.  It may vary
- * which sample this is, but the number of duplicates does not.
- * place: the sample with the greatest key writes its voxel.  Keys are unique, except with the max rule: several
- * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the
- * voxel.  place also finds the first line with the worst offset.
- * check: updates seen and clears owner.  With the error rule, check also finds the lowest line whose density differs
- * from the density of its voxel, which has not changed since the voxel was set.
- * report_first_bad: finds the first sample on that line whose density differs.
- * had: reads the density of the voxel of that sample.
- * The host combines the report of the batch with that of earlier batches.  Counts are added.  Of the two worst
- * offsets, the greater one is used; if they are equal and above 0, the lower line is used.  Of the other line
- * numbers, the lower one is used.  Before lines are compared, the batch's first_line is added to them.  conflict_has
- * is the density of sample conflict_index.  count <= 2^31 - 2, and no line equals OST_CL_NONE.
+ * key. Keys are ordered so that the sample that determines the voxel has the greatest key: the earliest sample (error,
+ * first), the latest (last) or the densest (max). For exactly one sample of a voxel, the previous owner is 0. This
+ * sample is not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates. Which sample this is may
+ * vary, but the number of duplicates does not vary. place: the sample with the greatest key writes its voxel. Keys are
+ * unique, except with the max rule: several samples of the same density may then have the greatest key, and the first
+ * of them that sets a flag writes the voxel. place also finds the first line with the worst offset. check: updates seen
+ * and clears owner. With the error rule, check also finds the lowest line whose density differs from the density of its
+ * voxel, which has not changed since the voxel was set. report_first_bad: finds the first sample on that line whose
+ * density differs. had: reads the density of the voxel of that sample. The host combines the report of the batch with
+ * that of earlier batches. Counts are added. Of the two worst offsets, the greater one is used; if they are equal and
+ * above 0, the lower line is used. Of the other line numbers, the lower one is used. Before lines are compared, the
+ * batch's first_line is added to them. conflict_has is the density of sample conflict_index. count <= 2^31 - 2, and no
+ * line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -356,8 +354,8 @@ typedef struct ost_cl_entry {
 typedef struct ost_cl_pose {
     ost_cl_i32 step[3][3]; /* index [bone axis][tool axis], as in ost_map */
     ost_cl_i32 lo[3], hi[3]; /* box of the pose, as in ost_removal_event */
-    /* The comment of ost_cl_pose_reach explains complete, planes and skip. complete[] is for cubes of 4, 8 and 16
-       voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
+    /* The comment of ost_cl_pose_reach explains the fields complete, planes and skip. complete[] is for cubes of 4, 8
+       and 16 voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
     ost_cl_u8 complete[3];
     /* number of planes of a window that a brick may overlap, 6 or 8; 0 if a brick may be larger than a window */
     ost_cl_u8 planes;
@@ -448,11 +446,11 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|,
  * and its tool voxel by at most floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
  *
- * planes: along an axis a brick's coordinates lie within 3 t of their least
- * one, so its tool voxels are the least one's and at most floor(3 t / 2^20) + 1
- * more.  A window begins with the least one, along x perhaps one before: 8
- * voxels contain a brick if 3 t < 7 * 2^20, along x 3 t < 6 * 2^20, and 6 planes along z
- * if 3 t < 5 * 2^20.  (With 0.94 tool voxels per bone voxel, in any rotation: 3 t < 4.9 * 2^20.)
+ * planes: along an axis, the coordinates of a brick are at most 3 t above the least coordinate. The brick's tool voxels
+ * are therefore the voxel of the least coordinate and at most floor(3 t / 2^20) + 1 further voxels. A window begins
+ * with the voxel of the least coordinate or, along x, at most one voxel before. Therefore 8 voxels contain a brick if 3
+ * t < 7 * 2^20 (along x, if 3 t < 6 * 2^20), and 6 planes along z contain a brick if 3 t < 5 * 2^20. With 0.94 tool
+ * voxels per bone voxel, 3 t < 4.9 * 2^20 in any rotation.
  */
 static inline void ost_cl_pose_reach(ost_cl_pose *pose)
 {

@@ -52,7 +52,8 @@ typedef struct ost_triangle {
     int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in the bounds of the triangle */
     long nx, ny, nz;
     int step; /* value that is added at a crossing, +1 or -1 */
-    int on0, on1, on2; /* 1 if the triangle owns its edge ab, bc or ca, respectively */
+    /* 1 if the triangle owns its edge ab (on0), bc (on1) or ca (on2) */
+    int on0, on1, on2;
 } ost_triangle;
 
 /* Loads a triangle. Returns false if the triangle has no crossing in the slices k0 <= k < k1. */

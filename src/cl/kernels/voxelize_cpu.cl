@@ -137,7 +137,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
                 residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* maximum of q - 1 */
+    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* maximum of q - 1 over all lanes */
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], row_at[8], step[8];
     vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);

@@ -128,7 +128,7 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        winding += steps[i]; /* the sum began with the row's total, which is 0 (with the parity rule: even) */
+        winding += steps[i]; /* the sum began with the row's total, which is 0 or, with the parity rule, even */
         if (winding & mask)
             row[i] = tool_class;
     }

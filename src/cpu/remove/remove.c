@@ -90,8 +90,8 @@ static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
     return cubes;
 }
 
-/* Returns the set of the cubes of 8^3 voxels, of those in the lists `mixed` and `inside`, that do not lie entirely
-   in the box. */
+/* Returns the set of the cubes in the lists `mixed` and `inside` that do not lie entirely in the box. A cube has 8^3
+   voxels. */
 static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, const ost_numbers *inside,
                              const ost_voxel_box *box)
 {

@@ -40,7 +40,7 @@ static grain grain_for(int32_t ratio)
 
 typedef struct lattice {
     grain grain;
-    int32_t margin; /* number of granules before and after those of the tool on each axis */
+    int32_t margin; /* number of granules before and after the tool's granules on each axis */
     int32_t dims[3], cells[3];
     uint8_t *state;
 } lattice;

@@ -44,10 +44,10 @@ enum {
 };
 
 typedef struct ost_cells {
-    /* value of each cell, x fastest; 64 bytes before the first value and after the last one may be read */
+    /* value of each cell, x fastest; 64 bytes before the first value and after the last value may be read */
     const int8_t *value;
     int32_t dims[3];
-    int32_t margin; /* number of cells on every axis that precede the tool's voxel (0, 0, 0) */
+    int32_t margin; /* number of cells that precede the tool's voxel (0, 0, 0) on each axis */
     int32_t shift;  /* log2 of a cell's edge in units of 2^-20 tool voxels */
     int32_t unit;   /* one eighth of a granule's edge, in units of 2^-20 tool voxels */
 } ost_cells;

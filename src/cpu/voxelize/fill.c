@@ -41,8 +41,8 @@ static int count_bits(uint64_t v)
     return v ? __builtin_popcountll(v) : 0;
 }
 
-/* Computes the solid bits of one row. Returns false if the row is not proven. Otherwise adds the number of the bits
-   that are set to *count. */
+/* Computes the solid bits of one row. Returns false if the row is not proven. Otherwise adds the number of set bits to
+   *count. */
 static bool fill_row(const uint64_t *enter, const uint64_t *leave, size_t words, uint64_t *bits, uint64_t *count)
 {
     uint64_t wrong = 0, inside = 0, n = 0; /* `inside` is the last bit of the previous word */

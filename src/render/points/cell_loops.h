@@ -33,7 +33,7 @@ static inline void cell_lines(const uint8_t *restrict left, const uint8_t *restr
     }
 }
 
-/* Defines the loops above as functions for one instruction set. */
+/* Defines the loops of this file as functions for one instruction set. */
 #define OST_CELLS_DEFINE(SET)                                                                                          \
     void ost_field_cells_##SET(const uint16_t(*below)[OST_FIELD_LINE], const uint16_t(*above)[OST_FIELD_LINE],         \
                                uint8_t *out)                                                                           \

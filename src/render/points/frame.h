@@ -136,7 +136,7 @@ typedef struct ost_frame_thing {
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
 } ost_frame_thing;
 
-/* Allocates a frame. If threads is 0, all processors are used. */
+/* Allocates a frame. If `threads` is 0, all processors are used. */
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads,
                           ost_error *err);
 /* Frees the frame's memory. Accepts a zero-initialized frame. */

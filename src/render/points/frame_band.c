@@ -56,7 +56,7 @@ static void drawn(const ost_frame *f, const band *at, tile_range r)
 /* One row of cells in a band. */
 typedef struct cell_row {
     uint64_t bit[OST_CELL_WORDS];
-    int words, y0, y1; /* rows of pixels that the row of cells contains: y0 <= y < y1 */
+    int words, y0, y1; /* pixel rows y0 <= y < y1 that the row of cells contains */
 } cell_row;
 
 /* Returns the cells of a row that are in both `a` and `b` or, if `without` is true, those that are in `a` but not in

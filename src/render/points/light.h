@@ -73,7 +73,9 @@ ost_light_shade_of *ost_light_shade_for(ost_isa isa);
  */
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
                     ost_paint paint, const uint32_t *palette);
-/* Computes the colours of fully lit faces. The capacity of both arrays must be count rounded up to a multiple of 16. */
+/*
+ * Computes the colours of fully lit faces. The capacity of both arrays must be `count` rounded up to a multiple of 16.
+ */
 void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);

@@ -51,7 +51,7 @@ extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
  */
 enum { OST_LABELS = 7, OST_LABEL_DENSITY = 1000 };
 extern const uint32_t ost_label_colours[OST_LABELS]; /* 0xBBGGRR */
-/* Returns the colour of a label, which is not negative. */
+/* Returns the colour of a label, which must not be negative. */
 uint32_t ost_label_colour(int label);
 
 /* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */

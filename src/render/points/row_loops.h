@@ -119,7 +119,7 @@ static inline void behind_rows(const ost_rim *restrict rim, const ost_faces *res
         }
 }
 
-/* Defines the loops above as functions for one instruction set. */
+/* Defines the loops of this file as functions for one instruction set. */
 #define OST_ROWS_DEFINE(SET)                                                                                           \
     void ost_rows_join_##SET(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out,          \
                              int count)                                                                                \

@@ -35,7 +35,8 @@ typedef struct ost_rim {
 } ost_rim;
 
 typedef struct ost_faces {
-    uint32_t face[6][OST_BLOCK_ROWS]; /* set bits are voxels with air at the given face; indexed by ost_face */
+    /* face[f] has a set bit for each voxel with air at face f (ost_face) */
+    uint32_t face[6][OST_BLOCK_ROWS];
     uint32_t any[OST_BLOCK_ROWS];
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
 } ost_faces;

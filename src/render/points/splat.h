@@ -182,7 +182,7 @@ static inline uint32_t ost_number(uint32_t slot, uint32_t local)
     return slot << OST_LOCAL_BITS | local;
 }
 
-/* Returns the index in the lists of the entry whose voxel has this number. */
+/* Returns the index of the list entry whose voxel has the given number. */
 static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
 {
     return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));

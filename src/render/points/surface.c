@@ -58,8 +58,8 @@ static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
     return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
 }
 
-/* Returns true if no voxel of the block from lo to hi is shown. lo and hi are relative to the block
-   and may lie outside the block. */
+/* Returns true if no voxel of the block from lo to hi is shown. The positions lo and hi are relative to the block and
+   may lie outside the block. */
 static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];

@@ -34,7 +34,8 @@
 
 enum {
     OST_BLOCK = 32, /* voxels per side */
-    OST_BLOCK_ROWS = 32 * 32, /* rows per block: bit x of row y + 32 z is voxel (x, y, z) */
+    /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 z */
+    OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
     /* maximum number of blocks with a slot; the slot in an id has 17 bits, and one of the values means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
@@ -59,7 +60,7 @@ typedef struct ost_surface_block {
     bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the lists of points and shades, unique within the process; 0 before the first list */
     uint64_t version;
-    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown; row y + 32 z */
+    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     /* owned; voxels of `occupied` that changed since the last update; NULL if no voxel changed */
     uint32_t *changed;
@@ -134,7 +135,9 @@ void ost_surface_set_colouring(ost_surface *surface, int colouring);
    highlighted. Has no effect unless shows_contact is set. */
 void ost_surface_age(ost_surface *surface);
 
-/* Recomputes the points and shades that have changed since the last update, and lists the changed blocks in renewed. */
+/*
+ * Recomputes the points and shades that have changed since the last update, and lists the changed blocks in `renewed`.
+ */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
 /* Returns true if none of the voxels lo to hi (inclusive) is shown. Voxels outside the grid are not shown. */

@@ -52,7 +52,10 @@ void ost_field_densities_avx2(uint64_t row, uint64_t near, const int16_t density
     }
 }
 
-/* one + three + five, 2 (two + three), 4 (four + five): weights 1 2 3 4 5 from the ends to the middle. */
+/*
+ * Sums nine values with the weights 1 2 3 4 5 4 3 2 1. The sum is computed as (one + three + five) + 2 (two + three) +
+ * 4 (four + five).
+ */
 #define SUM(AT)                                                                                                        \
     const __m256i one = plus(load(AT(0)), load(AT(8))), two = plus(load(AT(1)), load(AT(7)));                          \
     const __m256i three = plus(load(AT(2)), load(AT(6))), four = plus(load(AT(3)), load(AT(5)));                       \

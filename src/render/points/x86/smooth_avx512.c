@@ -177,9 +177,9 @@ static inline __m512i cell(__m512 p)
 }
 
 /*
- * Returns the octahedral cell of each direction v. A component v[a] is the sum of the components of
- * the fine and the wide slope, each multiplied by its weight. It is never -0. The sum of the
- * magnitudes of the three components is 0 or at least 1.
+ * Returns the octahedral cell of each direction v. A component v[a] is the sum of the components of the fine and the
+ * wide slope, each multiplied by its weight. The component is never -0. The sum of the magnitudes of the three
+ * components is 0 or at least 1.
  */
 static inline __m512i octahedral(const __m512 v[3])
 {

@@ -317,7 +317,7 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
     }
 }
 
-/* Draws up to eight entries of a list, from offset on. Extends *extent to contain the rectangles of these entries. */
+/* Draws up to eight entries of a list, from `offset` on. Extends *extent to contain the rectangles of these entries. */
 static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset,
                               int count, const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
