@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Steps along the ray from cell to cell of a brick, up to the first cell with a face to the air
+ * Steps along the ray from cell to cell of a brick, up to the first cell with an exposed face
  * (Amanatides and Woo 1987).  In a regular grid, bricks are ordered by the distances of their
  * middles, as voxels are.
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Draws a brick of 4^3 voxels as one point. The inputs are the position of the brick in its block, the set of the
- * brick's voxels with a face to the air, and the index of the first shade of these voxels.
+ * brick's voxels with an exposed face, and the index of the first shade of these voxels.
  */
 uniform isamplerBuffer pages;
 in uvec4 brick;

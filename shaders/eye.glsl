@@ -8,23 +8,23 @@
  * operations are those of points/splat_scalar.c.
  */
 layout(std140) uniform Eye {
-    vec4 eye_at;      /* w: focal length in pixels */
-    /* w: half the width of a voxel along this vector, also in eye_up and eye_forward */
+    vec4 eye_at;      /* w is the focal length in pixels */
+    /* w is half the width of a voxel along this vector, also in eye_up and eye_forward */
     vec4 eye_right;
     vec4 eye_up;
     vec4 eye_forward;
-    vec4 axis_0;      /* w: half the width of the frame */
-    vec4 axis_1;      /* w: half the height of the frame */
-    vec4 axis_2;      /* w: near plane */
-    /* x, y: width and height; z, w: the factors in depth = (squared distance) * z + w */
+    vec4 axis_0;      /* w is half the width of the frame */
+    vec4 axis_1;      /* w is half the height of the frame */
+    vec4 axis_2;      /* w is the distance of the near plane */
+    /* x and y are the width and height in pixels; depth = (squared distance) * z + w */
     vec4 frame;
     /*
-     * x: size of a voxel in voxels of the first object; y: 1 if each face has one colour; z: half of a voxel's side,
-     * slightly enlarged
+     * x is the size of a voxel in voxels of the first object. y is 1 if each face has one colour. z is half of a
+     * voxel's side, slightly enlarged.
      */
     vec4 layer;
     uvec4 light_0;    /* light of faces 0 to 3, in 256ths */
-    /* x, y: light of faces 4 and 5; z: background colour, 0xBBGGRR */
+    /* x and y are the light of faces 4 and 5, and z is the background colour as 0xBBGGRR */
     uvec4 light_4;
     uvec4 paint;      /* red, green, blue */
 };

@@ -65,8 +65,8 @@ ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error 
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
 /*
- * Returns lines such as "CL_DEVICE_VENDOR=..." that describe the platform and the device, for the record. The caller
- * frees the text. Returns NULL if memory is exhausted.
+ * Returns lines such as "CL_DEVICE_VENDOR=..." that describe the platform and the device. The caller frees the
+ * text. Returns NULL if memory is exhausted.
  */
 char *ost_cl_facts(const ost_cl_api *cl, const ost_cl_device *device);
 

@@ -8,7 +8,7 @@
 /* The program whose kernels compute voxels. It uses only integers. */
 extern const char *const ost_cl_program[];
 extern const size_t ost_cl_program_count;
-/* The program whose results describe the device's floating-point arithmetic, for the record. */
+/* The program whose results describe the device's floating-point arithmetic. */
 extern const char *const ost_cl_floats[];
 extern const size_t ost_cl_floats_count;
 

@@ -8,7 +8,7 @@
  *   turns     how many iterations a loop may have: if the device ends long loops,
  *             it gets the kernel set for GPUs; if the loops of that set are too long
  *             for the device, it is refused
- *   floats    for the record only: whether sums are fused, whether denormals are
+ *   floats    for information only: whether sums are fused, whether denormals are
  *             flushed, and so on
  */
 #include "cl/cl.h"

@@ -16,7 +16,7 @@ typedef struct cl_store {
  * A dense grid of int16.  If a grid was resampled only along z, each of its slices is a
  * slice of the source grid, or the weighted mean of two such slices.  Until the grid is
  * written or downloaded, it shares the store of the source grid, and has lists of slices
- * and weights.  Chunks are made directly from these lists.
+ * and weights.  Chunks are computed directly from these lists.
  */
 typedef struct cl_grid {
     ost_grid base;

@@ -10,7 +10,7 @@
  *   |    |    | ## |                 that are set       word v / 32, bit v % 32
  *   +----+----+----+
  *
- * Invariants, which hold except within the functions of this file:
+ * Invariants, which may be broken only within the functions of this file:
  *   - a voxel is active iff its density >= threshold; every other voxel is 0;
  *   - an occupancy bit is set iff its voxel is active;
  *   - a chunk has memory iff active > 0, so a chunk without memory is all zeros;

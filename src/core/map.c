@@ -16,10 +16,10 @@
  *   2^59 <= N <= 2^60 + 2^52     N / 2^60 is at most 1.001^2 = 1.002001 for a pose that was read, and at least
  *                                cos^2(22.5 degrees) for an interpolated pose
  *   |M[b][a]| <= N               because M / N is a rotation
- *   |o - t| <= sqrt(3) * 16 m    so |M' (o - t)| <= N * 2^44.66 on any axis; the same bound holds if o is replaced
+ *   |o - t| <= sqrt(3) * 16 m    so |M' (o - t)| <= N * 2^44.66 on any axis; the same bound applies if o is replaced
  *                                by any voxel centre of the grid, because all are within 8 m (AR-GRID)
  *   |corner| <= 8 m              so the bracket is below N * 2^45.03 < 2^105.04
- *   |origin| < 2^125.04          the same bound holds for every partial sum origin + i column[0] + ... in the grid
+ *   |origin| < 2^125.04          the same bound applies to every partial sum origin + i column[0] + ... in the grid
  *   s, v <= 100 mm < 2^36.55     so |column| < 2^116.56, divisor < 2^96.56
  *   s <= 16 v                    so |column / divisor| <= 2^20 * 16, and after RHE |step| <= 2^24
  */

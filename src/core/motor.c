@@ -72,7 +72,7 @@ static uint64_t since(int64_t from, int64_t to)
     return (uint64_t)to - (uint64_t)from;
 }
 
-/* rpm <= 3000, so the product below is less than 3000 * 6 * 10^10 < 2^48. */
+/* rpm <= 3000, so the product of time and rpm is less than 3000 * 6 * 10^10 < 2^48. */
 void ost_motor_advance(ost_motor *motor, const ost_tick *tick)
 {
     if (motor->moved && tick->rpm > 0)

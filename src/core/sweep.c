@@ -16,7 +16,7 @@
 
 /*
  * Returns the dot product of two quaternions. The product is at most 2^60.01 if |q| <= 1.001 * 2^30 for both
- * quaternions, and at most 2^62.01 if only ost_rotation_fits holds for both.
+ * quaternions, and at most 2^62.01 if only ost_rotation_fits is true for both.
  */
 static int64_t dot(const ost_pose *a, const ost_pose *b)
 {

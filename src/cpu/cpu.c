@@ -70,7 +70,7 @@ static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost
 typedef struct cpu_options {
     const char *isa;
     int threads;
-    int64_t grain; /* replaces all thresholds; 0 selects the measured thresholds */
+    int64_t grain; /* threshold of all paths; 0 selects the measured thresholds */
     int64_t order; /* seed for the order of blocks; 0 selects the usual order */
     ost_voxelizer voxelizer;
     unsigned given; /* bit k is set if the option with the name keys[k] was given */

@@ -108,7 +108,7 @@ typedef void ost_drain_fn(void);
 
 /*
  * Selects the blocks with from <= block < to whose base (ost_block_base) is in the range `reach`.
- * The range of blocks must not be empty. It must lie within the range for which `bases` was made,
+ * The range of blocks must not be empty. It must lie within the range for which `bases` was computed,
  * and within first <= block < first + 2. Overwrites *blocks with the selected blocks in ascending
  * order of their numbers, and sets blocks->count. In *blocks, u is the base, and number is x + 2y +
  * 4z for the block first + (x, y, z). Up to eight elements may be written.

@@ -27,13 +27,13 @@ static const struct {
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels in all chunks of the event */
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
-    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* in bytes; larger grids use huge pages */
+    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes; the mapping uses huge pages */
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
-    /* in bytes, more than the caches hold */
+    /* bytes, more than fit into the caches */
     [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1},
-    /* in voxels, more than the caches hold */
+    /* voxels, more than fit into the caches */
     [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
-    /* in bytes of both planes, more than L2 holds */
+    /* bytes in both planes, more than fit into L2 */
     [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},
 };
 

@@ -254,7 +254,7 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
     }
 }
 
-/* Adds the vibration force (vibration.h). In the tool's frame, which is rotated by `turned`, phi is phi - turned. */
+/* Adds the vibration force (vibration.h). In the tool's frame, the angle of the runout is `spun` - `turned`. */
 static void shake(ost_force *f, double period, ost_force_result *out)
 {
     const ost_force_params *p = &f->params;

@@ -24,7 +24,7 @@ typedef struct haptic_driver {
     const char *name, *description;
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
-    /* indexed by the button's bit; the list ends before the first entry without a name */
+    /* buttons[i] has bit i in the state of the buttons; the list ends before the first entry without a name */
     ost_button buttons[OST_BUTTONS_MAX];
     bool (*usable)(char reason[256]); /* NULL if the device is always usable */
     bool (*answers)(char reason[256]); /* may be NULL; the device is then assumed to respond */

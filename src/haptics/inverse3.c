@@ -55,7 +55,7 @@ enum {
 #define FAR_M 10.0
 
 typedef struct came {
-    double at[3], q[4]; /* in a frame with y up and z toward the operator */
+    double at[3], q[4]; /* pose in a frame with y up and z toward the operator */
     uint32_t buttons;
 } came;
 
@@ -119,8 +119,8 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
     return true;
 }
 
-/* Returns a property. The service stores a property either in the object "state" inside the given
-   object or in the given object itself. */
+/* Returns a property. The service stores a property either in the object "state" inside `thing`,
+   or in `thing` itself. */
 static const json_t *member(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);

@@ -4,7 +4,7 @@
 
 #include <osteon/metrics.h>
 
-/* Computes rim_*, width_* and height_* from the maps in *m. */
+/* Computes the fields rim_*, width_* and height_* from the maps in *m. */
 void ost_metrics_rim(ost_metrics *m);
 
 #endif

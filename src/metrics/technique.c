@@ -153,7 +153,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
             tilts++;
         }
         if (motion[i].tool != motion[previous].tool) {
-            previous = i; /* the next tool starts at another position */
+            previous = i; /* the distance between the positions of two tools is not part of the path */
         } else if (motion[i].t_s - motion[previous].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
             const double way = distance(motion[i].mm, motion[previous].mm);
             out->path_mm += way;

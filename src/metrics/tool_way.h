@@ -19,8 +19,8 @@ typedef struct ost_tool_way {
 } ost_tool_way;
 
 /*
- * Computes the mean tip and the mean axis of all tools of one kind. The means are taken over the ticks in which a tool
- * removed bone while its tip was within window_mm of the deepest position of the tip.
+ * Computes the mean tip and the mean axis of all tools of type `kind`. The means are taken over the ticks in which a
+ * tool removed bone while its tip was within window_mm of the deepest position of the tip.
  */
 ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
                              double window_mm);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Declarations shared by the files of the adapter. The adapter makes host objects that
+ * Declarations shared by the files of the adapter. The adapter creates host objects that
  * refer to objects of a plugin, and checks the results of the plugin.
  *
  *   adapt.c        opening, closing, the table     adapt_grid.c   grids, import

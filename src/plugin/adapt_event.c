@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Removal and collision events of a plugin: converts the poses for the plugin, and checks the plugin's
-   report chunk by chunk. */
+/* Removal and collision events of a plugin: passes the poses in the plugin's format, and checks the
+   plugin's report chunk by chunk. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>
@@ -101,7 +101,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_remo
                                : b->table.collide(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error);
     if (maps != &one)
         free(maps);
-    if (s.status != OST_OK) { /* the plugin may have removed voxels that the report lacks */
+    if (s.status != OST_OK) { /* the plugin may have removed voxels that are not in the report */
         bone->lost = apply;
         return s.status;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Draws a line pixel by pixel along its longer side in the picture. The reciprocal of the line's
- * depth is linear in the picture, so the depth is known at every pixel. Each step blends the line's
+ * depth is linear in the picture, so the depth at every pixel can be computed. Each step blends the line's
  * colour into the pixels across the line, in proportion to their coverage.
  */
 #include "render/overlay.h"

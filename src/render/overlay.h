@@ -27,7 +27,7 @@ typedef enum ost_overlay {
     OST_OVERLAY_LANDMARKS,
     OST_OVERLAY_COUNT
 } ost_overlay;
-extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* the names "chunks", "boxes" and so on */
+extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", "boxes", and so on */
 
 enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 
@@ -36,8 +36,8 @@ typedef struct ost_overlay_scene {
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* pose of the tool */
     int chunk;                      /* voxels per side of a chunk */
-    int changed;                    /* number of chunks that have just changed */
-    int32_t changed_at[OST_OVERLAY_CHANGED][3];
+    int changed;                    /* number of positions in changed_at[] */
+    int32_t changed_at[OST_OVERLAY_CHANGED][3]; /* positions, in chunks, of chunks that the last update changed */
     bool planned;
     double face_mm[3], inward[3], depth_mm;
     double trigonum_mm[3], inferior_mm[3]; /* valid if landmarks are drawn */

@@ -42,14 +42,14 @@ typedef enum ost_view_name {
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
     /*
-     * `middle` is the middle of the bone's grid, and `size` the grid's longest side; after ost_view_subject_fit, those
-     * of the bone
+     * `middle` is the middle and `size` the longest side of the bone's grid. ost_view_subject_fit changes them to those
+     * of the bone.
      */
     double middle[3], size;
-    bool has_face;           /* set if `face` and `inward` are known */
+    bool has_face;           /* true if `face` and `inward` are valid */
     /* `face` is the centre of the glenoid, and `inward` the unit vector from there into the bone */
     double face[3], inward[3];
-    bool has_landmarks;      /* set if `trigonum` and `inferior` are known */
+    bool has_landmarks;      /* true if `trigonum` and `inferior` are valid */
     double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
     bool left;               /* set if the bone is from the left side of the body */
 } ost_view_subject;

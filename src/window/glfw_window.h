@@ -18,9 +18,9 @@ struct ost_window {
     ost_shown shown;
     ost_shm *shm; /* owned; NULL if OpenGL shows the picture */
     bool synced, sync_set;
-    ost_window_event event[OST_WINDOW_EVENTS]; /* a ring */
+    ost_window_event event[OST_WINDOW_EVENTS]; /* ring buffer */
     int first, count;
-    bool spilt; /* set if the ring overflowed */
+    bool spilt; /* true if the ring buffer `event` overflowed */
     unsigned mods;
     int normal[4]; /* position and size before full screen */
     /* The following fields contain the values that the callbacks reported last. */

@@ -121,8 +121,8 @@ typedef struct ost_window_picture {
 /*
  * Shows a picture of the size that ost_window_size returned last. If sync is true and the screen
  * has vertical sync, waits for the vertical sync. After a reset of the driver, a new context is
- * made, and the picture appears with the next call. Returns OST_ERR_UNAVAILABLE if no new context
- * can be made, if resets happen repeatedly, or if the display is gone. The caller must then close
+ * created, and the picture appears with the next call. Returns OST_ERR_UNAVAILABLE if no new context
+ * can be created, if resets happen repeatedly, or if the display is gone. The caller must then close
  * the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);

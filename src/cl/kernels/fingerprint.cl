@@ -62,7 +62,7 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
- * Measures how many iterations (turns) the loops of a work item may have. The end of the loop below depends on the
+ * Measures how many iterations (turns) the loops of a work item may have. The end of the loop depends on the
  * computed value, so a compiler can neither derive the number of turns nor unroll the loop without a test in each turn.
  * Mesa's llvmpipe allows 65,535 turns for all loops of an item together, or of all items in the same vector. After
  * that, llvmpipe ends every loop after one turn and reports no error.

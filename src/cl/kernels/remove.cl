@@ -10,7 +10,7 @@
  *     mark all voxels of this class       skip[reach] voxels on either side
  *
  *   row       . . # # # # # # # # # # # . . .     active
- *   tool        void     |   cutting                first look-up in the middle, then from the left
+ *   tool        empty    |   cutting                first look-up in the middle, then from the left
  *
  * Ranges: every sum fits int by AR-MAP-5, as do its parts.  An int coordinate u
  * in [-2^30, 2^31) plus 2^30 is an unsigned one in [0, 3 * 2^30), and

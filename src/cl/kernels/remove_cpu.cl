@@ -548,7 +548,7 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
      * The sums for c cover the hit voxels whose density is at least border c; the sums for c = 0 cover all hit voxels.
      * The result of class c is the sums for c minus the sums for c + 1.
      */
-    uint above = 0, above_sum = 0; /* results for c + 1: count of hits and sum of densities */
+    uint above = 0, above_sum = 0; /* number of hits and sum of densities for c + 1 */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

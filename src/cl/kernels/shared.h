@@ -185,7 +185,7 @@ typedef struct ost_cl_cubic {
  */
 typedef struct ost_cl_bone {
     ost_cl_i32 dims[3];
-    ost_cl_i32 size; /* n: 16, 32 or 64 */
+    ost_cl_i32 size; /* side n of a chunk in voxels, 16, 32 or 64 */
     ost_cl_i32 chunk_dims[3];
     ost_cl_i32 threshold;
 } ost_cl_bone;
@@ -388,7 +388,7 @@ typedef struct ost_cl_block_report {
  *
  *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
  *
- * and, in a separate program (fingerprint_float.cl), for the record only:
+ * and, in a separate program (fingerprint_float.cl), for information only:
  *
  *   ost_fingerprint_float(count, in, out)         count items; out[OST_CL_FLOATS i + k] bits from
  *                                                 float bits in[3 i ...]

@@ -29,7 +29,7 @@
 typedef struct cpu_chunk {
     /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
     int16_t *density;
-    uint64_t *occupancy; /* points into the block of `density` */
+    uint64_t *occupancy; /* occupancy words, in the memory block that begins at `density` */
     ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated by malloc */
     int32_t active;
     int32_t highest;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts a cubic grid to chunks (AR-CHK). The chunks are made directly from rows of
+ * Converts a cubic grid to chunks (AR-CHK). The chunks are computed directly from rows of
  * the rect grid; the resampled grid is never stored.
  *
  *   a task: the row of chunks at one (y, z) of the chunk grid

@@ -7,9 +7,9 @@
  *   cubic grid   ----'    256 x 234 x 201
  *    map z: 0 0 1 1 2 3 3 4 ... (428)
  *
- * A resampled grid shares the store of the grid from which it was made. It has a list of ascending indices for each
- * axis, and a list of weights for each axis that is interpolated. Chunks are made from the store and the lists. A store
- * that is shared by several grids is never written to. If voxels are written to a resampled grid, or if an
+ * A resampled grid shares the store of the grid from which it was created. It has a list of ascending indices for each
+ * axis, and a list of weights for each axis that is interpolated. Chunks are computed from the store and the lists. A
+ * store that is shared by several grids is never written to. If voxels are written to a resampled grid, or if an
  * interpolation needs neighbours that are not adjacent in the shared store, the grid is copied to a store of its own.
  */
 #ifndef OST_CPU_GRID_H

@@ -2,9 +2,9 @@
 /*
  * Computes rows of an interpolated grid (AR-CUB-2), up to 4 x 4 at a time.
  *
- *   z only        a row is made from one row in each of two slices   blend_rows
- *   other axes    up to 8 x 8 source rows are interpolated along x   stretch_row
- *                 a row is made from one, two or four of these       weigh_rows
+ *   z only        a row is computed from one row in each of two slices     blend_rows
+ *   other axes    up to 8 x 8 source rows are interpolated along x         stretch_row
+ *                 a row is computed from one, two or four of these rows    weigh_rows
  *
  * All sums are exact integers, so their order does not matter, and a result is
  * rounded once, at the end.

@@ -2,13 +2,13 @@
 /*
  * Converts the samples of a CT text to the cubic grid (thesis, Algs. 2.2-2.5).
  *
- *   sample at p --RHE((p - origin) / spacing)--> voxel of the rect grid      AR-CT-4
+ *   sample at p --RHE((p - origin) / spacing)--> voxel of the rect grid             AR-CT-4
  *
  *   offset      0        1/8        3/8   1/2 of a voxel
  *               |---------|----------|-----|
- *               accepted  counted    rejected                                AR-CT-5
+ *               accepted  counted    rejected                                       AR-CT-5
  *
- *   cubic voxel i is made from rect voxels around t = ((2i + 1) c - s) / (2s)  AR-CUB
+ *   cubic voxel i is computed from rect voxels around t = ((2i + 1) c - s) / (2s)  AR-CUB
  */
 #include "cpu/ref/ref.h"
 
@@ -209,7 +209,7 @@ ost_status ost_ref_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t 
 enum { WEIGHT_BITS = 15 };
 
 /*
- * The rect voxels on one axis from which a cubic voxel is made, and their weights. Voxel `index` has the
+ * The rect voxels on one axis from which a cubic voxel is computed, and their weights. Voxel `index` has the
  * weight 2^15 - weight. Voxel index + 1 has the weight `weight` and is read only if `weight` is above 0.
  */
 typedef struct tap {

@@ -82,8 +82,8 @@ typedef struct ost_split {
  * (x, y, z) of a brick has the index x + 4y + 16z.
  */
 typedef struct ost_match {
-    _Alignas(64) uint16_t high[3][64]; /* (offset - lowest) >> 7 */
-    _Alignas(64) uint16_t low[3][64];  /* (offset - lowest) mod 2^7 */
+    _Alignas(64) uint16_t high[3][64]; /* (offset[a][i] - lowest[a]) >> 7 */
+    _Alignas(64) uint16_t low[3][64];  /* (offset[a][i] - lowest[a]) mod 2^7 */
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the least element of offset[] on each axis */
     /* true if windows may be used; `high`, `low`, `tie` and `near_tie` are then valid */

@@ -19,7 +19,7 @@
  * and v <= 8 OST_CELL_REACH.  The table extends so far beyond the tool's grid that its outermost
  * cells are empty and have the greatest v.  For a point outside the table the nearest cell may be
  * used: moving the point there projects it onto a convex box that contains the tool, which does not
- * increase its distance to any part of the tool, so (C1) holds with the cell's v for the point
+ * increase its distance to any part of the tool, so (C1) is true with the cell's v for the point
  * itself too.
  *
  * Windows.  Window (i, j, k) begins at voxel step * (i, j, k) - OST_WINDOW_MARGIN.

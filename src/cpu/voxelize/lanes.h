@@ -24,7 +24,7 @@
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
- * (this holds in doubles as well: the product is exact up to 2^53, and rounding
+ * (this is true in doubles as well: the product is exact up to 2^53, and rounding
  * preserves order).  For a small triangle, with Y, Z in its bounds,
  *
  *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a

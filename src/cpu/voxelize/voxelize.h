@@ -39,7 +39,7 @@ struct ost_vox_tile {
     int32_t k0, k1;     /* slices k0 <= k < k1 */
     uint32_t row_bits;  /* number of bits of a row in a plane: 64 * words, >= nx */
     uint32_t minus;     /* offset in bits of the minus plane in `planes`, which has < 2^31 bits */
-    uint64_t *planes;   /* the rows of plus, padding to complete blocks, the rows of minus, and padding */
+    uint64_t *planes;   /* the plus plane, padding to complete blocks, the minus plane, and padding */
     uint8_t *row_state; /* flags of each row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
     /* array of nx + 1 steps per row, valid for rows with the flag OST_VOX_SPILLED; NULL before the first spill */
     int32_t *spill;

@@ -153,8 +153,8 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
     return tied;
 }
 
-/* Packs the high bytes of the 16-bit lanes of two registers. a has the voxels 0..7 and 16..23, b has the voxels 8..15
-   and 24..31; the result has the voxels 0..31 in order. */
+/* Packs the high bytes of the 16-bit lanes of two registers. `a` contains the voxels 0..7 and 16..23, and `b` the
+   voxels 8..15 and 24..31. The result contains the voxels 0..31 in order. */
 static inline __m256i high_bytes(__m256i a, __m256i b)
 {
     return _mm256_packus_epi16(_mm256_srli_epi16(a, 8), _mm256_srli_epi16(b, 8));

@@ -48,8 +48,8 @@ typedef struct ost_gl_variant {
     /* if true, the fragment shader writes the depth; if false, the depth is the squared distance of the voxel's
        centre */
     bool true_depth;
-    /* if true, a point represents 4^3 voxels, which the shader traverses; requires `tight` and either OST_GL_COMPACT
-       or OST_GL_FORWARD, excludes `facing` */
+    /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
+       `target` OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
     /* if true, bricks are drawn if voxels are small on the screen, and single voxels in all other cases */
     bool choose;
@@ -68,9 +68,9 @@ typedef struct ost_gl_options {
 } ost_gl_options;
 
 typedef struct ost_gl_info {
-    char version[96];  /* for example "4.5 (Core Profile) Mesa 22.3.6" */
-    char driver[128];  /* for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-    char way[48];      /* for example "EGL without a surface" */
+    char version[96];  /* version of OpenGL, for example "4.5 (Core Profile) Mesa 22.3.6" */
+    char driver[128];  /* name of the renderer, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
+    char way[48];      /* type of the context, for example "EGL without a surface" */
     bool software;     /* set if the processor executes OpenGL */
     bool mapped;       /* set if buffers stay mapped */
     float largest;     /* maximum size of a point, in pixels */

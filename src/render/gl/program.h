@@ -11,7 +11,7 @@ typedef struct ost_gl_source {
     size_t count;
 } ost_gl_source;
 
-enum { OST_GL_EYE = 0 }; /* binding of the uniform block */
+enum { OST_GL_EYE = 0 }; /* binding of the uniform block that shaders/eye.glsl declares */
 
 /*
  * Compiles and links a program. The text `defines` consists of #define lines. `samplers` and `inputs` are lists that

@@ -4,7 +4,7 @@
  * result.
  *
  * A context belongs to one thread, and a thread can have only one context. The main thread already has a window's
- * context, and libglvnd does not allow a second context of a different kind on the same thread. Because the worker owns
+ * context, and libglvnd does not allow a second context of a different type on the same thread. Because the worker owns
  * the context, any thread can draw.
  */
 #ifndef OST_RENDER_GL_WORKER_H

@@ -166,7 +166,7 @@ static void find_cells(ost_frame_layer *layer)
 }
 
 /*
- * Returns true if a ray may enter a voxel through a face that does not adjoin air. This is possible
+ * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible
  * if the ray begins inside a voxel, or if the ray has passed through a voxel that the near plane
  * removes. Along the forward axis, the middle of a removed voxel is at most near + sqrt(3) from the
  * eye, and its corners are at most near + 2 sqrt(3) from the eye. Along a ray, the distance is up

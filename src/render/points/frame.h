@@ -15,7 +15,7 @@
  * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not
  * change:
  *
- *   blocks whose lists changed --old and new compared entry by entry--> voxels that look different
+ *   blocks whose lists changed --old and new compared entry by entry--> voxels that differ
  *        --cells that these may cover--> drawn again, in the planes of the first object alone
  *   those cells, and cells that other layers covered --copied from these planes--> the frame, and
  *   over it the other layers
@@ -59,7 +59,7 @@ typedef struct ost_frame_bench {
 
 /* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
-    uint64_t version;       /* version of the block from which the list was made */
+    uint64_t version;       /* version of the block from which the list was computed */
     /* `count` is the number of entries, and `capacity` the number of entries for which memory is reserved */
     uint32_t count, capacity;
     /*
@@ -122,7 +122,7 @@ typedef struct ost_frame {
     int threads;
     int band;               /* number of rows that a thread draws at a time, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
-    int layers;             /* number of layers of the last frame */
+    int layers;             /* number of layers in the last frame */
     ost_style style;
     ost_directions *directions; /* owned */
 } ost_frame;

@@ -5,7 +5,7 @@
  *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
  *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
- * The scale goes from light to dark, through yellow, green, blue and violet, so that its order can
+ * The scale ranges from light to dark, through yellow, green, blue and violet, so that its order can
  * also be recognized by colour-blind viewers and in black-and-white print. Tissues differ in
  * lightness as well as in hue.
  */

@@ -3,7 +3,7 @@
  * Processes rows of bits of a block and of its neighbours. Lists (extract.c) and shades (shading.c)
  * are computed from the results. Each row is stored in one integer.
  *
- *   words of a block, of six neighbours --faces--> six words for each row: faces to the air
+ *   words of a block, of six neighbours --faces--> six words for each row: exposed faces
  *                                       --points--> surface points
  *   words of 27 blocks --join--> rows of 64 voxels --spread--> voxels near one of them
  */
@@ -35,7 +35,7 @@ typedef struct ost_rim {
 } ost_rim;
 
 typedef struct ost_faces {
-    /* face[f] has a set bit for each voxel with air at face f (ost_face) */
+    /* face[f] has a set bit for each voxel whose face f (ost_face) is exposed */
     uint32_t face[6][OST_BLOCK_ROWS];
     uint32_t any[OST_BLOCK_ROWS];
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
@@ -48,7 +48,7 @@ typedef struct ost_row_kernels {
        `reach` rows, slices and bits are undefined. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* For each row, finds the voxels that have a face to the air and whose neighbour across this face has a set bit in
+    /* For each row, finds the voxels that have an exposed face and whose neighbour across this face has a set bit in
        the rim. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
     /* Writes the points in ascending order of rows. The number of points is faces->begin[OST_BLOCK_ROWS]. */

@@ -16,7 +16,7 @@
  *
  *    reach in voxels: 1 for the slope, 2 for the interpolation between cells, 8 for four cells of the sum
  *
- * If only the bits are known, a voxel contains either 0 % or 100 % bone. If the CT is known, a bone voxel
+ * Without a CT, a voxel contains either 0 % or 100 % bone. With a CT, a bone voxel
  * contains 25 % to 100 % bone, depending on its density: a voxel at the border that is half filled with
  * bone has half the density. Within three voxels of a cut, a bone voxel is always treated as 100 % bone,
  * because inside the bone, the density does not indicate the amount of bone.
@@ -282,7 +282,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels that have a face to the air and whose neighbour across this face belongs to the set that `which`
+/* Finds the voxels that have an exposed face and whose neighbour across this face belongs to the set that `which`
    returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])

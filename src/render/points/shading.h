@@ -21,7 +21,7 @@
 typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
-    ost_faces faces;             /* faces to the air of the block's voxels that are shown */
+    ost_faces faces;             /* exposed faces of the block's shown voxels */
     uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed; row (y, z) is bit y of word z */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
     /* `cap` contains the voxels exposed by the clip plane, `bared` the voxels exposed by a tool, and `contact` the

@@ -48,7 +48,7 @@ static inline int ost_openness(int field)
 }
 
 /* Data of up to OST_SLOPES points: the slopes of the fine and the wide field along each axis, the values of both
-   fields, and the faces to the air. */
+   fields, and the exposed faces. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
 } ost_slopes;
@@ -72,8 +72,8 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* Adds the contribution of the faces to the air to a slope. Without this contribution, the slope would be zero in
-   the middle of a plate that is one voxel thick. */
+/* Adds the contribution of the exposed faces to a slope. Without this contribution, the slope would be zero in the
+   middle of a plate that is one voxel thick. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {
     return slope + OST_FIELD_BY_FACES * ((faces >> (2 * axis + 1) & 1) - (faces >> (2 * axis) & 1));

@@ -40,7 +40,7 @@ enum {
     OST_FIELD_DENSE = 768,
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */
-    OST_FIELD_BY_FACES = 160, /* amount by which a face to the air increases a slope */
+    OST_FIELD_BY_FACES = 160, /* amount by which an exposed face increases a slope */
     OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
     OST_SHADING_SLACK = 16, /* number of words after the last shade that may be overwritten by a kernel */
 };

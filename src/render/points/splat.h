@@ -14,10 +14,10 @@
  * to the voxel's centre, as the bits of a float. The lower half is the voxel's number: its block's
  * slot << 15 | its index in that block's list. The least key is stored, so the result depends
  * neither on the order of the voxels nor on the positions of the lists. On a regular grid, this
- * distance orders voxels along every ray: if a ray goes from voxel A to its neighbour across +x,
+ * distance orders voxels along every ray: if a ray passes from voxel A to its neighbour across +x,
  * then d_x > 0, and the ray passes the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and
  * the squared distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The
- * same holds for all axes.
+ * same is true for all axes.
  *
  * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all
  * lists together have fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
@@ -93,7 +93,7 @@ typedef struct ost_extent {
    scratch. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the face that is to the air and turned to the eye; OST_SEVERAL if there are several such faces */
+    /* axis of the exposed face that is turned to the eye; OST_SEVERAL if there are several such faces */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
@@ -196,7 +196,7 @@ static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
            (uint64_t)(uint32_t)y1;
 }
 
-/* Returns true if the extent is known and has no pixels in common with `part`. */
+/* Returns true if `word` is not OST_EXTENT_UNKNOWN and its extent has no pixels in common with `part`. */
 static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 {
     return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||

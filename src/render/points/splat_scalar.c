@@ -6,7 +6,7 @@
  *   tx = x / z               the slope of its centre; of a corner it is within
  *                            s / (z - reach) with s = 1/2 sum |right - tx forward|,
  *                            since x' - t z' = (x - t z) + (their half widths) <= 0
- *                            holds for all corners once t - tx >= s / (nearest z)
+ *                            is true for all corners once t - tx >= s / (nearest z)
  *   rectangle                from those slopes, a hundredth of a pixel wider
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
  *                            h half a side: the line along d meets the cube about o
@@ -20,10 +20,10 @@
  * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if one of the two tests
  * passes. A wrong sign can only make a test stricter, because s d <= |d|.
  *
- * If only one face of a voxel is to the air and turned to the eye, it is sufficient to draw that
+ * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that
  * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,
  * and this neighbour or a voxel in front of it is nearer (frame.c draws the entire voxel if the eye
- * is so close that this does not hold). The rectangle is then that of the face. Two of the edges of
+ * is so close that this is not true). The rectangle is then that of the face. Two of the edges of
  * face a are borders of the face that lie within the voxel's outline. Let j be the other axis in an
  * edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j,
  * by reversing the sign of this term.
@@ -127,7 +127,10 @@ typedef struct edge {
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
-    /* For each vector v in {focal forward, right, up}, n contains the product o x v, and m contains h s v. */
+    /*
+     * i = 0, 1, 2 selects the vector v = focal * forward, right or up. n[i] is the cross product o x v. m[i] is
+     * v * OST_HALF_WIDE, with the opposite sign on each axis in `negative`.
+     */
     float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
         cross(o, s->axis[i], n[i]);

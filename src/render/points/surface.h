@@ -13,12 +13,14 @@
  * A surface point consists of two words, one for its position and one for its appearance:
  *
  *   where   bits   0..4   5..9   10..14   15..20
- *                   x      y       z      faces to the air: -x +x -y +y -z +z
+ *                   x      y       z      exposed faces: -x +x -y +y -z +z
  *   look    bits   0..13                  14..21             22..29    30
  *                  normal (octahedral.h)  openness:          paint     bone was
  *                                         255 on an edge,    (uncut.h) removed
  *                                         225 on a plane,              there just
  *                                         less in a pit                now
+ *
+ * A face of a voxel is exposed if the neighbour at this face is not shown.
  *
  * Normal and openness are computed from the bits (shading.h), so a cut is drawn as smoothly as the
  * uncut surface.

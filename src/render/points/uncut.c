@@ -132,7 +132,7 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 /*
  * Returns the tissue of a voxel by its density class, with two corrections for the partial volume
  * effect. First, a voxel of medium density between hard bone and a soft voxel or air is treated as
- * the edge of hard bone, not as cancellous bone. Second, if the position of the face is known, a
+ * the edge of hard bone, not as cancellous bone. Second, if the position of the face is given, a
  * voxel with the density of cartilage is treated as cartilage only at the face.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
@@ -282,7 +282,7 @@ static ost_status find_outside(ost_uncut *g, ost_error *err)
 enum { WIDE = 3 * SIDE, FAR = OST_DEPTH_FAR };
 
 typedef struct distances {
-    uint32_t outside[3][3][3][ROWS]; /* indexed by z, y, x */
+    uint32_t outside[3][3][3][ROWS]; /* words of 27 blocks, indexed by z, y, x */
     int16_t x[WIDE][WIDE][SIDE], y[WIDE][SIDE][SIDE];
 } distances;
 

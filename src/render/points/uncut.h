@@ -33,7 +33,7 @@ typedef struct ost_uncut {
     /* set if the bone before the operation is unavailable; the entire surface is then painted */
     bool uncut;
     int32_t classes, border[OST_CLASS_MAX];
-    bool has_face;          /* set if `face` and `inward` are known */
+    bool has_face;          /* true if `face` and `inward` are valid */
     /*
      * `face` is the middle of the glenoid's face in voxels, and `inward` the unit vector from this point into the bone
      */

@@ -26,7 +26,7 @@ static inline __m512i channel(__m512i full, __m512i bright, __m512i gloss)
     return _mm512_min_epi32(_mm512_add_epi32(_mm512_srli_epi32(times(full, bright), 8), gloss), all(255));
 }
 
-/* Mixes two colours, 3/8 of one and 5/8 of the other, in two of the three channels. */
+/* Mixes 3/8 of `colour` and 5/8 of `other` in the channels that `mask` selects. */
 static inline __m512i mixed_part(__m512i colour, uint32_t other, uint32_t mask)
 {
     const __m512i c = _mm512_and_si512(colour, all(mask)), three = _mm512_add_epi32(_mm512_add_epi32(c, c), c);

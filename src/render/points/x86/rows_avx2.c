@@ -16,7 +16,7 @@ static inline uint32_t order_of(uint32_t bits)
     return four[bits & 15] | (four[bits >> 4] | 04444u) << (3 * _mm_popcnt_u32(bits & 15));
 }
 
-/* Processes eight voxels, which are a quarter of a row. Packs the voxels that have a face to the air. */
+/* Processes eight voxels, which are a quarter of a row. Packs the voxels that have an exposed face. */
 static inline uint32_t *quarter(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const uint32_t any = faces->any[row] >> shift & 255;

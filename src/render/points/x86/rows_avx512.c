@@ -6,7 +6,7 @@
 
 OST_ROWS_DEFINE(avx512)
 
-/* Processes sixteen voxels, which are half of a row. Packs the voxels that have a face to the air. */
+/* Processes sixteen voxels, which are half of a row. Packs the voxels that have an exposed face. */
 static inline uint32_t *half_row(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const __mmask16 any = (__mmask16)(faces->any[row] >> shift);

@@ -115,7 +115,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
     /*
-     * i = 0, 1, 2 selects the vectors focal forward, right and up, from which the coefficients a, b and c of an edge
+     * i = 0, 1, 2 selects the vectors focal * forward, right and up, from which the coefficients a, b and c of an edge
      * are computed
      */
     for (int i = 0; i < 3; i++) {
