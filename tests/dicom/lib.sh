@@ -22,6 +22,37 @@ slice_file() {
     echo "IM$((($1 * 1741 + 5) % 4096))"
 }
 
+# The values that make_series plants in the attributes that may identify somebody
+printf '%s\n' PLANTED 19010203 19730405 053107 098Y 2.25.777776 2.25.777771 2.25.777772 2.25.777773 >planted
+
+# searched FILE...: searches files, unpacked if they are compressed, and their names
+searched() {
+    for file in "$@"; do
+        checks=$((checks + 1))
+        case $file in
+        *.gz) gunzip -c "$file" ;;
+        *) cat "$file" ;;
+        esac >content
+        echo "$file" >>content
+        if grep -qaFf planted content; then
+            fail "$file contains a planted value: $(grep -aFf planted content | head -c 300)"
+        fi
+    done
+}
+
+# says ARGUMENT...: runs a command with any status and searches what it prints
+says() {
+    "$osteon" "$@" >out 2>err </dev/null
+    searched out err
+}
+
+# lists ARGUMENT...: the same for the list of series, which contains UIDs of series
+lists() {
+    "$osteon" info "$@" >list.out 2>err </dev/null
+    sed -E 's/(UID |"uid": ")2\.25\.777772[0-9]+/\1/' list.out >out
+    searched out err
+}
+
 # formula WORD...: prints "x y z density" for each voxel of a series written with these words, sorted by z, y, x. It is
 # computed from the text of series.h; changes of single slices are not applied.
 formula() {

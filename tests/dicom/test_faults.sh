@@ -4,7 +4,8 @@
 # docs/reference/dicom.md states, a message about a slice begins with the name of its file, and a refused series leaves
 # no output. Every row of the table has a fault in the list, or in the tests that are named below. The transfer syntax of
 # a fault that does not depend on it changes from line to line; with OST_TEST_LONG, the fault is made in every one.
-# Covers: REQ-DICOM-FAULTS
+# No message and no output contains a value that identifies somebody.
+# Covers: REQ-DICOM-FAULTS, REQ-DICOM-PRIVACY
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
 # words TEXT: prints a text without blanks at its ends
@@ -33,6 +34,9 @@ makes() {
     fi
     [ -z "$4" ] || grep -q "^osteon import: ct/$(slice_file "$4")B\?: " err ||
         fail "$1 ($2): '$(cat err)' does not begin with $(slice_file "$4")"
+    searched out err
+    [ ! -e bone.nrrd ] || searched bone.nrrd
+    lists ct --json
 }
 
 syntaxes='explicit implicit big deflated rle jpeg jpeg-sv1 jpeg-ls jpeg2000'
