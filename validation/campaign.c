@@ -7,8 +7,8 @@
 
 #include "validation/scratch.h"
 
-/* Returns true if a worker of this backend is running or if its trace is being judged. At most one runs at a time, so
-   that the backend's remaining time is well defined and only one process uses a device. */
+/* Returns true if a worker of this backend is running or its trace is being judged. At most one worker per backend
+   runs at a time, so that the backend's remaining time is well defined and only one process uses a device. */
 static bool busy(const runner *r, int subject_index)
 {
     for (int i = 0; i < r->running; i++)
@@ -17,7 +17,7 @@ static bool busy(const runner *r, int subject_index)
     return r->judged == subject_index;
 }
 
-/* Chooses the next worker to start. Returns false if no worker can be started until another one ends. */
+/* Chooses the next worker to start. Returns false if another worker must end first. */
 static bool choose(runner *r, int *number, int *subject_index)
 {
     /* The next reference is started first, because all other backends wait for it. */
@@ -28,7 +28,7 @@ static bool choose(runner *r, int *number, int *subject_index)
     }
     for (*number = r->done; *number < r->begun; ++*number) {
         const batch *b = batch_of(r, *number);
-        /* Devices are last in the list and take the longest time, so they are started first. */
+        /* Devices are last in the list. They take the longest time, so the search begins at the end of the list. */
         for (*subject_index = r->c->subjects->count - 1; b->ready && *subject_index > 0; --*subject_index)
             if (b->tasks[*subject_index].from < b->end && !b->tasks[*subject_index].running && !busy(r, *subject_index))
                 return true;
@@ -53,7 +53,6 @@ static uint64_t cut_batches(runner *r)
     return most;
 }
 
-/* Starts workers until no further one can be started. */
 static ost_status start_workers(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -82,7 +81,7 @@ static ost_status run_all(runner *r, ost_error *err)
             status = worker_wait_any(all, r->running, &which, &end, err);
             if (status == OST_OK) {
                 const slot ended = runner_take(r, which, &end);
-                /* The next worker runs while the trace of this one is judged. */
+                /* The next worker runs while the trace of the worker that just ended is judged. */
                 status = start_workers(r, err);
                 if (status == OST_OK)
                     status = runner_judge(r, &ended, &end, err);
@@ -126,7 +125,8 @@ ost_status campaign_run(const plan *p, const subject_list *subjects, const campa
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for %zu results", cells);
     if (status == OST_OK)
         status = dumps_check(out, err);
-    if (status == OST_OK) /* requires space for the traces of all workers and of the references, and a reserve */
+    /* the disk must have space for the traces of all workers and of the references, with a reserve */
+    if (status == OST_OK)
         status = scratch_check_space(cut_batches(&r) * (uint64_t)(out->jobs + ALIVE), err);
     if (status == OST_OK)
         status = run_all(&r, err);

@@ -5,9 +5,9 @@
  *
  *   campaign.c           chooses the next task, until every batch is done
  *   campaign_worker.c    starts the worker of the task; reads the trace that the worker wrote
- *   campaign_results.c   judges the trace against the reference's
+ *   campaign_results.c   compares the trace with the reference's
  *   campaign_dump.c      reads a folder of grids (a dump) instead of running a worker
- *   campaign_batch.c     begins and ends a batch; at its end the differences are located
+ *   campaign_batch.c     begins and ends a batch; locates the differences at the end of a batch
  */
 #ifndef OST_VALIDATION_CAMPAIGN_PARTS_H
 #define OST_VALIDATION_CAMPAIGN_PARTS_H
@@ -24,15 +24,15 @@ typedef struct stored_trace {
 
 /* The cases of a batch that a backend has not completed yet. */
 typedef struct task {
-    int from; /* next case; equal to the batch's end when all are done */
+    int from; /* next case to run; equal to the batch's end when all cases are done */
     bool running;
 } task;
 
 typedef struct batch {
-    int first, end; /* range of cases; end is exclusive */
-    bool open, ready; /* open: the batch has begun; ready: its reference is done */
+    int first, end;
+    bool open, ready; /* open: the batch has begun; ready: the reference has run all cases of the batch */
     trace reference;
-    /* with options->apart, the descriptor of the reference's trace for the workers of the other backends; else -1 */
+    /* descriptor of the reference's trace, which the other backends' workers read if options->apart; -1 otherwise */
     int given;
     task *tasks;      /* owned; one per subject */
     stored_trace *stored_traces;
@@ -40,26 +40,25 @@ typedef struct batch {
 
 typedef struct slot {
     worker w;
-    int batch, subject_index, trace; /* trace: descriptor of the worker's trace */
+    int batch, subject_index, trace; /* trace is the descriptor of the worker's trace */
 } slot;
 
-/* Maximum number of open batches: the one that is being compared, and the next ones, whose references run or have
-   run. With several open batches, a case that takes a long time on the reference does not delay the other backends. */
+/* Maximum number of open batches. The oldest open batch is being compared; the reference already runs the next ones.
+   Therefore a case that takes a long time on the reference does not delay the other backends. */
 enum { ALIVE = 4 };
 enum { NOBODY = -1 };
 
-/* The state of one run. */
 typedef struct runner {
     campaign *c;
     const campaign_options *o;
-    int batches, begun, done; /* counts of batches: all, begun, done; batches [done, begun) are open */
+    int batches, begun, done; /* numbers of batches: all, begun, and done; batches [done, begun) are open */
     batch alive[ALIVE];       /* batch n has index n % ALIVE */
-    int *ends;                /* owned; end (exclusive case index) of each batch */
+    int *ends;                /* owned; for each batch, the index of the first case after it */
     bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
     /* owned; for each backend that failed permanently, the result that its remaining cases get */
     case_result *last_words;
     slot slots[WORKERS_MAX];
-    int running, finished;    /* running: number of workers; finished: number of pairs of case and backend */
+    int running, finished;    /* number of running workers; number of finished pairs of case and backend */
     int judged;               /* index of the backend whose trace is being judged; NOBODY if there is none */
 } runner;
 
@@ -69,7 +68,7 @@ typedef struct runner {
 batch *batch_of(runner *r, int number);
 /* Opens the next batch and creates its tasks. Cases of backends that are not available are judged as not run. */
 ost_status batch_begin(runner *r, ost_error *err);
-/* Takes ownership of a backend's trace that has differing cases, and leaves *got empty. */
+/* Moves a backend's trace that contains differing cases into the batch, and leaves *got empty. */
 ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err);
 /* Returns true if every task of an open batch is done. */
 bool batch_is_done(const runner *r, const batch *b);
@@ -89,13 +88,13 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
 
 /* ---- campaign_results.c */
 
-/* Enters the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
+/* Stores the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
-/* Enters the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also enters the
+/* Stores the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also stores the
    verdict of the case that the worker was running. */
 ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
                               ost_error *err);
-/* Judges cases [from, until) of a backend's trace. *judged receives the number of these cases that are complete in the
+/* Judges cases [from, until) of a backend's trace. Sets *judged to the number of these cases that are complete in the
    trace. */
 ost_status results_judge(runner *r, const batch *b, int subject_index, const trace *got, int from, int until,
                          int *judged, bool *differs, ost_error *err);
@@ -106,7 +105,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 const char *dump_of(const campaign *c, int subject_index);
 /* Checks that every dump was made from this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
-/* Enters the verdicts of a batch from a dump, for which no worker runs. */
+/* Stores the verdicts of a batch for a subject that is a dump, for which no worker runs. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

@@ -7,8 +7,8 @@
 
 #include "validation/bundle/digests.h"
 
-/* Stores the digest of a backend's results of case i, computed from its own trace. Also stores the digest lines if
-   they differ from the reference's. */
+/* Stores the digest of a backend's results of case i, computed from the backend's trace. Also stores the digest lines
+   if they differ from those of the reference. */
 static ost_status store_digests(runner *r, int i, int subject_index, const trace *got, ost_error *err)
 {
     case_result *one = verdict_of(r->c, i, subject_index);
@@ -23,8 +23,8 @@ static ost_status store_digests(runner *r, int i, int subject_index, const trace
     return OST_OK;
 }
 
-/* Stores the running times of the cases from `from` on. A complete trace has these times in its second to last
-   record. */
+/* Stores the running times of case `from` and all later cases of the trace. A complete trace contains these times in
+   its second to last record. */
 static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;
@@ -47,7 +47,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
     return status;
 }
 
-/* Gives all remaining cases of a backend in a batch the result of the backend's permanent failure. */
+/* Sets the result of all remaining cases of a backend in a batch to the result of the backend's permanent failure. */
 static void give_up(runner *r, batch *b, int subject_index)
 {
     for (; b->tasks[subject_index].from < b->end; b->tasks[subject_index].from++, r->finished++)
@@ -112,7 +112,7 @@ ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got
     verdict_of_end(end, one);
     t->from++;
     r->finished++;
-    /* after a timeout no time remains, and after a failure the backend would fail again */
+    /* after a timeout no time is left for further cases, and after a failure the backend would fail again */
     if (end->end != WORKER_CRASHED) {
         r->gone[subject_index] = true;
         r->last_words[subject_index] = *one;

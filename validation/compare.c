@@ -45,8 +45,8 @@ static bool before(const int32_t a[3], const int32_t b[3])
     return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
 }
 
-/* Counts the differing voxels of two blocks with equal position and size. out->voxel becomes the first differing voxel
-   of the record. */
+/* Counts the differing voxels of two blocks with equal position and size. Sets out->voxel to the first differing
+   voxel of the record. */
 static void compare_block(const trace_block_view *a, const trace_block_view *b, compare_difference *out)
 {
     const size_t count = (size_t)ost_dims_count(a->dims), wide = (size_t)a->dims.x, high = (size_t)a->dims.y;
@@ -80,7 +80,8 @@ static int order(const trace_block_view *a, const trace_block_view *b)
 
 enum { LEAF_BYTES = 2 * OST_LEAF * OST_LEAF * OST_LEAF };
 
-/* Copies the part of a complete grid's block that a leaf covers. Returns false if the leaf is not inside the grid. */
+/* Copies the part of a complete grid's block that a leaf covers. Returns false if the leaf is not completely inside
+   the grid. */
 static bool cut_leaf(const trace_block_view *block, const trace_block_view *location, uint8_t leaf[LEAF_BYTES],
                      trace_block_view *out)
 {
@@ -104,7 +105,8 @@ static bool cut_leaf(const trace_block_view *block, const trace_block_view *loca
     return true;
 }
 
-/* Finds the contents of a leaf before record `at` of a case, in the latest earlier record that contains the leaf. */
+/* Finds the contents of a leaf before record `at` of a case. Searches backwards for the latest earlier record that
+   contains the leaf. */
 static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location,
                         uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
@@ -124,7 +126,8 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
     return false;
 }
 
-/* Compares the blocks of two records. Returns false if a block has no counterpart, not even in an earlier record. */
+/* Compares the blocks of two records. A block without a counterpart in the other record is compared with an earlier
+   record. Returns false if an earlier record does not contain the block either. */
 static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                            compare_difference *out)
 {
@@ -176,8 +179,8 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
     out->line_words = words_of_line(ref, a, n);
-    /* out->word is the first differing word of the report. The first differing word in a chunk's line gives the
-       chunk. */
+    /* The first differing word of the report is stored in out->word. The first differing word in a chunk's line
+       determines out->chunk. */
     for (; i < n && i < m; i++) {
         if (trace_word_at(a, i) == trace_word_at(b, i) ||
             (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))
@@ -218,7 +221,8 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS) /* only words that are bounds differ */
+    /* all differing words are bounds, which need not be equal */
+    if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS)
         return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;
 }

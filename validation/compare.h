@@ -5,10 +5,9 @@
  *   reference's trace, another's --compare_case--> equal, or the first
  *   difference: stage, item, word or voxel, and both values
  *
- * The first difference is the first in the order of the stages. Later ones may
- * be its consequences and are not counted separately.  If only one side changed a
- * leaf at a tick, the leaf is compared with its state in the latest earlier
- * record of the other side.
+ * The first difference is the first in the order of the stages. Later differences may be consequences of
+ * the first and are not counted separately. If only one of the two backends changed a leaf at a tick, the
+ * leaf is compared with its state in the latest earlier record of the other backend.
  */
 #ifndef OST_VALIDATION_COMPARE_H
 #define OST_VALIDATION_COMPARE_H
@@ -18,8 +17,8 @@
 typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
-    COMPARE_WORD,    /* only reported words differ */
-    /* the kinds of the records differ, the record is additional, or some of its blocks have no counterpart */
+    COMPARE_WORD,    /* only words of the reports differ */
+    /* The types of the records differ, or one trace has an additional record or an additional block. */
     COMPARE_SHAPE,
     COMPARE_MISSING  /* the other trace has no such record */
 } compare_kind;
@@ -29,15 +28,17 @@ typedef struct compare_difference {
     trace_stage stage;
     uint32_t item;         /* number of the tool or tick */
     size_t word;           /* for COMPARE_WORD: index of the first word that differs */
-    uint64_t line_words;   /* number of words in a chunk's line of this record's report; 0 if the report has no lines */
+    /* number of words per chunk in this record's report; 0 if the report has no lines for chunks */
+    uint64_t line_words;
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* for COMPARE_VOXEL: first differing voxel in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    /* number of differing voxels in this record; for a tick, in the leaves that changed on at least one side */
+    /* number of differing voxels in this record; for a tick, only the leaves that changed on at least one backend
+       count */
     uint64_t voxels;
     uint64_t records;      /* number of records of this case that were compared, including this one */
-    bool words_too;        /* for COMPARE_VOXEL: true if the report also differs */
-    int64_t chunk;         /* chunk of the bone whose line in the report differs first; -1 if no chunk's line differs */
+    bool words_too;        /* for COMPARE_VOXEL: true if words of the report also differ */
+    int64_t chunk;         /* first chunk of the bone whose line in the report differs; -1 if there is none */
 } compare_difference;
 
 /* Range of a case's records in a trace; count is 0 if the case has no records. */
@@ -50,8 +51,8 @@ compare_range compare_find(const trace *t, uint32_t case_index);
    record with this index. */
 void compare_record_at(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                        compare_difference *out);
-/* Finds the records of a case, searching from *at, and sets *at to the end of these records if there are any. *at is 0
-   for the first case. The cases must be passed in the trace's order. */
+/* Finds the records of a case. The search begins at record *at, which is 0 for the first case; if records are found,
+   *at is set to the first record after them. The cases must be passed in the order of the trace. */
 compare_range compare_next(const trace *t, size_t *at, uint32_t case_index);
 void compare_case(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                   compare_difference *out);

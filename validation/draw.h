@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The source of a campaign's random inputs: splitmix64, which gives the same
- * numbers on every machine.  Each stream has a name, so that a case added to a
- * campaign does not change any other case.
+ * The random number generator for a campaign's inputs: splitmix64, which returns the same numbers on every
+ * machine. Each stream has a name, so that a case added to a campaign does not change any other case.
  *
- * A statement draws at most once, unless its order of evaluation is defined by ;
- * && ?: or the commas between declarators.  In f(draw(), draw()) and
- * {draw(), draw()} the compiler chooses the order, and gcc and clang choose
- * differently, so the same name would give different cases.
+ * A statement calls a draw function at most once, unless its order of evaluation is defined by ; && ?: or
+ * the commas between declarators. In f(draw(), draw()) and {draw(), draw()} the compiler chooses the order,
+ * and gcc and clang choose differently, so the same name would give different cases.
  * tests/validation/test_scene checks the digests of the results.
  */
 #ifndef OST_VALIDATION_DRAW_H
@@ -41,7 +39,7 @@ static inline bool draw_one_in(draw *d, int n)
     return draw_bits(d) % (uint64_t)n == 0;
 }
 
-/* Returns lo plus a multiple of (hi - lo) / 2^53, in [lo, hi). */
+/* Returns lo plus a random multiple of (hi - lo) / 2^53, in [lo, hi). */
 static inline double draw_real(draw *d, double lo, double hi)
 {
     return lo + (hi - lo) * ((double)(draw_bits(d) >> 11) * 0x1p-53);

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * For every voxel in which another program differs from the reference, computes how
- * near the voxel's value was to the other result.  This quantifies the statement
- * "only rounding at borders".
+ * For every voxel in which another program differs from the reference, computes how near the reference was
+ * to the other result. This quantifies the statement "only rounding at borders".
  *
- *        void | solid        u   position of the point as the reference computes
+ *       empty | solid        u   position of the point as the reference computes
  *         u   |              it, an integer in units of 2^-20 of a voxel
- *         .-->|              margin: distance to the nearest border beyond which
+ *         .-->|              margin: distance to the nearest border behind which
  *          m  |              the other result would be right, measured along the
  *                            axis on which it is largest (Chebyshev distance)
  *
@@ -33,17 +32,18 @@
 
 enum {
     MARGIN_ONE = 1 << 20, /* one voxel */
-    MARGIN_BINS = 22      /* bin 0: on the border; bin b: 2^(b-1) <= m < 2^b; the last bin: one voxel or more */
+    /* bin 0: on the border; bin b: 2^(b-1) <= margin < 2^b; last bin: margin of one voxel or more */
+    MARGIN_BINS = 22
 };
 
 typedef struct margin_stage {
     uint64_t records; /* number of records compared */
     uint64_t reports; /* number of these records whose report differs */
     uint64_t voxels;  /* number of voxels that differ; the sum of the next five members */
-    uint64_t decided; /* number of voxels that have a margin */
+    uint64_t decided; /* number of differing voxels for which a margin was computed */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    /* greatest margin of the voxels that have one; max_item and max_voxel identify its record and voxel */
+    /* greatest margin; the members max_item and max_voxel identify the record and the voxel that have it */
     uint64_t max;
     uint32_t max_item;
     int32_t max_voxel[3];
@@ -58,10 +58,11 @@ typedef struct margins {
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                       bool apart, margins *out, ost_error *err);
 
-/* Adds the counts of b to those of a. The maximum of a becomes the maximum of both. */
+/* Adds the counts of b to those of a. Sets the maximum of a to the greater of both maxima. */
 void margins_add(margins *a, const margins *b);
 
-/* Returns [{"stage", "voxels", ..., "max", "bins"}] without the stages that have no difference. The caller owns it. */
+/* Returns [{"stage", "voxels", ..., "max", "bins"}], without the stages in which no voxel differs. The caller owns
+   the array. */
 json_t *margins_json(const margins *m);
 
 /* Returns the unit of a stage's margins as text, such as "tool voxel". */

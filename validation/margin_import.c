@@ -9,14 +9,15 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A voxel of the rect grid that differs, and the smallest distances by which samples would have to move to give the
-   other backend's value. */
+/* A voxel of the rect grid that differs, and the smallest distances by which the reference's samples would have to
+   move so that the voxel gets the other backend's value. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* greatest distance by which a sample in the voxel must move to leave the voxel; -1: no such sample */
+    /* greatest distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
     int64_t leave;
-    int64_t enter; /* smallest distance by which a sample outside the voxel must move to enter it; -1: no such sample */
+    /* smallest distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
+    int64_t enter;
 } moved;
 
 static int compare_moved(const void *a, const void *b)
@@ -92,8 +93,8 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
     for (size_t i = 0; i < count; i++) {
         int32_t at[3];
         margin_position(a->dims, list[i].voxel, at);
-        /* Either a sample with the other backend's value entered the voxel, or all samples left the voxel and it is
-           empty. */
+        /* The other backend differs either because a sample with its value entered the voxel, or because all samples
+           left the voxel and it is empty. */
         if (list[i].enter >= 0)
             margin_decided(m, (uint64_t)list[i].enter, 0, at);
         else if (list[i].got == 0 && list[i].leave >= 0)
@@ -107,7 +108,8 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
 
 /* --------------------------------------------------------- the cubic grid */
 
-/* The source along one axis, and the distances from the quotient to the neighbouring sources below and above. */
+/* The source voxel along one axis, and the distances from the quotient to the points at which the neighbouring source
+   below or above would be selected. */
 typedef struct source {
     resample_tap tap;
     int64_t down, up;
@@ -136,8 +138,8 @@ static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
     return sum;
 }
 
-/* Returns the distance of the mean from the interval that rounds to `got`, in units of 1 / MARGIN_ONE of a density.
-   |sum - got 2^45| < 2^61. */
+/* Returns the distance between the mean and the interval of values that round to `got`, in units of 1 / MARGIN_ONE of
+   a density. |sum - got 2^45| < 2^61. */
 static int64_t rounding_gap(int64_t sum, int32_t got)
 {
     const int64_t one = INT64_C(1) << 45, off = sum > got * one ? sum - got * one : got * one - sum;
@@ -172,7 +174,7 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
-        /* Finds the nearest neighbour that has the other backend's value. */
+        /* Finds the nearest of the adjacent voxels that has the other backend's value. */
         for (int step = 0; step < 27; step++) {
             const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
             int64_t gap = 0, v[3];

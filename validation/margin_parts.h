@@ -14,8 +14,8 @@
 
 #include "validation/margin.h"
 
-/* The state of both sides during the walk along a case: views of the latest complete grids, and the bones after the
-   last tick. Index 0 is the reference, index 1 the other backend. */
+/* The state while the records of a case are read: views of the latest complete grids, and the bones after the last
+   tick. In each array, index 0 belongs to the reference and index 1 to the other backend. */
 typedef struct margin_walk {
     const scene *s;
     bool apart;
@@ -23,20 +23,21 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    /* tick at which the next sweep begins: the last tick with an event or with the motor off; -1: none */
+    /* tick at which the next sweep begins, which is the last tick with an event or with the motor off; -1 if there is
+       none */
     int64_t event_tick;
 } margin_walk;
 
-/* Each function takes the records of one stage and item from both traces: a from the reference, b from the other
-   backend. */
+/* Each of these functions takes the records of one stage and item: a from the reference's trace, b from the other
+   backend's. */
 ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
-/* Count one differing voxel. margin_decided counts a voxel that has a margin. margin_other counts a voxel without a
-   margin in *why, which must be a member of m. */
+/* Counts one differing voxel. margin_decided counts a voxel that has a margin. margin_other counts a voxel without a
+   margin by incrementing *why, which must be a member of m. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 
@@ -52,7 +53,7 @@ static inline void margin_position(ost_dims d, size_t i, int32_t at[3])
     at[2] = (int32_t)(i / (size_t)d.x / (size_t)d.y);
 }
 
-/* Returns an int16 voxel of a block. The voxels of a trace are not aligned, so they are copied. */
+/* Returns an int16 voxel of a block. Voxels in a trace are not aligned in memory, so the function copies the bytes. */
 static inline int32_t margin_value16(const trace_block_view *b, size_t i)
 {
     int16_t v;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of events: the distance between a bone voxel's position in the tool and the nearest tool voxel that would
-   give the other result, over the event's poses. */
+/* Margins of events: the distance from a bone voxel's position in the tool to the nearest tool voxel that would give
+   the other result, over the poses of the event. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -28,11 +28,11 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 }
 
 /*
- * Returns the Chebyshev distance from u to the nearest tool voxel that is cutting or, if `cutting`
- * is false, to the nearest tool voxel that is not cutting; -1 if there is none. The search visits
- * rings of voxels around the voxel that contains u. A voxel in ring r is at most r away from u, and
- * a voxel in ring r + 1 at least r. The first ring that contains a voxel of the required kind
- * therefore contains the nearest one.
+ * Returns the Chebyshev distance from u to the nearest cutting tool voxel or, if `cutting` is false, to the
+ * nearest tool voxel that does not cut; -1 if there is none. The search visits rings of voxels around the
+ * voxel that contains u. The distance from u to a voxel in ring r is at most r, and to a voxel in ring r +
+ * 1 at least r. The first ring that contains a voxel of the required type therefore contains the nearest
+ * one.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {
@@ -50,7 +50,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
         first = 0;
     for (int64_t r = first; r <= last + 1; r++) {
         int64_t best = -1, lo[3], hi[3];
-        for (int a = 0; a < 3; a++) { /* voxels outside the grid are void; one layer of them is sufficient */
+        for (int a = 0; a < 3; a++) { /* voxels outside the grid are empty; one layer of them is sufficient */
             lo[a] = -r < -cell[a] - 1 ? -cell[a] - 1 : -r;
             hi[a] = r > dims[a] - cell[a] ? dims[a] - cell[a] : r;
         }
@@ -73,7 +73,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
     return -1;
 }
 
-/* Maps a voxel by AR-MAP, or by the exact map if the voxel is outside the blocks that can meet the tool. */
+/* Maps a voxel by AR-MAP. If the voxel is outside the blocks that can meet the tool, uses the exact map. */
 static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
 {
     int32_t base[3];
@@ -92,7 +92,8 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
     }
 }
 
-/* Returns an array of the `poses` maps of this tick's event; NULL if the tick has no event or memory is exhausted. */
+/* Returns an array with the maps of the `poses` poses of this tick's event. Returns NULL if the tick has no event or
+   memory is exhausted. */
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];
@@ -113,7 +114,7 @@ static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
     return maps;
 }
 
-/* Counts one voxel that is equal in both bones before this tick and differs after it. */
+/* Counts one voxel that is equal in both bones before this tick but not after it. */
 static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint64_t poses, const int32_t at[3],
                         bool ref_removed, bool got_removed)
 {
@@ -131,8 +132,8 @@ static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint
         mapped(&maps[k], at, u);
         cell_of(u, c);
         their_answer = their_answer || is_cutting(theirs, c);
-        /* To change the result of a removed voxel, every pose that cut it would have to miss it. For a voxel that was
-           not removed, the nearest pose would have to cut it. */
+        /* A removed voxel would have the other result if every pose that cut it missed it. A voxel that was not
+           removed would have the other result if the nearest pose cut it. */
         if (ref_removed && is_cutting(tool, c)) {
             const int64_t out = nearest(tool, u, false);
             margin = out > margin ? out : margin;
@@ -162,8 +163,8 @@ static bool fits(const trace_block_view *b, ost_dims d)
            b->lo[1] + b->dims.y <= d.y && b->lo[2] + b->dims.z <= d.z;
 }
 
-/* Counts the voxels of a record that begin to differ at this tick. There are two passes, because the second pass
-   requires both bones as they were before the tick. */
+/* Counts the voxels of a record in which the bones begin to differ at this tick. There are two passes, because the
+   second pass requires both bones as they were before the tick. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;
@@ -173,7 +174,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         return ost_fail(err, OST_ERR_INPUT, "a trace has tick %u, the case has %zu", (unsigned)tick, w->s->path.count);
     ost_map *maps = NULL;
     bool made = false;
-    /* The old values are stored here, because the new ones overwrite them in the bones. */
+    /* A change of a voxel with its old value. The old values are stored because the new values overwrite them in the
+       bones. */
     typedef struct change {
         size_t at;
         int16_t value[2];
@@ -211,9 +213,9 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
     for (size_t i = 0; i < count; i++) {
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
-        /* A voxel that both sides changed has two entries. The first entry has the old values of both sides. In the
-           second entry, value[0] is already the new value of side 0. The second entry is therefore skipped unless
-           value[0] equals the old value of side 1. */
+        /* A voxel that both backends changed has two entries. The first entry has the old values of both backends. In
+           the second entry, value[0] is already the new value of backend 0. Therefore the second entry is skipped
+           unless value[0] equals the old value of backend 1. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

@@ -4,8 +4,8 @@
 
 #include "core/integer.h"
 
-/* Maximum number of distance computations between a voxel's centre and a triangle. Voxels of the record beyond this
-   limit are not measured. */
+/* Maximum number of distance computations between a voxel's centre and a triangle. After this number, the remaining
+   voxels of the record are not measured. */
 enum { TRIANGLE_TESTS = 200 * 1000 * 1000 };
 
 typedef struct vector {
@@ -28,12 +28,11 @@ static vector cross(vector a, vector b)
 }
 
 /*
- * A squared distance as a fraction of 128-bit integers.  Coordinates are twice
- * those of the lattice, so that voxel centres have integer coordinates: |c| <=
- * 2^21, differences 2^22, cross products 2^45, their squares 2^92.  The plane's
- * (n . p)^2 <= 2^136 would not fit.  The squared distance to a plane is therefore
- * computed only for |n . p| < 2^63, which is sufficient for triangles of this size.
- * For larger values the distance to the edges is used.
+ * A squared distance as a fraction of 128-bit integers. Coordinates are twice those of the lattice, so that
+ * voxel centres have integer coordinates. Coordinates are at most 2^21, differences 2^22, cross products
+ * 2^45, and the squares of cross products 2^92. The square (n . p)^2 for a plane with normal n is up to
+ * 2^136 and would not fit. The squared distance to a plane is therefore computed only for |n . p| < 2^63,
+ * which is sufficient for triangles of this size. For larger values the distance to the edges is used.
  */
 typedef struct fraction {
     unsigned __int128 top, bottom;
@@ -99,7 +98,7 @@ static uint64_t square_root(unsigned __int128 x)
     return (uint64_t)root;
 }
 
-/* Returns floor(2^20 sqrt(f) / 2^bits). The quotient is extended by 2 (20 - bits) bits, one bit at a time. */
+/* Returns floor(2^20 sqrt(f) / 2^bits). The loop extends the quotient by 2 (20 - bits) bits, one bit at a time. */
 static uint64_t in_voxels(fraction f, int bits)
 {
     unsigned __int128 q = f.top / f.bottom, r = f.top % f.bottom;

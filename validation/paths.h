@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Counts how often a campaign entered each path of a backend (core/paths.h),
- * summed over the backend's workers.
+ * Counts how often a campaign executed each code path of a backend (core/paths.h). The counts of the
+ * backend's workers are added.
  *
  *   worker: backend --paths_write--> the end record of its trace
  *   parent: the end record --paths_add--> path_list of the backend
@@ -26,7 +26,7 @@ typedef struct path_count {
 
 typedef struct path_list {
     int count;
-    path_count *paths; /* owned; in the order in which the backend lists them */
+    path_count *paths; /* owned; in the order in which the backend lists its paths */
 } path_list;
 
 /* Adds the count and the name of each of the backend's paths to the record that is being written. */

@@ -6,11 +6,11 @@
  *   samples --ct_to_rect--> rect --rect_to_cubic--> cubic --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
  *
- * A stage that fails writes TRACE_FAILED with its status and ends the case,
- * because two backends must also refuse the same inputs with the same status.
+ * A stage that fails writes TRACE_FAILED with its status and ends the case. The status is recorded because
+ * two backends must also refuse the same inputs with the same status.
  *
- * perform_apart does not propagate a difference: it records the result of each
- * stage and replaces it by the reference's before the next stage.
+ * The function perform_apart does not propagate a difference to later stages: it records the result of each
+ * stage and replaces it by the reference's result before the next stage.
  *
  *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
  *   given tool, bone as the reference had it before the tick --ost_world_step--> report, changed leaves
@@ -21,28 +21,27 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
-/* Greatest number of voxels of a bone that is downloaded completely after every tick (perform_tick.c). */
+/* Largest bone, in voxels, that is downloaded completely after every tick (perform_tick.c). */
 enum { PERFORM_ALL_VOXELS = 1 << 18 };
 
-/* Called after each record is written. perform accepts NULL for a watch. */
+/* Called after each record is written. NULL may be passed to perform instead of a callback. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
-/* Runs a case. Fails only if the trace cannot be written or memory is exhausted. *why receives the error line of a
-   failed stage; why must not be NULL. */
+/* Runs a case. *why receives the error line of a failed stage; why must not be NULL. The function itself fails only
+   if the trace cannot be written or memory is exhausted. */
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch,
                    void *user, ost_error *why, ost_error *err);
 
 /*
- * Runs a case with the steps of the second implementation in place of those of
- * src/core and src/sim (steps_make.h): snapped meshes, ticks of a motor, events,
- * poses and maps.  If a case would take too long, only the steps of its ticks
- * are made.
+ * Runs a case with the steps of the second implementation in place of those of src/core and src/sim
+ * (steps_make.h): snapped meshes, ticks of a motor, events, poses and maps. If a case would take too long,
+ * only the steps of its ticks are computed.
  */
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err);
 
-/* Runs a case with the reference's results as the input of each stage. given: the reference's trace, which must
-   contain this case completely. */
+/* Runs a case with the reference's results as the input of each stage. The reference's trace `given` must contain
+   this case completely. */
 ost_status perform_apart(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, const trace *given,
                          ost_error *why, ost_error *err);
 

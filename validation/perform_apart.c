@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs each stage separately: replaces the backend's results by the reference's, which become the next stage's
-   input. */
+/* Runs each stage separately: after each stage, the backend's result is replaced by the reference's result, which is
+   the input of the next stage. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static ost_status given_record(const performer *p, trace_stage stage, uint32_t i
                     trace_stage_name(stage), (unsigned)item);
 }
 
-/* Finds the only block of a complete grid in the reference's trace. */
+/* Finds the block of a complete grid in the reference's trace. */
 static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims,
                              trace_block_view *out, ost_error *err)
 {

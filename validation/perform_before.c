@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Work that a process did before a case must not change the case's results. Before the import some
- * of the case's samples are scattered into a grid with a different lattice, and a grid is converted
- * to chunks of a different size. Before the ticks each tool collides with a bone whose voxels have a
- * different size. The results of this work are not recorded. If a backend retains state by mistake,
- * the records of the case change.
+ * Computes results that are not recorded, to detect state that a backend retains by mistake: earlier work
+ * of a process must not change the results of a case. Before the import, some of the case's samples are
+ * scattered into a grid with a different lattice, and a grid is converted to chunks of a different size.
+ * Before the ticks each tool collides with a bone whose voxels have a different size. If a backend retains
+ * state of this work, the records of the case change.
  */
 #include "validation/perform_parts.h"
 
 enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, GRID_SIDE = 8, BONE_SIDE = 16, BONE_DENSITY = 32767 };
 
-/* Larger tools are skipped, because preparing one for a bone takes tens of milliseconds. */
+/* Larger tools are skipped, because preparing a tool for a bone takes tens of milliseconds. */
 #define TOOL_VOXELS ((int64_t)1 << 18)
 
-/* Returns an origin two voxels below the CT's, or two above it if the lower one would exceed the range of lengths. */
+/* Returns an origin two voxels below the CT's origin, or two voxels above it if the lower one would exceed the range
+   of lengths. */
 static ost_pm other_origin(ost_pm origin, ost_pm spacing)
 {
     return origin - 2 * spacing < -OST_LENGTH_MAX ? origin + 2 * spacing : origin - 2 * spacing;
@@ -42,7 +43,6 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     return status;
 }
 
-/* Stores the density in all voxels. */
 static void fill(int16_t *voxels, size_t count)
 {
     for (size_t v = 0; v < count; v++)
@@ -60,8 +60,8 @@ ost_status perform_other_chunks(performer *p, ost_error *err)
     ost_status status = ost_grid_create(p->backend, &geometry, &grid, err);
     if (status == OST_OK)
         status = ost_grid_upload(grid, 0, GRID_SIDE, voxels, err);
-    /* The chunks have half the size, so that memory that a backend reserves by mistake for these chunks is too small
-       for the chunks of the case. */
+    /* Unless the case's chunks have the smallest size, these chunks are smaller, so that memory that a backend
+       retains by mistake is too small for the chunks of the case. */
     if (status == OST_OK)
         status = ost_cubic_to_chunks(grid, s->chunk_size == 16 ? 64 : s->chunk_size / 2, s->threshold, &bone, err);
     ost_bone_free(bone);
@@ -101,7 +101,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
     if (status == OST_OK)
         status = meet(p, i, bone, &geometry, err);
     ost_bone_free(bone);
-    if (status == OST_ERR_UNAVAILABLE) { /* a plugin need not implement the upload of a bone */
+    if (status == OST_ERR_UNAVAILABLE) { /* a plugin is not required to implement the upload of a bone */
         *err = (ost_error){0};
         status = OST_OK;
     }

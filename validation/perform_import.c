@@ -17,7 +17,7 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK;
 }
 
-/* Uploads the samples, which are one per voxel and on the lattice, as slices. Each call uploads s->slices slices. */
+/* Uploads a CT as slices, s->slices of them per call. The CT must have one sample per voxel, on the lattice. */
 static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -53,7 +53,7 @@ static ost_status record_cubic(performer *p, trace_stage stage, const ost_grid *
     return status != OST_OK ? status : written;
 }
 
-/* Returns true if a sample was rejected or conflicts with another. The import then ends. */
+/* Returns true if a sample was rejected or conflicts with another sample. The import ends then. */
 static bool refused(const ost_scatter_report *r)
 {
     return r->rejected_line != 0 || r->conflict_line != 0;
@@ -88,7 +88,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* Writes to the rect grid, which must not change the cubic grid made from it. Records nothing. */
+/* Writes to the rect grid, which must not change the cubic grid made from it. Writes no record. */
 static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -100,8 +100,8 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
-/* Returns true if the bone is made before the cubic grid is downloaded, because a backend may store the grid as a list
-   of slices until then. */
+/* Returns true if the bone is made before the cubic grid is downloaded. Until the download, a backend may store the
+   grid as a list of slices. */
 static bool before_the_download(const performer *p)
 {
     return !p->given && !p->watch;
@@ -113,9 +113,8 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
 }
 
 /*
- * Returns true if the cubic grid is resampled once more, to voxels of 7/5 of its
- * voxel size.  Large grids are excluded to save time.  Grids whose result might
- * exceed the range of lengths (AR-LEN-1) are excluded, too.
+ * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. This is omitted for
+ * large grids, to save time, and for grids whose result might exceed the range of lengths (AR-LEN-1).
  */
 static bool is_resampled_again(const performer *p, const ost_grid *cubic)
 {
@@ -128,7 +127,8 @@ static bool is_resampled_again(const performer *p, const ost_grid *cubic)
     return is;
 }
 
-/* Resamples the cubic grid by the case's rule. Leaves *out unchanged if the grid is not resampled. */
+/* Resamples the cubic grid by the case's rule. Leaves *out unchanged if the case does not resample the grid a second
+   time. */
 static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid **out, ost_error *err)
 {
     if (!is_resampled_again(p, cubic))
@@ -136,8 +136,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. *again is made from the cubic grid before the cubic grid is downloaded, because a
-   backend may store both grids as lists of slices until the download. */
+/* Makes and records the cubic grid. Resamples it to *again before its download, because a backend may store both
+   grids as lists of slices until the download. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
@@ -154,9 +154,9 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 }
 
 /*
- * Records that a case has no grid at this stage. The record is empty on every backend, including
- * the reference, and is compared. With p->watch the grid is not made, although the case may have
- * one, so the record is a stand-in.
+ * Records that a case has no grid at this stage. The record is empty on every backend, including the
+ * reference, and is compared. If p->watch is set, the grid is not made even if the case has one, and the
+ * empty record is written in its place.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

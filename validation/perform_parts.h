@@ -28,32 +28,33 @@ typedef struct performer {
     uint32_t case_index;
     ost_bone *bone;
     ost_tool *tools[SCENE_TOOLS_MAX];
-    ost_tool_geometry grids[SCENE_TOOLS_MAX]; /* the grid of each tool */
+    ost_tool_geometry grids[SCENE_TOOLS_MAX];
     ost_world *world;
     ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
-    ost_dims dims;         /* the bone's dims, as returned by the backend */
-    int16_t *was, *is;    /* was: the bone as last recorded; is: the bone as downloaded */
+    ost_dims dims;
+    int16_t *was, *is;    /* was: the bone in its last record; is: the bone as last downloaded */
     ost_removal_report collided, removed;
-    bool second;          /* true: the steps are made by the second implementation, which has no world */
-    bool light;           /* true if only the steps of the ticks are made; used only if second is true */
+    bool second;          /* true if the second implementation computes the steps; there is no world then */
+    bool light;           /* true if only the steps of the ticks are computed; used only if second is true */
     ost_path path;        /* the ticks; freed by the performer if own_path is true */
     bool own_path;
     steps_history history; /* used only if second is true */
-    ost_pose *made_poses;  /* owned; for a backend that makes poses itself; capacity OST_SWEEP_MAX */
+    ost_pose *made_poses;  /* owned; poses for a backend that computes poses itself; capacity OST_SWEEP_MAX */
     ost_map *made_maps;
-    ost_map *maps;         /* owned; used only if second is true; the maps of one event; capacity OST_SWEEP_MAX */
+    ost_map *maps;         /* owned; maps of one event; used only if second is true; capacity OST_SWEEP_MAX */
     ost_voxel_box *boxes;
-    /* used only if second is true; boxes_meet, and the range of chunks that the event must cover */
+    /* used only if second is true: the member boxes_meet, and the range of chunks that the event must cover */
     ost_step_result range;
     perform_watch *watch;
     void *user;
-    const trace *given; /* the reference's trace for perform_apart, else NULL */
+    const trace *given; /* the reference's trace for perform_apart, otherwise NULL */
     compare_range in_given;
-    bool refused;       /* true if the CT has a rejected or conflicting sample; the case ends with the scatter report */
-    int16_t *right;     /* only for perform_apart; the reference's bone */
+    /* true if a sample of the CT was rejected or in conflict; the case then ends after the scatter report */
+    bool refused;
+    int16_t *right;     /* the reference's bone; used only by perform_apart */
 } performer;
 
-/* Returns true if the case has ticks but no bone, so that only the steps of the ticks are made. */
+/* Returns true if the case has ticks but no bone. Only the steps of the ticks are computed then. */
 static inline bool perform_is_of_steps(const scene *s)
 {
     return !s->sample_count && s->path.count;
@@ -75,8 +76,8 @@ ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item
 void perform_record_counts(performer *p, const ost_bone_info *info);
 /* Writes the digest of a bone into the open record, where it is compared as a result. */
 void perform_record_digest(performer *p, const ost_digest *root);
-/* Writes a record of the complete bone and copies the bone to p->was. The digest is the second implementation's if
-   p->second is true, else the backend's own. */
+/* Writes a record of the complete bone and copies the bone to p->was. If p->second is true, the digest is computed by
+   the second implementation, otherwise by the backend. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* ---- perform_apart.c: these functions do nothing if p->given is NULL */
@@ -87,12 +88,12 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
 ost_status perform_give_bone(performer *p, ost_error *err);
 /* Replaces tool i by the reference's tool. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
-/* Overwrites slices [z0, z1) of the bone, downloaded after tick i, with those of the reference's bone, so that a
-   difference does not affect later ticks. */
+/* Overwrites slices [z0, z1) of the bone after tick i with those of the reference's bone, so that a difference does
+   not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: these functions record nothing. They are not called with a watch, because a watch counts the
-        backend's calls. */
+/* ---- perform_before.c: these functions write no records. They are called only if there is no watch, because a watch
+   counts the backend's calls. */
 
 /* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
@@ -105,8 +106,8 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* Imports the CT into p->bone. Sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
-/* Samples the bone: after the import if time is 0 (items 0 and 1), at the end of the case if time is 1 (items 2
-   and 3). */
+/* Samples the bone. If time is 0, the function runs after the import and writes items 0 and 1; if time is 1, it runs
+   at the end of the case and writes items 2 and 3. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
 /* Uploads the bone's slices into a second bone, in parts. */
 ost_status perform_upload(performer *p, ost_error *err);
@@ -114,11 +115,11 @@ ost_status perform_upload(performer *p, ost_error *err);
 ost_status perform_tool(performer *p, int i, ost_error *err);
 /* Creates the state for the ticks: a world, or the second implementation's history and memory for an event. */
 ost_status perform_begin_ticks(performer *p, ost_error *err);
-/* Runs tick i and records its steps, its event and the leaves that changed. */
+/* Runs tick i and records its steps, its event and the changed leaves. */
 ost_status perform_tick(performer *p, size_t i, ost_error *err);
-/* Makes only the steps of tick i. Its sweep begins at the previous tick if that tick has the same tool. */
+/* Computes only the steps of tick i. The sweep begins at the previous tick if that tick has the same tool. */
 ost_status perform_steps(performer *p, size_t i, ost_error *err);
-/* Collides the pose of tick i with the complete grid. No box excludes a voxel, and no voxel may change. */
+/* Collides the pose of tick i with the complete grid. No bounding box excludes voxels, and no voxel may change. */
 ost_status perform_collide(performer *p, size_t i, ost_error *err);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the kinds of records that several stages of a case have in common. */
+/* Writes the records that occur in several stages of a case. */
 #include "validation/perform_parts.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Samples the bone of a case, reads its occupancy and uploads its slices to a second bone. A backend need not
-   implement the occupancy. */
+/* Samples the bone of a case, reads its occupancy, and uploads its slices to a second bone. A backend is not required
+   to implement the occupancy. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -18,8 +18,8 @@ static uint64_t hash_words(const uint32_t *words, size_t count)
     return h;
 }
 
-/* Records densities of 0 to 33 voxels per call, on both sides of the grid's borders. This covers every remainder of a
-   vector's length. */
+/* Records the densities of 0 to 33 voxels per call, inside and outside the grid's borders. These numbers cover every
+   remainder of a vector's length. */
 static ost_status sample_words(performer *p, draw *d, ost_error *err)
 {
     const int32_t dims[3] = {p->dims.x, p->dims.y, p->dims.z};
@@ -88,8 +88,8 @@ static ost_status record_occupancy(performer *p, uint32_t time, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* If the backend does not implement a function, the record of this function is not compared. A function that fails
-   ends the case. */
+/* If the backend does not implement a function, the function's record is not compared. If an implemented function
+   fails, the case ends. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
 {
     const ost_backend_ops *ops = p->backend->ops;
@@ -101,8 +101,8 @@ ost_status perform_sample(performer *p, uint32_t time, ost_error *err)
                                                    : record_occupancy(p, time, err);
 }
 
-/* Makes a second bone from the slices of the first one, in parts. Then uploads one part again with other densities,
-   some of which are below the threshold. */
+/* Makes a second bone by uploading the slices of the first bone in parts. Then uploads one part again with other
+   densities, some of which are below the threshold. */
 static ost_status upload_slices(performer *p, ost_bone *copy, ost_error *err)
 {
     draw d = draw_of(p, 2);
@@ -139,7 +139,7 @@ ost_status perform_upload(performer *p, ost_error *err)
         perform_record_counts(p, &info);
         perform_record_digest(p, &root);
     }
-    /* if the bone is larger, only the digest is recorded */
+    /* for a larger bone, only the digest is recorded */
     if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) {
         const int32_t lo[3] = {0, 0, 0};
         int16_t *voxels = trace_block(p->w, lo, p->dims, 2);

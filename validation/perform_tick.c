@@ -6,19 +6,18 @@
 #include <string.h>
 
 /*
- * A bone of up to PERFORM_ALL_VOXELS voxels is downloaded completely after each tick.
- * For a larger bone only the slices that the event could reach are downloaded after a
- * tick.  The complete bone is downloaded every ALL_VOXELS_EVERY ticks and at the end,
- * so a change outside the event's reach is detected only then.  For a million voxels
- * the download takes nine tenths of a tick's time, and more on a device.
+ * A bone of up to PERFORM_ALL_VOXELS voxels is downloaded completely after each tick. For a larger bone
+ * only the slices that the event could reach are downloaded after a tick. The complete bone is downloaded
+ * every ALL_VOXELS_EVERY ticks and at the end, so a change outside the event's reach is detected only at
+ * these times. For a million voxels the download takes nine tenths of a tick's time, and more on a device.
  */
 enum { ALL_VOXELS_EVERY = 32 };
 
-/* The second implementation runs events only if the number of voxels times the number of ticks is at most SECOND_WORK.
-   A thousand voxels take about a microsecond. */
+/* The second implementation runs the events of a case only if the number of voxels times the number of ticks is at
+   most SECOND_WORK. It needs about a microsecond for a thousand voxels. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
-/* Returns the scene's density classes, or those of AR-CLS-2 if it has none. */
+/* Returns the scene's density classes. If the scene has none, returns those of AR-CLS-2. */
 static ost_density_classes classes_of(const performer *p)
 {
     if (p->world)
@@ -57,7 +56,8 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
                                                    OST_SWEEP_MAX);
 }
 
-/* Writes the totals, and then for each chunk its number and the voxel count and density sum of every class. */
+/* Writes the totals of a report. Then writes for each chunk its number and, for each class, the voxel count and the
+   density sum. */
 static void record_report(performer *p, const ost_removal_report *r)
 {
     const int classes = classes_of(p).count;
@@ -73,7 +73,8 @@ static void record_report(performer *p, const ost_removal_report *r)
     }
 }
 
-/* Writes blocks for the leaves in slices [z0, z1) in which `is` differs from `was`. Copies these leaves to `was`. */
+/* Writes blocks for the leaves in slices [z0, z1) in which the array `is` differs from the array `was`. Copies these
+   leaves to `was`. */
 static void record_changed(performer *p, int32_t z0, int32_t z1)
 {
     const ost_dims d = p->dims;
@@ -103,8 +104,9 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* For the record, makes the poses and maps of an event on the backend; the sweep leads from *from to the pose of the
-   tick. The event itself runs with the poses and maps of the host, which must equal those of the backend. */
+/* Computes the poses and maps of an event on the backend, only for the record; the sweep begins at *from and ends at
+   the pose of the tick. The event itself runs with the poses and maps of the host, which must equal those of the
+   backend. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {
@@ -140,8 +142,8 @@ static void widen_range(performer *p, const ost_voxel_box *box)
     p->range.boxes_meet = true;
 }
 
-/* Records the poses of tick i's event, between `from` and the tick's pose. If p->maps is not NULL, stores their maps
-   there for the event. */
+/* Records the poses of tick i's event, between `from` and the tick's pose. If p->maps is not NULL, also stores the
+   maps of these poses in it for the event. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
                                ost_error *err)
 {
@@ -181,7 +183,7 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     const ost_pose from = restarts ? tick->pose : world->tools[tick->tool].input.event;
     ost_error why = {0};
     const ost_status stepped = ost_world_step(p->world, tick, r, &why);
-    /* a motion that is too long is recorded as a result; any other error is a failure */
+    /* a motion that is too long is a result and is recorded; any other error is a failure */
     *refused = stepped == OST_ERR_RANGE;
     if (stepped != OST_OK && !*refused) {
         *err = why;
@@ -190,7 +192,8 @@ static ost_status step_of_world(performer *p, size_t i, ost_step_result *r, bool
     return record_steps(p, i, *refused, r->removal, r->pose_count, &from, err);
 }
 
-/* Runs tick i with the second implementation, which has no world and no box. Every pose covers the complete grid. */
+/* Runs tick i with the second implementation, which has no world and no bounding box: every pose is tested against
+   the complete grid. */
 static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, bool *refused, ost_error *err)
 {
     const ost_tick *tick = &p->path.ticks[i];

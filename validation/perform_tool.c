@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tools of a case. They are snapped by src/core, by the second implementation or by the backend, and voxelized. */
+/* The tools of a case. A tool's meshes are snapped by src/core, by the second implementation or by the backend, and
+   then voxelized. */
 #include "validation/perform_parts.h"
 
 #include <string.h>
 
-/* Replaces the snapped meshes of src/core by those of the backend if the backend makes them. */
+/* Replaces the snapped meshes of src/core by those of the backend if the backend snaps meshes itself. */
 static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made,
                                   ost_error *err)
 {
@@ -23,7 +24,7 @@ static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped
     return status;
 }
 
-/* Records a tool's grid and the meshes on it before the tool is voxelized. */
+/* Records a tool's grid and the snapped meshes. Called before the tool is voxelized. */
 static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], bool made, ost_error *err)
 {
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);

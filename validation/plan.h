@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The ordered list of the cases of a campaign.  It depends only on tier, seed and
- * shard, and is made before any case runs.  The list is part of the protocol, and
- * the SHA-256 of its text is part of the evidence.
+ * The ordered list of the cases of a campaign. It depends only on tier, seed and shard, and is complete
+ * before any case runs. The list is part of the protocol, and the SHA-256 of its text is part of the
+ * evidence.
  *
  *   tier, seed, shard I/N --plan_make--> cases "family/number"
  *
@@ -41,7 +41,7 @@ typedef enum plan_family {
     PLAN_STEPS,
     PLAN_REACH,
     PLAN_STATIC, /* the static events of Tables 3.3 to 3.5; only if requested by name */
-    PLAN_SMALL, /* not in a plan: scenes that run for a few milliseconds and contain every stage (sensitivity.h) */
+    PLAN_SMALL, /* not in a plan: scenes that run for a few milliseconds and pass through every stage (sensitivity.h) */
     PLAN_USER,  /* cases of the user's own files */
     PLAN_FAMILIES
 } plan_family;
@@ -49,20 +49,20 @@ typedef enum plan_family {
 struct scene_cut;  /* locate/cut.h */
 struct user_store; /* user_store.h */
 
-/* The user's own cases: their number and their contents. Without a store only their names are available. */
+/* The user's own cases: their number and contents. If store is NULL, only the names of the cases are available. */
 typedef struct plan_user {
     int count;
-    const struct user_store *store; /* borrowed; NULL: the cases cannot be made */
+    const struct user_store *store; /* borrowed; NULL if the cases cannot be generated */
 } plan_user;
 
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
     int number;       /* number within the family, counted from 0; from 1 in PLAN_USER */
-    plan_tier tier;   /* tier of the campaign; larger tiers have larger cases */
-    uint64_t seed;    /* seed of the campaign */
+    plan_tier tier;   /* tier of the campaign; cases of larger tiers are larger */
+    uint64_t seed;
     char id[PLAN_ID]; /* "session/3" */
-    /* part of the case that is run; NULL: the complete case; owned by the plan if read from a file */
+    /* part of the case that is run; NULL means the complete case; owned by the plan if read from a file */
     struct scene_cut *cut;
     const struct user_store *store; /* for PLAN_USER; borrowed */
 } plan_case;
@@ -71,11 +71,12 @@ typedef struct plan {
     plan_tier tier;
     uint64_t seed;
     int shard, shards; /* 1 <= shard <= shards */
-    const char *only;  /* as passed to plan_make; borrowed */
-    const char *file;  /* file from which the cases were read (locate/case_file.h), borrowed; NULL: the tier's cases */
+    const char *only;  /* prefix of case ids, as passed to plan_make; borrowed; may be NULL */
+    /* file from which the cases were read (locate/case_file.h); borrowed; NULL if the tier determines the cases */
+    const char *file;
     const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */
     int count;
-    plan_case *cases; /* owned; cases of this shard; case k of the complete list is in shard 1 + k mod shards */
+    plan_case *cases; /* owned; cases of this shard: case k of the complete list belongs to shard 1 + k mod shards */
     int total;        /* number of cases of all shards together */
 } plan;
 
@@ -84,13 +85,13 @@ const char *plan_family_name(plan_family family);
 /* Returns one line of text that describes the family. */
 const char *plan_family_about(plan_family family);
 
-/* Makes the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted. user is NULL
-   if there are no cases of the user. */
+/* Generates the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted. The
+   parameter user is NULL if there are no cases of the user. */
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user,
                      plan *out, ost_error *err);
 void plan_free(plan *p);
 
-/* Makes the case with this id. Returns false if the tier has no such case. */
+/* Generates the case with this id. Returns false if the tier has no such case. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out);
 
 /* Returns an estimate of the size of a case's trace in bytes, which is based on measurements. The traces of generated

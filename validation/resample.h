@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes AR-CUB along one axis, to explain differences: the rect voxels from
- * which a cubic voxel is computed, and the division that selects them.
+ * Computes rule AR-CUB (resampling) along one axis, to explain differences. The results are the rect voxels
+ * from which a cubic voxel is computed, and the division that selects them. For cubic voxel i, cubic
+ * spacing c and rect spacing s:
  *
  *   linear    t = ((2i + 1) c - s) / (2s), clamped; voxel floor(t), and the next with weight RHE(2^15 (t - floor(t)))
  *   nearest   floor((2i + 1) c / (2s)), limited to the last voxel
@@ -19,7 +20,7 @@ enum { RESAMPLE_ONE = 1 << 15 };
 typedef struct resample_tap {
     int64_t top, bottom; /* numerator and denominator of the quotient before it is clamped; bottom > 0 */
     int64_t index;
-    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; 0: this voxel is not read */
+    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; if it is 0, that voxel is not read */
 } resample_tap;
 
 /* Returns the source of cubic voxel i in a row of n rect voxels. i is below 2^14 and the spacings cubic and rect are
@@ -56,8 +57,8 @@ static inline ost_pm resample_again(ost_pm cubic)
     return cubic * 7 / 5;
 }
 
-/* Finds one of the eight rect voxels around a cubic voxel's centre. Along axis a this is the voxel tap[a].index, or the
-   next voxel if bit a of corner is set. Returns the weight of the voxel in units of 2^-45. */
+/* Finds one of the eight rect voxels around a cubic voxel's centre. Along axis a, the result is voxel tap[a].index,
+   or the next voxel if bit a of corner is set. Returns the voxel's weight in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
 {
     int64_t weight = 1;

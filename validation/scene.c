@@ -16,7 +16,7 @@
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Draws the spacing of a CT: isotropic or anisotropic, exact decimals or any number of picometres. */
+/* Draws the spacing of a CT: equal or different on the three axes, as round decimals or as any number of picometres. */
 static void draw_lattice(scene *s, draw *d)
 {
     static const ost_pm usual[] = {470 * UM, 1000 * UM, 488281250, 300 * UM, 32 * UM, 625 * UM};
@@ -29,7 +29,7 @@ static void draw_lattice(scene *s, draw *d)
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
-/* Makes a bone for cases with ticks. The CT has the same spacing as the bone, so that the bone's size is known. */
+/* Makes a bone for cases with ticks. The CT has the bone's spacing, which makes the size of the bone predictable. */
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);
@@ -53,8 +53,9 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     draw_lattice(s, d);
     ost_dims dims = draw_dims(d, 1, most);
     if (c->number == 7) {
-        /* Only y is interpolated. Spacings are odd numbers of picometres, and the offsets grow from sample to sample
-           through odd and even ppm. Each axis has one leaf of 32 voxels, which is full or lacks its last voxel. */
+        /* Only y is interpolated. Spacings are odd numbers of picometres. The offsets of successive samples grow and
+           are alternately odd and even in ppm. Each axis has one leaf of 32 voxels, which is full or lacks its last
+           voxel. */
         const ost_pm odd = 1000 * UM + 1;
         s->rect.spacing = (ost_pm3){odd, 1300 * UM + 7, odd};
         s->cubic = odd;
@@ -62,22 +63,23 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         return scene_ct_drifting(s, d, (ost_dims){31, 24, 32}, err);
     }
     if (c->number % 6 == 0) {
-        /* Every index is an exact multiple, so a quotient that is slightly too small selects a different layer. */
+        /* Every source index is an exact integer quotient, so a quotient that is computed slightly too small selects
+           a different layer. */
         s->rect.spacing.y = s->rect.spacing.z = s->cubic = s->rect.spacing.x;
         s->resample = draw_one_in(d, 2) ? OST_RESAMPLE_LINEAR : OST_RESAMPLE_THESIS;
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means are computed along all axes. 16 successive means span more than 64 voxels along x, and the remaining
-           means span more than 32. */
+        /* Means are computed along all axes. 16 successive means span more than 64 source voxels along x, and the
+           remaining means span more than 32. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);
         s->resample = OST_RESAMPLE_LINEAR;
         dims = (ost_dims){130, dims.y < 8 ? 8 : dims.y, dims.z < 24 ? 24 : dims.z};
     } else if (c->number % 6 == 3 || c->number % 6 == 4) {
-        /* i * (cubic / rect) is an integer, but is rounded to just below it: in double precision along x and y, in
-           single precision along z. */
+        /* The exact value of i * (cubic / rect) is an integer, but rounding gives a value just below it: in double
+           precision along x and y, in single precision along z. */
         s->cubic = 900 * UM;
         s->rect.spacing = (ost_pm3){390 * UM, 330 * UM, 870 * UM};
         s->resample = c->number % 6 == 3 ? OST_RESAMPLE_NEAREST : OST_RESAMPLE_THESIS;
@@ -117,7 +119,7 @@ static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *e
     static const int counts[] = {0, 8, 2, 4, 1};
     if (c->number == 4)
         return scene_corners(s, d, err);
-    if (counts[c->number % 5]) /* if the count is 0, the case uses the three classes of AR-CLS-2 */
+    if (counts[c->number % 5]) /* if the count is 0, the three classes of AR-CLS-2 are used */
         s->world.classes = scene_classes(counts[c->number % 5], 149);
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
     if (status == OST_OK)
@@ -159,8 +161,8 @@ static int64_t cubic_voxels(const scene *s)
            ost_ceil_div(g->dims.z * g->spacing.z, s->cubic);
 }
 
-/* Makes a small case: an anisotropic CT, so that resampling computes means, and two tools, one of which has a part that
-   does not cut. */
+/* Makes a small case. Its CT has a different spacing on each axis, so that resampling computes means. It has two
+   tools, and one of them has a part that does not cut. */
 static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
     static const scene_shape shapes[] = {SHAPE_BOX, SHAPE_TWICE, SHAPE_HOLLOW, SHAPE_OPEN, SHAPE_SOUP, SHAPE_PEG};
@@ -172,13 +174,15 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    while (cubic_voxels(s) > PERFORM_ALL_VOXELS) /* a bone of this size is downloaded completely after every tick */
+    /* a bone of at most this size is downloaded completely after every tick */
+    while (cubic_voxels(s) > PERFORM_ALL_VOXELS)
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
-    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++) /* metal, so that density sums exceed 2^24 */
+    /* densities of metal, so that sums of densities exceed 2^24 */
+    for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++)
         if (s->samples[i].density >= s->threshold)
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
     for (int i = 0; i < 2 && status == OST_OK; i++) {
@@ -191,11 +195,11 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
                                : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
         status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
-    /* Poses on borders are not added if poses are swept: the tool's voxels are small, so a sweep would have hundreds of
+    /* Poses on borders are added only without sweeps. The tool's voxels are small, so a sweep would have hundreds of
        poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    /* the event has more hits than a chunk has voxels, and some voxels remain */
+    /* the event has more hits than the number of voxels in a chunk, and some bone voxels remain */
     if (status == OST_OK && c->number % 4 == 0) {
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);
@@ -204,11 +208,11 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = scene_add_poses_inside(s, d, 3, err);
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_far_pose(s, err);
-    s->collide_every = 3; /* also collides before the far pose, which is tick number 12 */
+    s->collide_every = 3; /* includes a collision before tick 12, which is the far pose */
     return status;
 }
 
-/* Appends the ticks of a path. The first of them is a millisecond after the last tick of the scene. */
+/* Appends the ticks of a path. Its first tick is a millisecond after the last tick of the scene. */
 static ost_status append_path(scene *s, const ost_path *more, ost_error *err)
 {
     const size_t before = s->path.count;
@@ -354,7 +358,7 @@ static ost_status add_ct(ost_hasher *h, const scene *s, ost_error *err)
                             g->origin.z,   s->duplicates, s->cubic,          s->resample,
                             s->chunk_size, s->threshold,  (int64_t)s->batch, (int64_t)s->sample_count};
     ost_status status = add_ints(h, head, sizeof head / sizeof head[0], err);
-    /* number of samples per call of add_ints; a CT has millions of samples, so they are added in groups */
+    /* Number of samples per call of add_ints. A CT has millions of samples, so calls with one sample would be slow. */
     enum { AT_ONCE = 24 };
     for (size_t i = 0; i < s->sample_count && status == OST_OK;) {
         int64_t rows[5 * AT_ONCE];

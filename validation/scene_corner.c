@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A case for backends that exclude a cube of 8^3 bone voxels by the distance of
- * the cube's middle to the tool.  Each tool has one voxel.  At its pose one corner
- * of the cube [8, 16)^3 lies about a hundredth of a tool voxel inside the tool, in
- * the direction of the cube's diagonal:
+ * A case for backends that exclude a cube of 8^3 bone voxels by the distance from the cube's middle to the
+ * tool. Each tool has one voxel. At the tool's pose one corner of the cube [8, 16)^3 lies about a hundredth
+ * of a tool voxel inside the tool, in the direction of the cube's diagonal:
  *
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool

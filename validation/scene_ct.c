@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Random CTs as samples.  The bone has the shape of solids, shells or speckle, and
- * critical densities: the threshold and its neighbours, the borders of classes,
- * the ends of int16.  A sample lies up to an eighth of a voxel off its lattice
- * point.  Some voxels have two samples.
+ * Random CTs as samples. The bone has the shape of solids, shells or speckle, and critical densities: the
+ * threshold and its neighbours, the borders of classes, the ends of int16. A sample lies up to an eighth of
+ * a voxel away from its lattice point. Some voxels have two samples.
  */
 #include "validation/scene_parts.h"
 
@@ -20,8 +19,8 @@ static int16_t telling_density(draw *d, int32_t threshold)
     return (int16_t)draw_between(d, -1024, 3000);
 }
 
-/* Returns true if a voxel belongs to the bone. By kind, the bone is the complete CT, a ball, a shell, speckle or
-   slabs. */
+/* Returns true if a voxel belongs to the bone. The parameter `kind` selects its shape: the complete CT, a ball, a
+   shell, speckle or slabs. */
 static bool in_bone(int kind, const int32_t at[3], const ost_dims dims, draw *d)
 {
     const int64_t x = 2 * at[0] - dims.x + 1, y = 2 * at[1] - dims.y + 1, z = 2 * at[2] - dims.z + 1;
@@ -36,8 +35,8 @@ static bool in_bone(int kind, const int32_t at[3], const ost_dims dims, draw *d)
     }
 }
 
-/* Returns a position within an eighth of a voxel of a lattice point. Any such position is suitable, so the rounding
-   need not be exact. */
+/* Returns a position within an eighth of a voxel of a lattice point. The rounding of floats is harmless here, because
+   any such position is suitable. */
 static ost_pm near_lattice(draw *d, ost_pm origin, ost_pm spacing, int32_t index, bool jitter)
 {
     const ost_pm off = jitter ? draw_between(d, -spacing / 8, spacing / 8) : 0;
@@ -75,7 +74,8 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
                     s->samples[n++] = one;
                 }
             }
-    /* The order may be random, because only the rule for duplicates makes the result of a scatter depend on it. */
+    /* The order of the samples may be random, because the result of a scatter depends on it only through the rule for
+       duplicates. */
     if (draw_one_in(d, 2))
         for (size_t i = n; i > 1; i--) {
             const size_t other = (size_t)draw_between(d, 0, (int64_t)i - 1);

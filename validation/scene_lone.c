@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two kinds of cases of scene_reach.c:
+ * Two of the six types of cases that scene_reach.c describes:
  *
  *   lone      chunks in a row along x; in each of them only the voxels of one
  *             column are active: successive chunks have this column at successive
  *             positions, and the last chunk has it at its last position; all active
  *             voxels are means of two slices of the CT; a tool of more than 2^16
  *             triangles
- *   emptied   a bone that has no active voxel from the beginning, or whose last one
- *             is removed by an event, and with which a tool then collides again;
- *             except in the smoke tier, a tool of more than 2^16 rows with triangles
+ *   emptied   a bone without active voxels, either from the beginning or after an
+ *             event that removes the last one; a tool then collides with this bone;
+ *             in the larger tiers, also a tool of more than 2^16 rows with triangles
  *             of the smallest area
  */
 #include "validation/scene_parts.h"
@@ -57,7 +57,8 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
 {
     enum { CHUNK = 64, LAST = 37, WIDE = CHUNK * CHUNK + LAST, HIGH = 3, SLICES = 4 };
     const ost_pm cube = 500 * UM;
-    /* Layer k of the bone lies at slice (4 k - 1) / 6, so every layer except the first is a mean of two slices. */
+    /* Layer k of the bone lies at position (4 k - 1) / 6 in slices, so every layer except the first is a mean of two
+       slices. */
     s->rect = (ost_geometry){{WIDE, HIGH, SLICES}, {cube, cube, cube * 3 / 2}, {-1000000 * UM, 0, 0}};
     s->cubic = cube;
     s->resample = (ost_resample[]){OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST}[kind % 2];
@@ -94,7 +95,8 @@ ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_er
                 add_sample(s, x, y, z, draw_between(d, 0, never ? THRESHOLD - 1 : 3000));
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){29, 30, 31}, 0, cube, err);
-    const bool thin = c->tier != PLAN_SMOKE; /* preparing this tool takes longer than the rest of the case */
+    /* omitted in the smoke tier, because preparing this tool takes longer than the rest of the case */
+    const bool thin = c->tier != PLAN_SMOKE;
     if (status == OST_OK && thin)
         status = scene_add_thin_tool(s, cube / 2, err);
     const ost_pm3 middle = centre_of(&s->rect, SIDE / 2, SIDE / 2, SIDE / 2);

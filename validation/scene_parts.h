@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The parts of scenes: a CT, tools, ticks. After a failure the caller frees the scene with scene_free. */
+/* Functions that generate the parts of a scene: a CT, tools, ticks. After a failure the caller must call scene_free. */
 #ifndef OST_VALIDATION_SCENE_PARTS_H
 #define OST_VALIDATION_SCENE_PARTS_H
 
@@ -10,16 +10,15 @@
    random one is set. */
 ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err);
 /*
- * Makes one sample per voxel, in the order of a file.  Along x the distance of a
- * sample from its lattice point grows from sample to sample, up to SCENE_DRIFT at
- * the last.
+ * Makes one sample per voxel, in the order of a file. Along x the distance of a sample from its lattice
+ * point grows from sample to sample, up to SCENE_DRIFT picometres at the last sample.
  */
 enum { SCENE_DRIFT = 2000005 };
 ost_status scene_ct_drifting(scene *s, draw *d, ost_dims dims, ost_error *err);
 /* Makes one sample per voxel of a volume, in the order of a file. */
 ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err);
 
-/* Makes static event `number`: a bone without void voxels, one tool and one pose. */
+/* Makes static event `number` of the thesis: a bone without empty voxels, one tool and one pose. */
 ost_status scene_static(scene *s, int number, ost_error *err);
 
 /* Makes grids, meshes and ticks for a case of the PLAN_STEPS family: sweep, map, motor and snapping, without voxels. */
@@ -31,22 +30,21 @@ ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 /* Makes poses at which a corner of a cube of 8^3 voxels lies just inside a tool of one voxel (scene_corner.c). */
 ost_status scene_corners(scene *s, draw *d, ost_error *err);
 
-/* Make two kinds of cases of PLAN_REACH (scene_lone.c). scene_lone makes chunks in which only one column has active
-   voxels. scene_emptied makes a bone without active voxels. */
+/* These functions make two types of cases of PLAN_REACH (scene_lone.c). scene_lone makes chunks in which only one
+   column has active voxels. scene_emptied makes a bone without active voxels. */
 ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err);
 ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_error *err);
 
 /*
- * Adds a box of `size` voxels that fills its grid up to the border, such as a rod,
- * plate or bar along the axes.  The last `shaft` layers along z do not cut.
+ * Adds a tool that is a box of `size` voxels, such as a rod, plate or bar along an axis. The box fills its
+ * grid up to the border. The last `shaft` layers along z do not cut.
  */
 ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
 /*
- * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting
- * box that lacks one face.  In the rows of the box, which pass through both plates,
- * the mesh of the box is therefore not closed.  The corners of some triangles are
- * collinear.
+ * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting box that lacks one face.
+ * The rows through the box also pass through both plates. In these rows the mesh of the box is therefore
+ * not closed. The corners of some triangles are collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 
@@ -58,12 +56,12 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
-    SHAPE_REAMER,   /* SHAPE_REAMER, SHAPE_PEG and SHAPE_BURR: the parametric tools with a random size */
+    SHAPE_REAMER,   /* These three shapes are parametric tools with a random size. */
     SHAPE_PEG,
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped in any orientation */
-    SHAPE_TWICE,    /* the same solid twice: winding number 2, void by parity */
-    SHAPE_HOLLOW,   /* a solid that contains another solid whose faces are turned inside out */
+    SHAPE_TWICE,    /* the same solid twice: inside by winding number 2, outside by parity */
+    SHAPE_HOLLOW,   /* a solid with a cavity, which is a second solid whose faces are turned inside out */
     SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that its mesh is not closed */
     SHAPE_SOUP,     /* triangles that enclose nothing */
     SHAPE_SLIVERS,  /* thin and tiny triangles, many without area after snapping */
@@ -76,9 +74,9 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
                           ost_fill_rule rule, ost_error *err);
 
 /*
- * Adds a tool of 58^3 voxels that is solid up to its grid's border, unlike a mesh
- * with a margin.  The tool is a box with solids in it.  The sloped edges of the
- * solids pass exactly through the centres of rows, with products beyond 2^24.
+ * Adds a tool of 58^3 voxels that is solid up to the border of its grid. A grid computed from a mesh has an
+ * empty margin instead. The tool is a box with solids in it. The sloped edges of the solids pass exactly
+ * through the centres of rows, with products beyond 2^24.
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
@@ -91,19 +89,19 @@ ost_density_classes scene_classes(int count, int step);
 
 /* Sets sweep_off and makes `count` unrelated poses at which a tool is in the bone. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
-/* Adds `count` ticks with the last tool near the middle of the bone. */
+/* Adds `count` ticks in which the last tool is near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);
 /*
- * Adds three ticks with the last tool, which is not rotated. In each tick a layer
- * of bone voxels lies within a few units of 2^-20 tool voxels of the tool's face,
- * so a backend that rounds differently removes a different layer.
+ * Adds three ticks with the last tool, without rotation. In each tick a layer of bone voxels lies within a
+ * few units of 2^-20 tool voxels of the tool's face, so a backend that rounds differently removes a
+ * different layer.
  */
 ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err);
-/* Adds two ticks with the last tool, which moves through the middle of a chunk from one side to the other. In the
-   sweep a voxel is hit at many poses of one event. */
+/* Adds two ticks in which the last tool moves through the middle of a chunk from one side to the other. In the sweep
+   a voxel is hit at many poses of one event. */
 ost_status scene_add_crossing(scene *s, ost_error *err);
-/* Adds a tick with the last tool 2^32 units away from the bone. The tool meets no voxel there, but would meet all of
-   them if coordinates wrapped at 32 bits. */
+/* Adds a tick with the last tool 2^32 units away from the bone. The tool covers no voxel there, but would cover all
+   voxels if coordinates wrapped at 32 bits. */
 ost_status scene_add_far_pose(scene *s, ost_error *err);
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err);
 

@@ -15,8 +15,8 @@
 
 enum { TICK_NS = 1000000 };
 
-/* Returns the centre of a random voxel of the CT, a point on the border between two voxels, or any point up to one
-   voxel from a centre along each axis. */
+/* Returns a random target: the centre of a voxel of the CT, a point on the border between two voxels, or any point up
+   to one voxel from a centre along each axis. */
 static ost_pm3 drawn_target(const scene *s, draw *d)
 {
     const ost_geometry *g = &s->rect;
@@ -34,7 +34,7 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
     return (ost_pm3){p[0], p[1], p[2]};
 }
 
-/* Draws a unit quaternion: occasionally one of the 24 rotations of a cube, otherwise any rotation. */
+/* Draws a unit quaternion: sometimes one of the 24 rotations of a cube, otherwise any rotation. */
 static ost_status drawn_turn(draw *d, double q[4])
 {
     static const double root = 0.70710678118654752440;
@@ -82,7 +82,7 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
     return status;
 }
 
-/* Appends a tick with the last tool, without rotation. Returns NULL if memory is exhausted. */
+/* Appends a tick in which the last tool has no rotation. Returns NULL if memory is exhausted. */
 static ost_tick *another(scene *s, ost_error *err)
 {
     const size_t i = s->path.count;
@@ -118,8 +118,7 @@ ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *er
     return status;
 }
 
-/* The cubic grid along an axis: the centre of its first voxel, the centre of its middle voxel, and the number of
-   voxels. */
+/* The cubic grid along one axis: the centres of its first and middle voxel, and the number of voxels. */
 typedef struct along {
     ost_pm first, middle;
     int32_t n;
@@ -153,9 +152,9 @@ ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
         const along x = along_axis(s, a);
         const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK),
                       last = block + OST_MAP_BLOCK - 1;
-        /* A unit is voxel / 2^20. At the first voxel of a block the position is up to half a unit before the border
-           and is rounded onto it. At the last voxel it is up to 15 units behind the border, so that a step which is one
-           unit too short changes the result. */
+        /* A unit is voxel / 2^20. At the first voxel of a block, the position is up to half a unit before the border
+           and is rounded onto the border. At the last voxel of a block, the position is up to 15 units beyond the
+           border, so that a step of the map that is one unit too short changes the result. */
         const bool at_last = draw_one_in(d, 2) && last < x.n;
         const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION)
                                    : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);
@@ -192,9 +191,8 @@ ost_status scene_add_far_pose(scene *s, ost_error *err)
 }
 
 /*
- * Adds ticks along straight lines from target to target, with a rotation about a
- * random axis by `turn` (approximately radians) per tick.  The tool may change at
- * each target.
+ * Adds ticks along straight lines between random targets. Per tick the tool rotates by `turn`
+ * (approximately radians) about a random axis. The tool may change at each target.
  */
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err)
 {
@@ -220,7 +218,7 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
             at.y += (ost_pm)(way[1] / left * (double)speed);
             at.z += (ost_pm)(way[2] / left * (double)speed);
         }
-        /* q <- (1, turn/2 axis) q, normalised, which is a rotation by about `turn` */
+        /* q becomes the normalised product of (1, turn/2 axis) and q, a further rotation by about `turn` */
         const double h = turn / 2, r[4] = {1, h * axis[1], h * axis[2], h * axis[3]};
         double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3],
                        r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for situations that require a certain size or position.  There are six kinds
- * of cases, which alternate.  The last two kinds, `lone` and `emptied`, are in
- * scene_lone.c; the others are:
+ * Cases for situations that require a certain size or position. There are six types of cases, which
+ * alternate. Two types, `lone` and `emptied`, are in scene_lone.c; the other four are:
  *
  *   large    a sparse CT of samples; 1025 x 65 x 65 bone voxels, made from 32
  *            slices, so that the last chunk, brick and vector along each axis has
@@ -52,12 +51,13 @@ static ost_status reserve_ticks(scene *s, size_t count, ost_error *err)
 
 enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE_BAR = 530 };
 
-/* LARGE_UNIT is a unit of the map in picometres; it is even, so that half a unit is an integer. LARGE_VOXEL is a voxel
-   with this unit, about 0.35 mm. */
+/* LARGE_UNIT is the unit of the map in picometres; it is even, so that half a unit is an integer. LARGE_VOXEL is the
+   tool's voxel size that results from this unit, about 0.35 mm. */
 #define LARGE_UNIT ((ost_pm)334)
 #define LARGE_VOXEL (LARGE_UNIT << OST_MAP_FRACTION)
 
-/* Returns a position at the lattice point, exactly 1/8 or 3/8 of a voxel from it, or at another distance below 3/8. */
+/* Returns a position along one axis: on the lattice point, exactly 1/8 or 3/8 of a voxel from it, or at another
+   distance below 3/8. */
 static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
 {
     const ost_pm eighth = spacing / 8, offs[] = {0, eighth, eighth + 1, 3 * eighth};
@@ -77,8 +77,8 @@ static ost_sample sample_at(const scene *s, draw *d, int32_t x, int32_t y, int32
     return one;
 }
 
-/* Makes samples for the last column and the last row, and then for random voxels. Some samples repeat the position of
-   earlier ones. */
+/* Makes samples for the last column and the last row, and then for random voxels. Some samples have the position of
+   an earlier sample. */
 static void large_samples(scene *s, draw *d)
 {
     for (int32_t z = 0; z < LARGE_Z; z++) {
@@ -93,8 +93,8 @@ static void large_samples(scene *s, draw *d)
         ost_sample one = sample_at(s, d, x, y, z);
         if (draw_one_in(d, 5)) {
             const int32_t density = one.density;
-            /* Repeats the position of an earlier sample: the previous one, one of the last 64, which is the length of a
-               vector, or any earlier one. */
+            /* Repeats the position of an earlier sample: the previous sample, one of the last 64 samples (the length
+               of a vector), or any earlier sample. */
             const int64_t reach = draw_one_in(d, 3) ? 1 : draw_one_in(d, 2) ? 64 : (int64_t)s->sample_count;
             one = s->samples[(int64_t)s->sample_count - draw_between(d, 1, reach)];
             one.density = density;
@@ -102,8 +102,8 @@ static void large_samples(scene *s, draw *d)
         }
         s->samples[s->sample_count] = one;
     }
-    /* Pairs of duplicates: the first and the last sample of a batch, and samples on both sides of the border of a block
-       of 2^16 samples. */
+    /* Pairs of samples with equal position: the first and the last sample of a batch, and pairs on both sides of the
+       border of a block of 2^16 samples. */
     const size_t pairs[][2] = {{0, LARGE_SAMPLES - 1}, {65535, 65536}, {65534, 131072}, {131071, 131072}};
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
         ost_sample *to = &s->samples[pairs[i][1]];
@@ -141,12 +141,12 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
         status = reserve_ticks(s, 4, err);
     for (int i = 0; i < 4 && status == OST_OK; i++) {
         ost_pose *pose = &next_tick(s, i == 3)->pose;
-        /* The poses lead from one end of the bone to the other and cover the last rows and slices. */
+        /* The poses lead from one end of the bone to the other and include its last rows and slices. */
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM,
                             s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
-        /* The base of a block far from the first one of the box lies half a unit of the map before the bar's end. This
-           is a tie, which rounding half to even moves outside. */
+        /* In a block far from the first block of the box, the block's base lies half a unit of the map before the
+           bar's end. This position is a tie, which rounding half to even moves outside the bar. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
                         LARGE_UNIT / 2;
@@ -162,8 +162,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
-/* Returns a position at which the tool's voxels have a rounding tie, or a position up to 6 / 65536 of a voxel from a
-   tie. */
+/* Returns a position at which the rounding of tool voxel positions has a tie, or a position up to 6 / 65536 of a
+   voxel away from such a tie. */
 static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
 {
     const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);
@@ -225,7 +225,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK) /* two words per row; the numbers of rows and layers are three more than a power of two */
+    if (status == OST_OK) /* two words per row; the numbers of rows and of layers are a power of two plus three */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,
@@ -253,7 +253,8 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
         const int32_t x = (int32_t)draw_between(d, 0, SIDE - 1), y = (int32_t)draw_between(d, 0, SIDE - 1),
                       z = (int32_t)draw_between(d, 0, SIDE - 1);
         ost_sample one = sample_at(s, d, x, y, z);
-        /* Samples are refused only in the second half, so that the first refused one is not the first of its batch. */
+        /* Samples are refused only in the second half, so that the first refused sample is not the first sample of
+           its batch. */
         if (!conflicts_alone && i > MOST / 2 && draw_one_in(d, 9)) {
             const ost_pm offs[] = {3 * spacing / 8 + 1, spacing / 2, -spacing / 2, spacing * SIDE, -spacing * SIDE};
             ost_pm *const axes[] = {&one.x, &one.y, &one.z}, *at = axes[draw_between(d, 0, 2)];
@@ -273,7 +274,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 
-/* Adds a tick. The tool's position is that of bone voxel (x, y, z), minus `before` tool voxels along x. */
+/* Adds a tick. The tool's position is that of bone voxel (x, y, z), moved by `before` tool voxels towards lower x. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;
@@ -315,8 +316,8 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
         status = reserve_ticks(s, 7, err);
     if (status != OST_OK)
         return status;
-    /* The plates lie 16 to 20 voxels from the tool's middle on either side. They do not reach the last rows and the
-       first slices of the bone. */
+    /* The plates lie 16 to 20 voxels from the tool's middle, one on each side. They reach neither the last rows nor
+       the first slices of the bone. */
     hollow_tick(s, 0, 12, 10, 25, 0);
     hollow_tick(s, 0, 38, 10, 25, 0);
     hollow_tick(s, 0, 98, 10, 25, 0);

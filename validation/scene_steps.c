@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the inputs of cases that test only sweep, map, motor and snapping
- * (steps_record.h), without voxels.  The situations are rare in random cases with
- * a bone.
+ * Makes the inputs of cases that test only sweep, map, motor and snapping (steps_record.h), without voxels.
+ * In random cases with a bone, the situations tested here are rare.
  *
  *   even cases   lengths are multiples of a unit that is odd relative to the tool's
  *                voxel of 2^21 units, so that steps of the map, bases of blocks and
  *                snapped vertices are halves of a unit, which are ties
  *   odd cases    lengths are any number of picometres; grids are at the ends of the
  *                range of 8 m
- *   every third  the path consists of poses of the handle, to which a motor adds its
- *                rotation
+ *   every third  the path consists of poses of the handle, and a motor rotates the
+ *                tool in addition
  *
  * The distance between two ticks is an integer number of half voxels, or one
  * picometre more or less, so that the case of equality in AR-SWEEP-2 is tested.
@@ -25,7 +24,7 @@
 enum { VERTICES = 24, TRIANGLES = 40, TICKS = 24 };
 #define FARTHEST INT64_C(8000000000000)
 
-/* Returns a length that is a multiple of `unit`. */
+/* Returns a random length in [lo, hi] that is a multiple of `unit`. */
 static ost_pm drawn(draw *d, ost_pm lo, ost_pm hi, ost_pm unit)
 {
     return draw_between(d, lo / unit, hi / unit) * unit;
@@ -53,7 +52,7 @@ static void make_grid(scene *s, draw *d, int number, ost_pm unit)
 }
 
 /* Makes a tool whose corners are multiples of 2^-11 of a voxel, so that some of them lie half-way between two lattice
-   points. The ends of the tool are at multiples of a voxel, where AR-TOOL-2 has ties. */
+   points. The ends of the tool are at multiples of a voxel, which are ties in AR-TOOL-2. */
 static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_error *err)
 {
     scene_tool *tool = &s->tools[s->tool_count];
@@ -86,7 +85,7 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
-/* Computes the rotation `last`, followed by a rotation of up to `turn` about each axis. */
+/* Computes in q the rotation `last`, followed by a rotation of up to `turn` about each axis. */
 static void turn_on(draw *d, double turn, const double last[4], double q[4])
 {
     const double h[4] = {1, draw_real(d, -turn, turn), draw_real(d, -turn, turn), draw_real(d, -turn, turn)};
@@ -132,7 +131,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
                                   : middle.z) +
                         drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        /* rotations by 0 and then by 90 degrees, the limit of AR-SWEEP-3 */
+        /* In two successive ticks the rotation is 0 and then 90 degrees, the limit of AR-SWEEP-3. */
         if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5))
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)

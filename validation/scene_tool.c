@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tools, from simple to degenerate.  Corners are drawn as integers, so
- * that every machine makes the same triangles.
+ * Meshes for tools, from simple to degenerate. Corners are random integers, so that every machine generates
+ * the same triangles.
  */
 #include "validation/scene_parts.h"
 
@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The faces of a box whose corners are numbered by the bits x, y, z. The normals point outward if the three edges of
-   the box are right-handed. */
+/* The faces of a box whose 8 corners have numbers with the bits x, y, z. The normals point outward if the three edges
+   of the box are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-/* Makes `count` solids in random orientations. If inside_out is true, every second solid is turned inside out. If same
-   is true, all solids are the same. */
+/* Makes `count` solids in random orientations. If inside_out is true, the faces of every second solid are turned
+   inside out. If same is true, all solids are equal. */
 static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
 {
     ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);
@@ -109,8 +109,8 @@ static ost_status mesh_of(draw *d, scene_shape shape, ost_pm size, ost_mesh *out
     return boxes(d, size, 1, false, false, out, err);
 }
 
-/* Moves the vertices to multiples of half a voxel, so that corners, edges and faces pass through the centres of voxels,
-   which are ties. */
+/* Moves the vertices to multiples of half a voxel. Corners, edges and faces then pass through the centres of voxels,
+   where voxelization has ties. */
 static void align(ost_mesh *mesh, ost_pm voxel)
 {
     const ost_pm step = voxel / 2;
@@ -186,8 +186,8 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 /* ----------------------------------------------- a tool that fills its grid */
 
 /*
- * The edge a b of a small solid passes through the centre C of a row, and no
- * product of its edge function can be represented as a float:
+ * The edge from a to b of a small solid passes through the centre C of a row. Its direction (p, q) is
+ * chosen so that no product in its edge function can be represented as a float:
  *
  *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
  *
@@ -248,7 +248,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     return status;
 }
 
-/* Makes a box that covers layers [z0, z1) of a grid, from border to border along x and y. */
+/* Makes a box that covers layers [z0, z1) of a grid completely along x and y. */
 static ost_status layers(const ost_tool_geometry *grid, int32_t z0, int32_t z1, ost_mesh *out, ost_error *err)
 {
     const ost_pm3 lo = grid->corner;
@@ -288,8 +288,8 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 
 enum { PLATES_X = 48, PLATES_YZ = 40, PLATES_ON_A_LINE = 4 };
 
-/* Adds the corners of a box and its triangles except the last `open`. lo and hi are in voxels from the grid's
-   corner. */
+/* Adds the corners of a box and its triangles, without the last `open` triangles. lo and hi are in voxels from the
+   grid's corner. */
 static void put_box(const ost_tool_geometry *grid, const int32_t lo[3], const int32_t hi[3], size_t open,
                     ost_mesh *mesh, size_t *corners)
 {
@@ -326,7 +326,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
     put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the face at the upper end along x is missing */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
-        for (int c = 0; c < 3; c++, corners++) { /* one line along x and three oblique lines */
+        for (int c = 0; c < 3; c++, corners++) { /* the corners lie on one line along x and on three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
             cutting->vertices[corners] =
                 (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2),
@@ -342,9 +342,8 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
 enum { THIN_X = 2, THIN_Y = 257, THIN_Z = 256, NEEDLES = 6, RING = 4 };
 
 /*
- * Adds a needle that fills column 1 of a row, but no voxel of the rows next to it.
- * It extends along x over the complete column, and across one unit from the row's
- * centre.
+ * Adds a needle that fills column 1 of a row, but no voxel of the rows next to it. Along x it extends over
+ * the complete column; along y and z it extends one unit from the row's centre.
  *
  *         1           Each end consists of four triangles around the row's
  *       / | \         centre.  Twice the area of each projection is 1.  One of
@@ -356,7 +355,7 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
                        size_t *corners)
 {
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
-    /* far: offset from the index of a corner at x to that of the same corner at x + 1 */
+    /* far is the difference between the index of a corner at x + 1 and that of the same corner at x */
     const uint32_t first = (uint32_t)*corners, far = RING + 1;
     for (uint32_t end = 0; end < 2; end++)
         /* Coordinates are rounded to picometres. Snapping restores the exact lattice units. */

@@ -21,7 +21,7 @@ uint64_t sensitivity_injections(plan_tier tier)
     return counts[tier];
 }
 
-/* The record during which the mistake first changed a result. */
+/* The record during whose computation the mistake first changed a result. */
 typedef struct witness {
     ost_backend *backend;
     bool seen;
@@ -33,7 +33,7 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
-    /* A backend computes neither snapped meshes nor steps. The steps of an event are recorded after the event. */
+    /* A backend computes neither snapped meshes nor steps. The steps of an event are recorded only after the event. */
     if (w->seen || stage == TRACE_SNAP ||
         stage == TRACE_STEPS)
         return;
@@ -79,7 +79,7 @@ static bool is_located(const witness *w, const compare_difference *d)
         return memcmp(d->voxel, first->voxel, sizeof d->voxel) == 0;
     if (d->kind == COMPARE_WORD)
         return first->voxel[0] < 0 && (first->chunk < 0 || first->chunk == d->chunk);
-    return true; /* the records have different shapes, so only the stage and the item can be compared */
+    return true; /* the numbers of words or blocks differ, so only the stage and the item can be compared */
 }
 
 static void judge(sensitivity *out, const deviation *how, const plan_case *c, const witness *w,
@@ -184,8 +184,8 @@ static ost_status inject(const deviation *how, const scene *s, const plan_case *
     return OST_OK;
 }
 
-/* Draws the rate of a mistake: it is made in one of 2^k units on average. Even at the lowest rate, a few scenes have
-   enough units for at least one mistake, so that most injections are triggered. */
+/* Draws the rate of a mistake: on average the mistake is made in one of 2^k units. Even at the lowest rate, a few
+   scenes have enough units for at least one mistake, so that most injections are triggered. */
 static uint32_t drawn_rate(draw *d, deviation_kind kind)
 {
     static const struct {
@@ -202,19 +202,21 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes that are made in one scene. */
 typedef struct share {
-    /* numbers of the mistakes in this scene, within the pass; every kind of mistake has the same share of the
-       numbers */
+    /* Range of the mistakes of this scene, as numbers within the pass. Every kind of mistake has the same share of
+       the numbers. */
     uint64_t first, count;
     const deviation *only;       /* if not NULL, only this mistake is made */
-    const deviation_kind *kinds; /* if not NULL, each of these kinds is made once, and no numbered mistakes are made */
-    bool everywhere;             /* true: the mistakes are made in every unit instead of at a random rate */
+    /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */
+    const deviation_kind *kinds;
+    /* true if the mistakes are made in every unit; false if they are made at a random rate */
+    bool everywhere;
 } share;
 
-/* Scratch memory of one thread. */
+/* The scratch files and the results of one thread. */
 typedef struct bench {
     int files[2]; /* descriptors of the reference's trace and of the compared trace */
     char names[2][SCRATCH_NAME];
-    sensitivity found; /* results of this thread */
+    sensitivity found;
 } bench;
 
 static deviation drawn_mistake(draw *d, const share *of, uint64_t i)
@@ -274,18 +276,18 @@ static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
     to->not_located += n->not_located;
 }
 
-/* The state of one pass; each thread takes the next scene when it is free. */
+/* The state of one pass, shared by its threads. A thread that is free takes the next scene. */
 typedef struct proof {
     sensitivity *out;
     uint64_t injections;
     deviation_kind kinds[DEVIATION_KINDS]; /* kinds of mistakes that the second pass makes */
     uint64_t kind_count;                   /* number of kinds; 0 in the first pass */
-    int end;                               /* exclusive end of the pass's scenes */
+    int end;                               /* exclusive end of the pass's scene numbers */
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* protects the members below and *out */
     int next;             /* next scene */
-    int problem_at;       /* number of the scene of out->first_problem; -1: none */
+    int problem_at;       /* number of the scene that out->first_problem describes; -1 if there is none */
     ost_error err;
 } proof;
 
@@ -394,8 +396,8 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
     run_pass(&p, jobs);
-    /* Each kind that changed nothing is made in every unit of a few more scenes. This is omitted if the run has fewer
-       injections than kinds. */
+    /* Each kind of mistake that changed no result is made in every unit of a few more scenes. This is omitted if the
+       run has fewer injections than kinds. */
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS && injections >= DEVIATION_KINDS - 1; k++)
         if (!out->of[k].changed)
             p.kinds[p.kind_count++] = (deviation_kind)k;

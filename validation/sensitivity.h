@@ -8,21 +8,20 @@
  *        |------dense, correct--> trace --compare--> equal, or a false alarm
  *        '------dense, with a mistake--> trace --compare--> detected or not, and the position
  *
- * The dense backend runs every stage a second time without the mistake
- * (dense/deviation.h). Each injection therefore records whether the mistake was
- * made at all (triggered), and which voxel or line of a report it changed first.
+ * The dense backend runs every stage a second time without the mistake (dense/deviation.h). Each injection
+ * therefore records whether the erroneous code was executed (triggered), and which voxel or line of a
+ * report it changed first.
  *
  *   changed    the mistake changed a result that the backend returns
  *   detected   the comparison found a difference
  *   located    the comparison named the record (stage; tool or tick) and the voxel,
  *              or the chunk's line in the report, that the mistake changed first
- *   survived   the mistake was made, but no result changed; the table of kinds
- *              lists when this can happen
+ *   survived   the erroneous code was executed, but no result changed; the table of
+ *              mistakes lists when this can happen
  *
- * The mistakes are made in validation/dense and in no backend under test, so this
- * tests the comparison.  Kinds that change nothing in the first pass are made
- * everywhere in four more scenes.  Kinds that change nothing there either are
- * reported.
+ * The mistakes are made in validation/dense and in no backend under test, so this measurement tests the
+ * comparison. Mistakes that change no result in the first pass are repeated at every position in four more
+ * scenes. Mistakes that change no result there either are reported.
  */
 #ifndef OST_VALIDATION_SENSITIVITY_H
 #define OST_VALIDATION_SENSITIVITY_H
@@ -33,11 +32,11 @@
 
 typedef struct sensitivity_counts {
     uint64_t injected, triggered, changed, detected, located, survived;
-    /* numbers of changed results that were not detected or not located; each of them is a defect of the comparison */
+    /* Numbers of changed results that were not detected or not located. Each one is a defect of the comparison. */
     uint64_t not_detected, not_located;
 } sensitivity_counts;
 
-/* The number of classes of differences: the patterns, one class for differences only in the report, and one for
+/* The number of difference classes: one for each pattern, one for differences only in the report, and one for
    differences without grids to compare. */
 enum { SENSITIVITY_CLASSES = PATTERNS + 2 };
 const char *sensitivity_class_name(int class);
@@ -46,24 +45,23 @@ typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
     uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
-    /* number of kinds of mistakes that changed a result; number of these kinds that were detected and located each
-       time */
+    /* number of mistakes that changed a result, and number of those that were detected and located every time */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
-    char first_problem[300]; /* the first miss or false alarm, with the command that repeats it */
+    char first_problem[300]; /* the first undetected change or false alarm, with the command that repeats it */
 } sensitivity;
 
-/* Returns the number of injections of a tier in the first pass. In the smoke tier each kind is made once, in every
+/* Returns the number of injections in the first pass of a tier. In the smoke tier each mistake is made once, in every
    unit. */
 uint64_t sensitivity_injections(plan_tier tier);
 
-/* Runs all injections on `jobs` threads. The result does not depend on the number of threads. show may be NULL; only
-   one thread calls it at a time. */
+/* Runs all injections on `jobs` threads. The result does not depend on the number of threads. The callback show may
+   be NULL; calls of it do not overlap. */
 ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);
 
-/* Makes only this mistake, in the scene with this number. */
+/* Makes only the mistake `how`, in the scene with this number. */
 ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
 
 #endif

@@ -14,13 +14,14 @@
 
 enum { FOLDERS = 4, WORKERS = 256, PATH = 1200, DEPTH = 4, TRIES = 3 };
 
-/* A signal handler reads a slot only in the state LISTED. The path is complete before this state is set. */
+/* States of a slot. The signal handler reads a slot only in the state LISTED, which is set after the path is
+   complete. */
 enum { FREE, TAKEN, LISTED };
 static struct {
     atomic_int state;
     char path[PATH];
 } folders[FOLDERS];
-static _Atomic pid_t workers[WORKERS]; /* 0: a free slot */
+static _Atomic pid_t workers[WORKERS]; /* 0 marks a free slot */
 
 void signal_cleanup_folder(const char *path)
 {
@@ -59,8 +60,8 @@ void signal_cleanup_worker_gone(pid_t pid)
     }
 }
 
-/* Removes the contents of an open folder. Reads the entries directly by a system call, because readdir may allocate
-   memory, which a signal handler must not do. */
+/* Removes the contents of an open folder. Reads the entries by a system call, because readdir may allocate memory,
+   which is not allowed in a signal handler. */
 static void empty_folder(int folder, int depth)
 {
     /* struct linux_dirent64: inode (64 bits), offset (64 bits), length (16 bits), type (8 bits), name */
@@ -86,7 +87,7 @@ static void empty_folder(int folder, int depth)
 
 static void remove_folder(const char *path)
 {
-    /* If another thread has added a file in the meantime, the folder is emptied again. */
+    /* Another thread may add a file in the meantime, so the folder is emptied several times. */
     for (int tries = 0; tries < TRIES; tries++) {
         const int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
         if (folder < 0)
@@ -110,7 +111,7 @@ void signal_cleanup_end(void)
     for (int i = 0; i < WORKERS; i++) {
         const pid_t pid = atomic_load(&workers[i]);
         if (pid > 0)
-            (void)kill(-pid, SIGKILL); /* a test of the suite has its own process group, a worker has none */
+            (void)kill(-pid, SIGKILL); /* a test of the suite has a process group of its own; a worker has none */
         if (pid > 0 && kill(pid, SIGKILL) == 0)
             waitpid(pid, NULL, 0);
     }

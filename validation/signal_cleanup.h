@@ -6,17 +6,16 @@
  *   signal_cleanup_folder, signal_cleanup_worker --signal--> signal_cleanup_end: workers are
  *                                                killed, folders removed
  *
- * SIGKILL runs no handler.  The system then kills the workers, because their
- * parent ended (worker.c), and deletes the traces, which have no names (scratch.h).
- * The unfinished folder of a bundle remains.
+ * After SIGKILL no handler runs. The system then kills the workers, because their parent ended (worker.c),
+ * and deletes the traces, which have no names (scratch.h). The unfinished folder of a bundle remains.
  */
 #ifndef OST_VALIDATION_SIGNAL_CLEANUP_H
 #define OST_VALIDATION_SIGNAL_CLEANUP_H
 
 #include <sys/types.h>
 
-/* Adds a folder to the list and copies its path. If the list is full or the path is too long, the folder is not added,
-   and a signal does not remove it. */
+/* Adds a folder to the list and copies its path. A folder is not added, and therefore not removed after a signal, if
+   the list is full or the path is too long. */
 void signal_cleanup_folder(const char *path);
 void signal_cleanup_folder_gone(const char *path);
 /* Removes a listed folder, its contents, and its entry in the list. */

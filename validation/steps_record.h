@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The steps before the voxels, as records of a trace. They are made by src/core,
- * by its second implementation (dense/steps.h), or by a plugin.
+ * Trace records of the steps: the computations that precede the voxels. Steps are computed by src/core, by
+ * its second implementation (dense/steps.h), or by a plugin.
  *
  *   snap   one tool: for each of its two meshes 15 words (the grid, f, counts and
  *          the digest of AR-DIG-7); then the cutting mesh's vertices, one per word
@@ -22,10 +22,10 @@
 typedef struct steps_pose {
     ost_pose pose;
     ost_map map;
-    bool near[3];        /* for each block of steps_blocks, true if it is near (AR-MAP-5) */
+    bool near[3];        /* for each block of steps_blocks, true if the block is near (AR-MAP-5) */
     int32_t base[3][3];  /* bases of the near blocks; 0 for far blocks */
-    bool reaches;        /* true if a voxel can be inside the tool's grid */
-    ost_voxel_box box;   /* box of the voxels that can be inside the grid; empty if there are none */
+    bool reaches;        /* true if at least one voxel can be inside the tool's grid */
+    ost_voxel_box box;   /* bounding box of the voxels that can be inside the tool's grid; empty if there are none */
 } steps_pose;
 
 /* Returns the first voxels of the three blocks whose bases are recorded: the grid's first, middle and last block. */
@@ -40,13 +40,13 @@ ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int
                              ost_error *err);
 
 /* Adds the words of a snap record. If second is true, the digest is computed by steps_mesh_digest. parts[1] has no
-   triangles if there is no second mesh. parts is NULL if the meshes before snapping are not known. */
+   triangles if there is no second mesh. parts is NULL if the meshes before snapping are not available. */
 ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD]);
-/* Returns true if the word is the member `reaches` of a pose or belongs to its box. */
+/* Returns true if the word with this index is the member `reaches` of a pose or belongs to the pose's box. */
 bool steps_word_is_bound(size_t word);
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The names of the words of step records, and the words that are bounds. */
+/* The names of the words of step records. Also determines which of these words are bounds. */
 #include "validation/steps_record.h"
 
 #include <stdio.h>
@@ -54,9 +54,9 @@ bool steps_word_is_bound(size_t word)
     return word >= TICK_WORDS && (word - TICK_WORDS) % POSE_WORDS >= REACHES;
 }
 
-/* Returns true if a word of `is` covers the bound in the same word of `least`. The word `reaches` must be set if it is
-   set in `least`. The box of `is` must contain the box of `least`; the boxes are compared only if `reaches` is set in
-   both. */
+/* Returns true if a word of `is` covers the bound in the same word of `least`. The word `reaches` covers the bound if
+   it is set or not set in `least`. The box of `is` must contain the box of `least`; the boxes are compared only if
+   `reaches` is set in both records. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

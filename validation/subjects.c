@@ -47,12 +47,13 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
             continue;
         left--;
         for (int t = 0; t < 4; t++) {
-            /* In the smoke tier the instruction sets run with 2, 3 and 7 threads in turn. The last set also runs with
-               each of these counts that no other set has. */
+            /* In the smoke tier the instruction sets run alternately with 2, 3 and 7 threads. The last set also runs
+               with those of these counts that no other set has. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;
-            /* In the larger tiers, 3 and 7 threads get their work in different orders, with pauses. */
+            /* In the larger tiers, subjects with 3 or 7 threads start their work items in different orders, with
+               pauses. */
             const char *const order = tier == PLAN_SMOKE || t < 2 ? "" : t == 2 ? ",order=1" : ",order=2";
             snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d%s%s", ost_isa_name((ost_isa)i), threads[t],
                      t ? ",grain=1" : "", order);
@@ -85,7 +86,7 @@ static ost_status add_cpu(plan_tier tier, subject_list *list, ost_error *err)
     return subjects_cpu(tier, here, list, err);
 }
 
-/* The ways in which each OpenCL device is run: both kernel sets, and large data in parts (staging). */
+/* The configurations in which each OpenCL device runs: both kernel sets, and large data in parts (staging). */
 static const struct {
     const char *options, *what;
     bool smoke;
@@ -109,10 +110,10 @@ typedef struct device_visit {
     subject_list *list;
     ost_error *err;
     ost_status status;
-    subject *named; /* subject whose device is to be found; NULL: all devices are added */
+    subject *named; /* subject whose device is searched; NULL if all devices are added */
 } device_visit;
 
-/* Adds one subject of a device. reason is "" if it can run. */
+/* Adds one subject of a device. The parameter reason is "" if the subject can run. */
 static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what,
                     const char *reason)
 {
@@ -193,7 +194,7 @@ static ost_status add_cl(plan_tier tier, subject_list *list, ost_error *err)
     return OST_OK;
 }
 
-/* Opens a backend in a worker that runs no case. If this fails, the worker's message is the error. */
+/* Opens a backend in a worker that runs no case. If this fails, the error line is the worker's message. */
 static ost_status try_apart(const char *spec, ost_error *err)
 {
     char program[1024];
@@ -222,8 +223,8 @@ static ost_status try_apart(const char *spec, ost_error *err)
     return ost_fail(err, end.code == 3 ? OST_ERR_UNAVAILABLE : OST_ERR_USAGE, "%s", text);
 }
 
-/* Adds one of the user's specs. Opens its backend at once, so that a mistake in the spec is reported as an error and
-   not as a result. */
+/* Adds one of the user's specs. Opens its backend immediately, so that a mistake in the spec is reported as an error
+   and not as a result of the campaign. */
 static ost_status add_wanted(plan_tier tier, const char *spec, subject_list *list, ost_error *err)
 {
     if (strcmp(spec, "cpu") == 0)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The subjects of a campaign: the reference, and every way in which this
- * machine can run the other backends, as strings that ost_backend_open takes.
+ * The subjects of a campaign: the reference, and every configuration in which this machine can run the
+ * other backends. A configuration is a string that ost_backend_open accepts.
  *
  *   cpu   each available instruction set, with 1 thread and with 2, 3 and 7
- *         threads that divide even the smallest work (grain=1); the best set with
+ *         threads that divide even the smallest amount of work (grain=1); the best set with
  *         3 threads and the default thresholds; the voxelizer by Embree if it was
  *         compiled in.  In the smoke tier each set runs with 1 thread and one of
  *         the counts 2, 3 and 7, and the last set also with the missing counts
@@ -12,7 +12,7 @@
  *         data undivided and with large data in parts.  In the smoke tier the set
  *         for GPUs gets the data only in parts, the other set only undivided
  *   plugin:FILE.so   a plugin, if the user names it; it is first opened in a
- *                    separate process, because its code may do anything
+ *                    separate process, because its code may crash or change the process
  *   dump:DIR         the dump of another program, if the user names it
  *
  * Subjects that cannot run are listed with the reason, because a report must
@@ -26,15 +26,15 @@
 #include "validation/plan.h"
 
 #define SUBJECT_DENSE "dense" /* the second implementation, with its own steps (dense/steps.h) */
-#define SUBJECT_DUMP "dump:" /* prefix of a folder of grids that another program made (dump.h) */
+#define SUBJECT_DUMP "dump:" /* prefix of a folder of grids that another program computed (dump.h) */
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
     char what[SUBJECT_REASON]; /* description: device and driver, instruction set */
-    /* OpenCL device in the form in which ost_backend_devices lists it, whatever spec selected it; "" if none */
+    /* OpenCL device as listed by ost_backend_devices, independent of the spec that selected it; "" if there is none */
     char device[64];
     bool available;
-    char reason[SUBJECT_REASON]; /* the reason if the subject is not available */
+    char reason[SUBJECT_REASON]; /* reason why the subject is not available */
 } subject;
 
 typedef struct subject_list {
@@ -44,18 +44,18 @@ typedef struct subject_list {
     char no_opencl[SUBJECT_REASON]; /* the reason why no available subject is an OpenCL device */
 } subject_list;
 
-/* Finds the subjects. wanted is NULL for all subjects of the tier, or a list of specs separated by semicolons, as in
-   "cpu:isa=avx2;cl:device=0". The specs "cpu" and "cl" alone mean all subjects of that backend. */
+/* Finds the subjects. wanted is a list of specs separated by semicolons, as in "cpu:isa=avx2;cl:device=0", or NULL
+   for all subjects of the tier. The specs "cpu" and "cl" alone select all subjects of that backend. */
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);
 
-/* Returns the name of instruction set `isa` of the cpu backend; NULL after the last. */
+/* Returns the name of instruction set number `isa` of the cpu backend, or NULL after the last one. */
 const char *subjects_isa(int isa);
 /* Adds the subjects of the cpu backend for a processor with the instruction sets `here`, in the order of
    subjects_find. */
 ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, ost_error *err);
-/* Returns the options of the n-th subject of each usable OpenCL device in a tier; NULL after the last. A spec consists
-   of the device's name, a comma and these options. */
+/* Returns the options of the n-th subject that a tier runs on each usable OpenCL device, or NULL after the last one.
+   The spec of a subject consists of the device's name, a comma and these options. */
 const char *subjects_cl_options(plan_tier tier, int n);
 
 #endif

@@ -24,23 +24,23 @@ enum { SLOTS = 16, BLOCK = 1 << 16, WAIT_MS = 50 };
 extern char **environ;
 
 typedef struct running {
-    pid_t pid;   /* process id, which is also the id of its process group */
-    int output_fd; /* read end of the pipe for the test's output; -1: closed */
+    pid_t pid;   /* process id, which is also the id of the test's process group */
+    int output_fd; /* read end of the pipe for the test's output; -1 if closed */
     size_t number;
     double begun;
     json_int_t bytes;
     ost_hasher *hasher;
-    const char *stopped; /* reason for which the test was stopped: "time" or "output"; "" if it was not stopped */
+    const char *stopped; /* "time" or "output", the limit that the test exceeded; "" if the test was not stopped */
     bool line_ended;
     size_t used;
-    char line[SUITE_REASON]; /* the last line of the test's output that is not empty */
+    char line[SUITE_REASON]; /* last non-empty line of the test's output */
 } running;
 
 typedef struct runner {
     const suite_options *o;
     char program[PATH_MAX];
     const json_t *tests;
-    json_t *rows; /* array with one entry per test: its row, or null */
+    json_t *rows; /* array with one entry per test: the test's row in suite.json, or null before it ends */
     running slots[SLOTS];
     int count;
     size_t done;
@@ -148,7 +148,7 @@ static void store_line(running *t, const char *bytes, ssize_t count)
     }
 }
 
-/* Reads the available output up to the limit. Closes the pipe at its end. */
+/* Reads the available output up to the limit. Closes the pipe at the end of the output. */
 static ost_status read_output(running *t, ost_error *err)
 {
     char block[BLOCK];
@@ -191,14 +191,14 @@ static void reason_of(const runner *r, const running *t, json_int_t status, char
     snprintf(reason, 2 * SUITE_REASON, "%s%s%s", plain ? "" : how, !plain && *line ? "; it printed last: " : "", line);
 }
 
-/* Makes the row of a test that ended, and frees its slot. */
+/* Makes the suite.json row of a test that ended, and frees its slot. */
 static ost_status finish(runner *r, int slot, int state, ost_error *err)
 {
     running *t = &r->slots[slot];
     char reason[2 * SUITE_REASON], hex[OST_DIGEST_HEX];
     ost_digest digest = {{0}};
     const json_int_t code = WIFSIGNALED(state) ? -(json_int_t)WTERMSIG(state) : (json_int_t)WEXITSTATUS(state);
-    ost_status status = read_output(t, err); /* reads the remaining output */
+    ost_status status = read_output(t, err);
     if (t->output_fd >= 0)
         close(t->output_fd);
     const ost_status closed = ost_hasher_close(t->hasher, &digest, status == OST_OK ? err : NULL);
@@ -222,7 +222,7 @@ static ost_status finish(runner *r, int slot, int state, ost_error *err)
     return status;
 }
 
-/* Finishes the tests that have ended, and kills their process groups, so that no process of these tests remains. */
+/* Records the tests that have ended, and kills their process groups, so that no process of these tests remains. */
 static ost_status reap(runner *r, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -231,7 +231,7 @@ static ost_status reap(runner *r, ost_error *err)
         int state;
         if (waitid(P_PID, (id_t)r->slots[i].pid, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || !info.si_pid)
             continue;
-        /* sent before the process is reaped, because its id may be reused afterwards */
+        /* sent before waitpid, because the process id may be reused afterwards */
         kill(-r->slots[i].pid, SIGKILL);
         while (waitpid(r->slots[i].pid, &state, 0) < 0)
             if (errno != EINTR)
@@ -274,7 +274,7 @@ static ost_status run_all(runner *r, ost_error *err)
         if (status == OST_OK)
             status = reap(r, err);
     }
-    for (int i = 0; i < r->count; i++) { /* after an error, stops the tests that are still running */
+    for (int i = 0; i < r->count; i++) { /* after an error, the tests that are still running are stopped */
         running *t = &r->slots[i];
         stop(t, "time");
         waitpid(t->pid, NULL, 0);

@@ -4,10 +4,9 @@
  *
  *   FOLDER/tests/run-test PATH --exit status, output--> suite.json (bundle/suite.h)
  *
- * make writes tests/run-test into the build folder.  Any folder that has such a
- * program can be a suite.  Each test runs in its own process group, with /dev/null
- * as its input.  Its running time and the size of its output are limited.  Only the
- * size, the SHA-256 and the last line of the output are recorded.
+ * make writes tests/run-test into the build folder. Any folder that contains this program can be used as a
+ * suite. Each test runs in its own process group, with /dev/null as its input. Its running time and the
+ * size of its output are limited. Only the size, the SHA-256 and the last line of the output are recorded.
  */
 #ifndef OST_VALIDATION_SUITE_RUN_H
 #define OST_VALIDATION_SUITE_RUN_H
@@ -16,14 +15,14 @@
 #include <osteon/status.h>
 
 typedef struct suite_options {
-    const char *folder, *requirements; /* requirements: the text of requirements.csv */
+    const char *folder, *requirements; /* requirements is the text of requirements.csv */
     int64_t limit_s;                   /* time limit of each test in seconds */
     int jobs;                          /* maximum number of concurrent tests */
     void (*show)(void *user, const char *what, double share);
     void *user;
 } suite_options;
 
-/* Returns OST_ERR_INPUT and sets the reason if the folder has no program tests/run-test. */
+/* Returns OST_ERR_INPUT with an error line if the folder contains no program tests/run-test. */
 ost_status suite_find(const char *folder, ost_error *err);
 
 /* Runs the tests. *out receives the content of suite.json; the caller owns the reference. */

@@ -34,8 +34,8 @@ size_t trace_report_head(trace_stage stage)
     return stage == TRACE_TICK ? 13 : stage == TRACE_COLLIDE ? 3 : 0;
 }
 
-/* Writes the name of a word of a chunk's line. The words are the chunk's number, and then for each class the number of
-   voxels and the sum of their densities. */
+/* Writes the name of a word in a chunk's line of a report. The line consists of the chunk's number and, for each
+   class, the number of voxels and the sum of their densities. */
 static void name_in_line(uint64_t at, char text[TRACE_WORD])
 {
     if (at == 0)
@@ -92,20 +92,21 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
     if (stage != TRACE_TICK)
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
-    /* The first chunk of a range may be smaller. The end of a range and boxes_meet may be greater. */
+    /* The start of a range of chunks may be below the bound. The end of a range and boxes_meet may be greater. */
     return word >= 4 && word % 2 == 0 ? has <= needs
                                       : has >= needs;
 }
 
 /* ---------------------------------------------------------- writing a trace */
 
-/* A writer with the record that is being written. The record's counts are set when it ends. */
+/* A writer and the state of the record that is being written. The counts in the record's head are set when the record
+   ends. */
 struct trace_writer {
     FILE *file;
     char *path;
     uint8_t *buffer;
     size_t used, capacity;
-    size_t blocks_at; /* offset of the number of blocks; 0 while words are added */
+    size_t blocks_at; /* offset of the block count in the record; 0 while words are added */
     uint64_t words, blocks;
     bool no_memory;
 };

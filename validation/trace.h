@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A trace holds all results of one backend for a list of cases, in order.  They
- * are stored as bytes, so that the results of two backends can be compared.
+ * A trace holds all results of one backend for a list of cases, in order. The results are stored as bytes,
+ * so that those of two backends can be compared.
  *
  *   case, rect, cubic, resample, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
  *   case, ...
@@ -9,7 +9,7 @@
  * A record is a head of 32 bytes and a body:
  *
  *   head   "OSTR", u32 stage, u32 case, u32 item, u64 body bytes, u64 flags
- *   body   u64 count, count words of 64 bits         what was reported
+ *   body   u64 count, count words of 64 bits         the report
  *          u64 count, count blocks                   voxels
  *   block  i32 lo[3], i32 dims[3], u32 voxel bytes, u32 0, the voxels, x fastest
  *
@@ -17,10 +17,9 @@
  * trace_word_name returns the names of the words, for the description of a
  * difference.
  *
- * A tick's blocks are the leaves of 32^3 voxels that changed since the last
- * record of the bone.  If all records up to a tick are equal, the bones at that
- * tick are therefore equal.  Traces are files, so that the results of a backend
- * are preserved if it crashes.
+ * A tick's blocks are the leaves of 32^3 voxels that changed since the last record of the bone. Therefore,
+ * if all records of two traces up to a tick are equal, the bones at that tick are equal. Traces are files,
+ * so that the results of a backend are preserved if it crashes.
  */
 #ifndef OST_VALIDATION_TRACE_H
 #define OST_VALIDATION_TRACE_H
@@ -30,33 +29,36 @@
 #include <osteon/digest.h>
 
 typedef enum trace_stage {
-    TRACE_CASE,    /* words: the input's SHA-256, which shows that all backends got the same input */
+    TRACE_CASE,    /* words: the input's SHA-256, which proves that all backends got the same input */
     TRACE_RECT,
     TRACE_CUBIC,
-    TRACE_RESAMPLE, /* the cubic grid, resampled once more; no later stage uses it */
+    TRACE_RESAMPLE, /* the cubic grid, resampled a second time; no later stage uses the result */
     TRACE_CHUNKS,
     TRACE_SNAP,    /* words: a tool's grid and its meshes' vertices on it (steps_record.h) */
     TRACE_TOOL,
     TRACE_COLLIDE,
     TRACE_STEPS,   /* words: the poses of a tick's event and the map of each pose (steps_record.h) */
     TRACE_TICK,
-    TRACE_SAMPLE,  /* words: densities of single voxels (even items), a hash of each chunk's occupancy (odd items) */
+    TRACE_SAMPLE,  /* words: densities of single voxels (even items) or a hash of each chunk's occupancy (odd items) */
     TRACE_UPLOAD,  /* counts, digest and voxels of a second bone, made by uploading the first bone's slices */
     TRACE_FINAL,
-    TRACE_FAILED,  /* a stage failed and ended the case; words: the status; a block of bytes: the error line */
-    TRACE_END,     /* end of the list; paths.h describes its words; preceded by an end record with item TRACE_TIMES */
+    /* A stage failed and ended the case. The record has one word, the status, and a block with the bytes of the error
+       line. */
+    TRACE_FAILED,
+    /* end of the list; its words are described in paths.h; an end record with item TRACE_TIMES precedes it */
+    TRACE_END,
     TRACE_STAGES
 } trace_stage;
 
-enum { TRACE_TIMES = 1 }; /* item of an end record whose words are the microseconds of each case of the list */
+enum { TRACE_TIMES = 1 }; /* item of the end record whose words are the running times of the cases in microseconds */
 
 const char *trace_stage_name(trace_stage stage);
-/* Returns the number of words of a report before the lines of its chunks. The last of these words is the number of
-   lines. Returns 0 if the stage has no such report. */
+/* Returns the number of words that precede the lines of the chunks in a report. The last of these words is the number
+   of lines. Returns 0 if the stage has no such report. */
 size_t trace_report_head(trace_stage stage);
-/* Returns the name of a word, such as "active voxels", or "voxels of class 2 in a chunk" for a word in a chunk's line,
-   or "report word 7" for a word without a name. line_words is the number of words in a chunk's line; 0 if it is not
-   known. The name may be written to text. */
+/* Returns the name of a word: for example "active voxels", or "voxels of class 2 in a chunk" for a word in a chunk's
+   line, or "report word 7" for a word without a name. line_words is the number of words in a chunk's line, or 0 if
+   unknown. The returned string may be stored in text. */
 enum { TRACE_WORD = 48 };
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 
@@ -84,17 +86,16 @@ void trace_flags(trace_writer *w, uint64_t flags);
 /* ---------------------------------------------------------- reading a trace */
 
 /*
- * A dump (dump.h) may be incomplete. For missing data its trace gets records of
- * the reference, which are marked by flags and are not compared.
+ * A dump (dump.h) may be incomplete. Its trace then gets records of the reference in place of the missing
+ * data. These records are marked by flags and are not compared.
  */
-/* TRACE_MADE: the backend computed the contents of the record itself and did not receive them. */
+/* TRACE_MADE: the backend computed the contents of the record itself instead of receiving them. */
 enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
- * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5).  In a
- * record with TRACE_BOUNDS these words are the smallest box (TRACE_STEPS) or range
- * of chunks (TRACE_TICK) that must be covered.  compare.c compares them by
- * trace_word_holds.
+ * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5). In a record with
+ * TRACE_BOUNDS the words for the box (TRACE_STEPS) or for the range of chunks (TRACE_TICK) are therefore
+ * the smallest bounds that must be covered. compare.c compares these words by calling trace_word_holds.
  */
 bool trace_word_is_bound(trace_stage stage, size_t word);
 /* Returns true if the word with this index in `is` covers the bound in `least`. If the word is not a bound, returns
@@ -120,7 +121,7 @@ typedef struct trace {
     size_t size;
     size_t count;
     trace_record *records; /* owned */
-    bool complete;         /* true if the last record is TRACE_END and no bytes follow it */
+    bool complete;         /* true if the last record is TRACE_END and no further bytes follow */
 } trace;
 
 /* Maps a trace and builds the index of its records. If the file ends within a record, that record is ignored. */

@@ -13,7 +13,7 @@
 #include "validation/scratch.h"
 
 /*
- * The format of the file, which is read only by this program and its workers:
+ * The format of the store file, which is read only by this program and its workers:
  *
  *   head, MAGIC and the entries of USER_CASES_MAX cases
  *   arrays: samples, vertices, triangles, ticks, each at the offset in its entry
@@ -29,13 +29,13 @@ typedef struct part {
 } part;
 
 typedef struct entry {
-    scene head; /* the scene's members except its pointers, which are not valid */
+    scene head; /* all members of the scene; its pointers are not valid in the file */
     uint64_t samples, samples_at, ticks, ticks_at, handle_path, hand_at;
     part parts[SCENE_TOOLS_MAX][2];
 } entry;
 
 typedef struct store_head {
-    uint64_t magic, bytes; /* bytes: size of the complete file */
+    uint64_t magic, bytes; /* bytes is the size of the complete file */
     int32_t count, entry_bytes;
     entry entries[USER_CASES_MAX];
 } store_head;
@@ -43,15 +43,15 @@ typedef struct store_head {
 struct user_store {
     int fd;
     bool own_fd;
-    uint8_t *map; /* NULL while the file is written */
+    uint8_t *map; /* mapping of the complete file; NULL while the file is written */
     size_t size;
-    store_head *head; /* owned while the file is written; afterwards the beginning of `map` */
+    store_head *head; /* owned while the file is written; afterwards it points to the beginning of `map` */
 };
 
 /* ---------------------------------------------------------- writing a store */
 
-/* Least number of the store's descriptor. It is above the descriptors that workers use, so that worker_start does not
-   replace the store's descriptor before passing it on. */
+/* Smallest number of the store's descriptor. It is above the descriptors that workers use, so that worker_start does
+   not overwrite the store's descriptor before a worker inherits it. */
 enum { BEYOND_WORKERS = 16 };
 
 ost_status user_store_begin(user_store **out, ost_error *err)
@@ -90,7 +90,7 @@ static ost_status write_at(user_store *u, const void *bytes, size_t size, uint64
     return OST_OK;
 }
 
-/* Appends an array to the file at an offset that is aligned for any array. *at receives the offset. */
+/* Appends an array to the file at an offset that is aligned for any element type. Sets *at to the offset. */
 static ost_status add_array(user_store *u, const void *bytes, size_t count, size_t each, uint64_t *at, ost_error *err)
 {
     *at = u->size;
@@ -276,7 +276,7 @@ static ost_status read_raw(const user_store *u, const part *p, ost_mesh *m, ost_
         return status;
     memcpy(m->vertices, u->map + p->raw_vertices_at, p->raw_vertices * sizeof *m->vertices);
     memcpy(m->triangles, u->map + p->raw_triangles_at, p->raw_triangles * sizeof *m->triangles);
-    return OST_OK; /* vertex indices that are too large are refused when the mesh is snapped */
+    return OST_OK; /* vertex indices are not checked here; snapping refuses a mesh with an index that is too large */
 }
 
 static ost_status read_path(const user_store *u, uint64_t count, uint64_t at, ost_path *out, ost_error *err)
@@ -318,7 +318,7 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
                         "it is made of the user's own files: give them with --ct, --tool and --path");
     const entry *e = &u->head->entries[number - 1];
     *out = e->head;
-    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers in the file are not valid and are replaced */
+    for (int t = 0; t < SCENE_TOOLS_MAX; t++) { /* pointers in the file are not valid, so they are replaced */
         out->tools[t].cutting = out->tools[t].noncutting = (ost_snapped_mesh){.fraction_bits = 0};
         out->tools[t].raw[0] = out->tools[t].raw[1] = (ost_mesh){.vertex_count = 0};
     }
@@ -338,11 +338,10 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 }
 
 /*
- * The estimate includes rect, cubic, chunks and the bone at the end, each tool, and
- * for each tick the leaves that it changes.  A tick changes only leaves under the
- * tool's border where bone remains, not all leaves that the tool covers.  One leaf
- * per tick is several times the amount that slow cutting changes.  If the disk
- * becomes full nevertheless, the campaign ends.
+ * The estimate includes rect, cubic, chunks and the bone at the end, each tool, and for each tick the
+ * leaves that it changes. Of the leaves that the tool covers, a tick changes only those at the tool's
+ * border in which bone remains. One leaf per tick is several times the amount that slow cutting changes. If
+ * the estimate is too small and the disk becomes full, the campaign ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

@@ -6,9 +6,9 @@
  *   CT, meshes, paths --the command reads and checks--> user_case_begin, _samples, _end
  *        '--> a file without a name (scratch.h) --mapped by this process and every worker--> user_scene
  *
- * A worker gets the store as descriptor WORKER_USER, but neither the original
- * files nor their names.  Samples remain in the store, 32 bytes each, so that the
- * memory use does not grow with the number of workers.
+ * A worker inherits the store as descriptor WORKER_USER. It has neither the original files nor their names.
+ * Samples remain in the mapped store, 32 bytes each, so that memory use does not grow with the number of
+ * workers.
  */
 #ifndef OST_VALIDATION_USER_STORE_H
 #define OST_VALIDATION_USER_STORE_H
@@ -21,10 +21,9 @@ typedef struct user_store user_store;
 /* ---------------------------------------------------------- writing a store */
 
 ost_status user_store_begin(user_store **out, ost_error *err);
-/* Adds samples of the next case, in the order in which they are scattered. This function sets the line number of each
-   sample. */
+/* Adds samples of the next case, in the order in which they are scattered. Sets the line number of each sample. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
-/* Adds all data of the case except its samples. Ignores samples, sample_count and batch of head. */
+/* Adds all data of the case except its samples. The members samples, sample_count and batch of head are ignored. */
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err);
 /* Completes the store. Afterwards user_scene can make the cases. */
 ost_status user_store_end(user_store *u, ost_error *err);
@@ -39,7 +38,7 @@ int user_store_count(const user_store *u);
 /* Returns the descriptor to be passed to workers, or -1 if u is NULL. */
 int user_store_fd(const user_store *u);
 
-/* Makes case `number`, counted from 1. Its samples are borrowed from the store. */
+/* Generates case `number`, counted from 1. The scene borrows its samples from the store. */
 ost_status user_scene(const user_store *u, int number, scene *out, ost_error *err);
 uint64_t user_trace_bytes(const user_store *u, int number);
 

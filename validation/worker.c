@@ -37,7 +37,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
     trace reference = {0};
     to = to < p->count ? to : p->count;
     double *seconds = calloc((size_t)(to > from ? to - from : 0) + 1, sizeof *seconds);
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* the worker is killed if its parent ends */
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* the kernel kills the worker if its parent ends */
     const bool second = strcmp(spec, SUBJECT_DENSE) == 0;
     ost_status status = seconds ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of %d cases",
                                                     to - from);
@@ -66,7 +66,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
         else if (why.status != OST_OK)
         {
             ost_error line;
-            /* makes the text printable */
+            /* ost_fail makes the text printable */
             (void)ost_fail(&line, why.status, "%s on %s: %s", p->cases[i].id, spec, why.text);
             fprintf(stderr, "%s\n", line.text);
         }
@@ -104,7 +104,7 @@ ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double li
     *out = (worker){.pid = -1, .stderr_fd = -1, .limit_s = limit_s, .begun = now_s()};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "no pipe for a worker: %s", strerror(errno));
-    /* There may be more threads than cores, so a waiting thread must release its core. */
+    /* There may be more threads than cores, so a waiting thread must not occupy a core. */
     (void)setenv("OMP_WAIT_POLICY", "passive", 0);
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
@@ -196,7 +196,7 @@ ost_status worker_wait_any(worker *const workers[], int count, int *which, worke
             const ssize_t n = read(workers[i]->stderr_fd, bytes, sizeof bytes);
             if (n < 0 && errno == EINTR)
                 continue;
-            if (n <= 0) { /* the worker's end of the pipe is closed, however the worker ended */
+            if (n <= 0) { /* the write end of the pipe is closed when the worker ends for any reason */
                 *which = i;
                 return reap(workers[i], false, out, err);
             }

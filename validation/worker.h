@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a backend in a separate process.  A driver may install signal handlers,
- * change the rounding of floats, crash or hang.  Only its own process is affected,
- * and all results up to that point are in its trace.
+ * Runs a backend in a separate process. A driver may install signal handlers, change the rounding of
+ * floats, crash or hang. Only the driver's own process is affected then, and all results up to that point
+ * are in the worker's trace.
  *
  *   worker_start --exec--> osteon validate --worker SPEC --trace FILE ... --worker_run--> trace
  *        |                                                                         |
  *   worker_wait_any: way in which it ended <---------------------------------------'
  *
- * A worker ends when its parent ends for any reason.
+ * If the parent process ends for any reason, its workers also end.
  */
 #ifndef OST_VALIDATION_WORKER_H
 #define OST_VALIDATION_WORKER_H
@@ -19,17 +19,17 @@
 #include "validation/plan.h"
 
 /* Called in the worker. Runs the cases [from, to) of the plan on the backend `spec`, and writes a line to stderr for
-   each stage that fails. If given is not NULL, it is the path of the reference's trace of these cases; every stage then
-   gets its input from the grids in that trace (perform_apart). Otherwise the input of a stage is the result of the
-   previous stage. */
+   each stage that fails. If given is NULL, the input of a stage is the result of the previous stage. Otherwise given
+   is the path of the reference's trace of these cases, and every stage gets its input from the grids in that trace
+   (perform_apart). */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
                       ost_error *err);
 
 typedef enum worker_end {
     WORKER_DONE,
-    WORKER_FAILED,  /* exit status other than 0; text is the last line that the worker wrote to stderr */
+    WORKER_FAILED,  /* the exit status was not 0; text is the last line that the worker wrote to stderr */
     WORKER_CRASHED, /* ended by a signal */
-    WORKER_LATE     /* killed because it exceeded its time limit */
+    WORKER_LATE     /* the worker was killed because it exceeded its time limit */
 } worker_end;
 
 typedef struct worker_result {
@@ -48,13 +48,14 @@ typedef struct worker {
     char text[512];  /* the last line that the worker wrote to stderr, cut off after 511 bytes */
 } worker;
 
-/* Exit status of a worker that could not allocate memory or open a descriptor or a file. It allows no verdict on the
-   backend. */
+/* Exit status of a worker that could not allocate memory or open a descriptor or a file. No verdict on the backend
+   follows from such a run. */
 enum { WORKER_EXIT_RESOURCES = 4 };
-enum { WORKERS_MAX = 128 }; /* maximum number of workers in one call of worker_wait_any */
-enum { WORKER_TRACE = 3, WORKER_USER = 4 }; /* the worker's descriptors of its trace and of the store of user cases */
+enum { WORKERS_MAX = 128 }; /* maximum number of workers per call of worker_wait_any */
+/* descriptors in the worker: of its trace, and of the store of the user's cases */
+enum { WORKER_TRACE = 3, WORKER_USER = 4 };
 
-/* Writes the path of this program's file, which becomes argv[0] of workers. */
+/* Writes the path of this program's file, which is passed to workers as argv[0]. */
 ost_status worker_program(char path[], size_t size, ost_error *err);
 /* Starts a worker. argv ends with NULL; argv[0] is the program's file. trace_fd and user_fd become the worker's
    descriptors WORKER_TRACE and WORKER_USER; -1 means none. worker_wait_any kills the worker after limit_s seconds. */

@@ -26,7 +26,7 @@ struct bundle {
     ost_digest last; /* digest of the log's last line */
     /* time of the log's last line; the next line never gets an earlier time, even if the clock is set back */
     time_t last_time;
-    /* descriptor of the unfinished folder, which is locked while this process fills it; -1 if the folder
+    /* descriptor of the unfinished folder, which this process locks while it writes files there; -1 if the folder
        could not be opened */
     int lock;
 };
@@ -34,8 +34,8 @@ struct bundle {
 static void remove_folder(const char *folder);
 
 /*
- * Removes unfinished folders OUT.part-XXXXXX of processes that have ended: folders of this user
- * with six characters after the dash that no running process has locked.
+ * Removes unfinished folders OUT.part-XXXXXX of processes that have ended. A folder is removed if it
+ * belongs to this user, has six characters after the dash, and is not locked by a running process.
  */
 static void remove_stale(const char *out)
 {
@@ -90,7 +90,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
     made->lock = open(made->folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (made->lock >= 0)
         (void)flock(made->lock, LOCK_EX | LOCK_NB);
-    /* mkdtemp makes a folder with mode 0700; the second chmod sets the mode that mkdir would give */
+    /* mkdtemp makes a folder with mode 0700; the second chmod sets the mode that mkdir would set */
     chmod(made->folder, 0755);
     const mode_t mask = umask(0);
     umask(mask);
@@ -204,7 +204,8 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)
         status = sync_folder(b->folder, err);
-    /* If a folder of this name has appeared in the meantime, rename fails unless that folder is empty. */
+    /* If another process has created a folder with this name in the meantime, rename fails unless that folder is
+       empty. */
     if (status == OST_OK && rename(b->folder, b->out) != 0)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
     free(text);

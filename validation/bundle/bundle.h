@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A bundle: a folder of evidence that appears under its name only when it is complete.
+ * A bundle is a folder of evidence. The folder appears under its final name only when it is complete.
  *
  *   bundle_begin --> folder OUT.part-XXXXXX --files, log--> bundle_end: manifest, fsync, rename
  *
@@ -8,10 +8,9 @@
  *
  *   SHA-256 TAB UTC TAB action TAB detail
  *
- * where SHA-256 is that of the previous line, as 64 hexadecimal digits.  In the first
- * line it is the SHA-256 of the empty string.  A line that is changed, removed or
- * moved therefore invalidates all lines after it.  The log is written line by line
- * while the campaign runs; log.h lists the lines.
+ * where SHA-256 is the digest of the previous line, in 64 hexadecimal digits. The first line contains the
+ * digest of the empty string. If a line is changed, removed or moved, all lines after it are therefore
+ * invalid. The log is written line by line while the campaign runs; log.h lists the lines.
  */
 #ifndef OST_VALIDATION_BUNDLE_H
 #define OST_VALIDATION_BUNDLE_H
@@ -27,7 +26,7 @@ enum { BUNDLE_PATH = 1024 };
 
 /* Creates the folder OUT.part-XXXXXX. Returns OST_ERR_IO if `out` exists or cannot be created. */
 ost_status bundle_begin(const char *out, bundle **b, ost_error *err);
-/* Returns the path of the folder in which the files are until bundle_end renames it. */
+/* Returns the path of the folder that contains the files until bundle_end renames it. */
 const char *bundle_folder(const bundle *b);
 ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err);
 /* Writes a file with sorted keys, one space of indentation and a newline at the end, so that equal values give equal
@@ -40,15 +39,16 @@ void bundle_abandon(bundle *b); /* b may be NULL */
 
 /* ------------------------------------------------------- checking a bundle */
 
-/* BUNDLE_ABSENT: a file is missing, so the bundle is incomplete. BUNDLE_DIFFERENT: the bundle is not the one that
+/* BUNDLE_ABSENT: a file is missing, so the bundle is incomplete. BUNDLE_DIFFERENT: the bundle was changed after it
    was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Called for each problem. A file that cannot be read is not a problem of the bundle; the check itself fails. */
+/* Called for each problem of a bundle. If a file cannot be read, the check itself fails and this function is not
+   called. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
-/* Reports every problem of the folder's files, of the manifest and of the log's chain, and adds their number to
-   *found. */
+/* Reports every problem of the folder's files, of the manifest and of the log's hash chain. Adds the number of
+   problems to *found. */
 ost_status bundle_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 
 /* Reads a file of a bundle and appends a NUL that is not counted in size; the caller frees *bytes. */
@@ -62,7 +62,7 @@ ost_status bundle_find_json(const char *folder, const char *name, json_t **out, 
 /* Parses a file of a bundle as bundle_find_json does, but the file must exist. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
-/* Reads the next entry of a folder other than . and ..; *entry is NULL at the end. */
+/* Reads the next entry of a folder, skipping . and .. ; sets *entry to NULL at the end. */
 ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err);
 
 #endif

@@ -23,8 +23,7 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
-    /* a note, beginning with "; ", that another build made the bundle, so its files may differ; "" if this build
-       made it */
+    /* "; " and a note that another build made the bundle, so that its files may differ; "" if this build made it */
     char other_build[160];
 } derivation;
 
@@ -54,8 +53,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     return OST_OK;
 }
 
-/* Stores a note in d if another build made the bundle. This build derives the files by its own rules, so the files
-   of another build may differ without being forged. */
+/* Stores a note in d if another build made the bundle. That build may derive the files by different rules, so a
+   difference does not prove that the files were forged. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
     json_t *tools;
@@ -65,7 +64,7 @@ static ost_status compare_builds(derivation *d, ost_error *err)
     if (status != OST_OK)
         return status == OST_ERR_INPUT
                    ? OST_OK
-                   : ost_fail(err, status, "%s", why.text); /* linked_check reports invalid JSON */
+                   : ost_fail(err, status, "%s", why.text); /* invalid JSON is reported by linked_check */
     const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
     if (*commit && strcmp(commit, tools_commit()) != 0)
         snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s",
@@ -157,7 +156,7 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
     if (status != OST_OK)
         return status;
     folder_free(&files);
-    if (*found) /* the folder contains files that are not allowed in a bundle, so nothing is read */
+    if (*found) /* the folder contains files that are not allowed in a bundle, so no file is read */
         return OST_OK;
     status = read_protocol(&d, &protocol, err);
     if (status == OST_OK)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks a bundle without the machine that made it:
+ * Checks a bundle on any machine. The parts of the check are:
  *
  *   folder              contains exactly the files of the manifest, of allowed types and sizes (folder.h)
  *   log                 its hash chain and its lines (log.h)
- *   protocol, cases     compared with the plan (planned.h)
- *   measured files      compared with each other (planned.h)
+ *   protocol, cases     are compared with the plan (planned.h)
+ *   measured files      are compared with each other (planned.h)
  *   verdicts            follow from the digests of each backend's trace (judge.h)
- *   derived files       derived again from the protocol and the cases, and compared
- *   results             on request, those of the reference or of any other backend are computed again
+ *   derived files       are derived again from the protocol and the cases, and compared
+ *   results             are computed again on request, on the reference or on another backend
  */
 #ifndef OST_VALIDATION_CHECK_H
 #define OST_VALIDATION_CHECK_H
@@ -16,16 +16,16 @@
 #include "validation/bundle/bundle.h"
 #include "validation/plan.h"
 
-/* Checks everything except the results. *summary receives the bundle's verdict (evidence_summary), owned by the
-   caller, or NULL if it cannot be read. */
+/* Checks everything except the results. Sets *summary to the bundle's verdict (evidence_summary), which the caller
+   owns, or to NULL if the verdict cannot be read. */
 ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary,
                         ost_error *err);
 
 typedef struct check_how {
     const char *program;   /* path of this program's file, which workers run */
     const plan_user *own;  /* the user's own cases; NULL if the bundle has none */
-    const char *backend;   /* a backend that ost_backend_open takes; NULL: only the reference */
-    double limit_s;        /* time limit in seconds for the complete run of each backend */
+    const char *backend;   /* spec for ost_backend_open; NULL means only the reference */
+    double limit_s;        /* time limit in seconds for all cases of one backend */
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *show_user;
 } check_how;

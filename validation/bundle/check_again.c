@@ -10,7 +10,7 @@
 
 typedef struct again {
     const json_t *cases;
-    const char *spec; /* spec of the backend; NULL: only the reference */
+    const char *spec; /* spec of the backend; NULL means only the reference */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -22,7 +22,7 @@ static void report(const again *a, const json_t *one, const char *text)
     ++*a->found;
 }
 
-/* Compares the reference's digests of a case, including the leaves. */
+/* Compares the reference's digests of a case with those of the bundle, including the digests of leaves. */
 static ost_status compare_reference(const again *a, const campaign *c, int i, const json_t *one, ost_error *err)
 {
     json_t *row;

@@ -86,7 +86,7 @@ void copyright_spdx(const char *debian, char out[COPYRIGHT_LICENCE])
         out[0] = '\0';
 }
 
-/* Returns the text after "NAME:" of a line; NULL if the line has another field. */
+/* Returns the text after "NAME:" if the line has this field, otherwise NULL. */
 static const char *field(const char *line, const char *name)
 {
     const size_t length = strlen(name);

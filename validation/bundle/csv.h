@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fields of the bundle's tables (RFC 4180): always quoted, on one line. */
+/* Writes fields of the bundle's tables (RFC 4180). Every field is quoted and has one line. */
 #ifndef OST_VALIDATION_CSV_H
 #define OST_VALIDATION_CSV_H
 
 #include <stdio.h>
 
-/* Writes a field with control characters replaced by spaces, and then the character `after`: a comma or, after the last
-   field, a newline. */
+/* Writes a field, with control characters replaced by spaces, and then the character `after`, which is a comma or,
+   after the last field of a row, a newline. */
 static inline void put_csv(FILE *to, const char *text, char after)
 {
     fputc('"', to);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The machine-readable files that are derived from protocol and cases. Each has a function that writes it as text. */
+/* Writes the machine-readable files that are derived from protocol and cases. Each file has its own function. */
 #include "core/memory_stream.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/csv.h"
@@ -98,7 +98,7 @@ static void inputs(FILE *to, const json_t *protocol, const json_t *cases, const 
         put_csv(to, evidence_text(json_array_get(cases, i), "input_sha256"), ',');
         fputs(",\"the case's integers\"\n", to);
     }
-    /* The user's own files are listed by number, since a file's name may identify a patient. */
+    /* The user's own files are listed by number, because the name of a file may identify a patient. */
     for (size_t i = 0; i < json_array_size(files); i++) {
         const json_t *f = json_array_get(files, i);
         char text[64];
@@ -256,7 +256,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         to);
 }
 
-/* Writes a line for every stage of every result that differs. */
+/* Writes a line for every stage in every result that differs from the reference. */
 static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
     static const char *const keys[] = {"records",     "reports",    "voxels",  "inherited", "below_threshold",

@@ -36,8 +36,8 @@ static const json_t *case_of(const side *s, const char *id)
 
 /* -------------------------------------------------------------- one record */
 
-/* Finds the number and the digest of element i of a list of leaves. For a complete grid the number is i. For a tick the
-   element is a pair of number and digest. */
+/* Finds the number and the digest of element i in a list of leaves. In the list of a complete grid, the number is i.
+   In the list of a tick, each element is a pair of number and digest. */
 static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const char **digest)
 {
     const json_t *one = json_array_get(leaves, i);
@@ -47,7 +47,8 @@ static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const ch
     return *digest != NULL;
 }
 
-/* Returns the least number of a leaf that differs or that only one side changed; -1 if there is no such leaf. */
+/* Returns the smallest number of a leaf that differs or that is in only one of the lists; -1 if there is no such
+   leaf. */
 static json_int_t first_leaf(const json_t *a, const json_t *b)
 {
     size_t i = 0, j = 0;
@@ -68,7 +69,7 @@ static json_int_t first_leaf(const json_t *a, const json_t *b)
     }
 }
 
-/* Reads the dims [x, y, z] of a protocol. Returns false if one of them is missing or out of range. */
+/* Reads the dims [x, y, z] of a protocol. Returns false if one number is missing or out of range. */
 static bool dims_in(const json_t *list, ost_dims *out)
 {
     json_int_t n[3];
@@ -81,8 +82,8 @@ static bool dims_in(const json_t *list, ost_dims *out)
     return true;
 }
 
-/* Finds the dims for a case of the user's own files; the protocol contains the dims of its grids. Returns false if only
-   a part of a case was run (--case), because its dims are not known. */
+/* Finds the dims for a case of the user's own files, whose grids have their dims in the protocol. Returns false if
+   only a part of a case was run (--case), because the dims are unknown then. */
 static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
 {
     const json_t *user = json_object_get(protocol, "user"), *cases = json_object_get(user, "cases");
@@ -132,7 +133,7 @@ static bool generated_dims(const json_t *protocol, const json_t *one, const char
     return known;
 }
 
-/* Computes the number of leaves of the stage's grid along each axis. Returns false if the grid is not known. */
+/* Computes the number of leaves along each axis in the stage's grid. Returns false if the grid's dims are unknown. */
 static bool leaf_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *id = evidence_text(one, "id");

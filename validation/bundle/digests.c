@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Computes the digest of the leaf at `from` in the block; voxels beyond the block are zero. */
+/* Computes the digest of the leaf whose first voxel is at `from` in the block. Voxels outside the block count as
+   zero. */
 static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_digest *out, ost_error *err)
 {
     static _Thread_local union {
@@ -14,7 +15,7 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of the union member that is used, `wide` or `narrow` */
+    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of `wide` or `narrow`, whichever the block's voxel size requires */
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
@@ -83,8 +84,8 @@ static ost_status digest_without_bounds(const trace_record *r, const uint8_t *wo
     return status;
 }
 
-/* Computes the digest of the compared part of a record. Words that are bounds count as 0. For a refusal only the status
-   is included. */
+/* Computes the digest of the part of a record that is compared. Words that are bounds count as 0. In the record of a
+   failed stage, only the status is included. */
 static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
 {
     uint64_t count;
@@ -95,7 +96,7 @@ static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_e
     return ost_digest_bytes(r->body, refusal ? 8 + 8 * (size_t)count : (size_t)r->body_bytes, out, err);
 }
 
-/* Reads the input's digest from the words of a case's first record. */
+/* Reads the digest of the input from the words of a case's first record. */
 static void input_of(const trace_record *r, ost_digest *out)
 {
     uint64_t count;

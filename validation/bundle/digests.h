@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Digests of a trace's records, for cases.jsonl.
+ * Computes digests of a trace's records for cases.jsonl. The entry of one record is
  *
  *   {stage, item, sha256 of the body, leaves}
  *
@@ -9,17 +9,17 @@
  * digest] for each leaf that the tick changed.  Two sites that exchange only these
  * digests can find the stage, the tick and the chunk that differ.
  *
- * The digest lines of a case are the same digests without leaves, one line per record,
- * made from a backend's own trace.  The SHA-256 of these lines identifies all results
- * of the backend in this case:
+ * The digest lines of a case contain the same digests without those of leaves, one line per record. They
+ * are computed from a backend's own trace. The SHA-256 of these lines identifies all results of the backend
+ * in this case:
  *
  *   case 0 SHA-256 of the input\n
  *   rect 0 SHA-256 of the body\n
  *   ...
  *   tick 311 -\n        a dump (dump.h) has no such record
  *
- * The digest of a record of stage "failed" excludes its text, since backends may
- * word a refusal differently.  Equal lines mean equal records (compare.h).
+ * The digest of a record of stage "failed" excludes the error text, because backends may report a refusal
+ * in different words. If two lines are equal, compare.h finds no difference between their records.
  */
 #ifndef OST_VALIDATION_DIGESTS_H
 #define OST_VALIDATION_DIGESTS_H
@@ -28,10 +28,11 @@
 
 #include "validation/compare.h"
 
-/* Makes the digests of one record. bone: dims of the case's bone, for numbering a tick's leaves. */
+/* Makes the digests of one record. The parameter bone contains the dims of the case's bone, from which the leaves of
+   a tick are numbered. */
 ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out, ost_error *err);
 
-/* Makes the lines of a case's records. The caller frees the lines. *of_lines receives the SHA-256 of the lines. */
+/* Makes the digest lines of a case's records and sets *of_lines to their SHA-256. The caller frees *lines. */
 ost_status digests_of_case(const trace *t, compare_range range, char **lines, ost_digest *of_lines, ost_error *err);
 
 #endif

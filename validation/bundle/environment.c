@@ -23,8 +23,8 @@ extern char **environ;
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* Copies the value from the first line of a file that begins with name, such as "name : value". The value is "" if
-   there is no such line or no such file. */
+/* Copies the value from the first line of a file that begins with `name`, such as "name : value". The result is "" if
+   the file or such a line does not exist. */
 static ost_status line_of(const char *path, const char *name, char text[], size_t size, ost_error *err)
 {
     char line[4096];
@@ -49,7 +49,7 @@ static ost_status line_of(const char *path, const char *name, char text[], size_
     return status;
 }
 
-/* Makes an object of the environment variables that affect drivers, their compilers and thread pools. */
+/* Makes an object of those environment variables that affect drivers, their compilers and thread pools. */
 static json_t *variables(void)
 {
     static const char *const steering[] = {"OST", "OMP_",  "GOMP_",    "KMP_",   "POCL_", "OCL_",

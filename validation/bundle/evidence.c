@@ -43,7 +43,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    /* as text, because JSON readers may lose bits of large integers */
+    /* a string, because some JSON readers lose bits of large integers */
     json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed));
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
@@ -52,7 +52,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
 
 /* ------------------------------------------------------------------- cases */
 
-/* Adds the chunk, the class of the difference, and the operands of its first voxel. */
+/* Adds the chunk, the difference class, and the operands of the first differing voxel. */
 static void put_finding(json_t *o, const finding *f)
 {
     char hint[CAUSES_TEXT];
@@ -124,7 +124,7 @@ json_t *evidence_result(const case_result *r)
     return o;
 }
 
-/* Computes the digest of the input that the reference's worker got. */
+/* Writes the digest of the input that the reference's worker recorded. */
 static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX])
 {
     ost_digest digest = {{0}};
@@ -247,8 +247,8 @@ bool evidence_refused(const json_t *one)
     return false;
 }
 
-/* Writes a sentence about sweep, map, boxes, poses and snapping. These steps are made once for all backends, so only
-   the second implementation of these steps can show that they are right. */
+/* Writes a sentence about sweep, map, boxes, poses and snapping. These steps are computed once for all backends, so
+   only the second implementation can show that they are right. */
 static const char *second_implementation(const json_t *protocol, const json_t *cases, char *text, size_t size)
 {
     const json_t *backends = json_object_get(protocol, "backends");
@@ -288,7 +288,7 @@ static bool makes_steps(const json_t *cases, const char *backend)
     return false;
 }
 
-/* Returns sentences about what the campaign does not show, although a reader might expect it. */
+/* Returns sentences about properties that the campaign does not show, although a reader might expect it to. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
     json_t *list = json_array();
@@ -379,7 +379,7 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
                 strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
-            json_object_del(row, "records"); /* the records are in cases.jsonl */
+            json_object_del(row, "records"); /* omitted, because cases.jsonl contains the records */
             json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
             json_object_set_new(row, "backend", json_string(name));
             json_array_append_new(list, row);

@@ -26,7 +26,7 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
                     limits_printable(evidence_text(protocol, "version"), version, sizeof version), EVIDENCE_FORMAT);
 }
 
-/* Reads a line without its newline; *end receives true at the end of the file. */
+/* Reads a line without its newline. Sets *end to true at the end of the file. */
 static ost_status read_line(FILE *file, int number, char **line, size_t *capacity, size_t *size, bool *end,
                             ost_error *err)
 {

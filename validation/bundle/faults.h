@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * sensitivity.json: the catalogue of mistakes with counts for each, their
- * sums, the false alarms, and the command that repeats the run.
+ * Makes sensitivity.json, which contains the list of mistakes with the counts for each mistake, the sums of
+ * these counts, the false alarms, and the command that repeats the run.
  */
 #ifndef OST_VALIDATION_FAULTS_H
 #define OST_VALIDATION_FAULTS_H
@@ -13,8 +13,9 @@
 #define FAULTS_FILE "sensitivity.json"
 
 /*
- * Writes a sentence that states how many kinds of mistakes there are, how many of them were detected and how
- * many changed nothing, and that the mistakes were made in the second implementation and in no backend.
+ * Writes a sentence that states how many kinds of mistakes there are, how many of them were detected and
+ * how many changed no result. The sentence also states that the mistakes were made in the second
+ * implementation and in no backend.
  */
 enum { FAULTS_STATEMENT = 240 };
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
@@ -27,8 +28,7 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);
 
-/* Returns true if at least one result was changed, every change was detected and located, and there was no false
-   alarm. */
+/* Returns true if there was no false alarm, at least one result changed, and every change was detected and located. */
 bool faults_proved(const sensitivity *s);
 
 #endif

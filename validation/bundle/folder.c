@@ -51,8 +51,9 @@ static const struct {
 
 static const char *const folders[] = {"pictures", "cases"};
 
-/* Returns true for an allowed name in a folder. In pictures/ and cases/ a name consists of small letters, digits and
-   dashes, and ends in `ending`. In signatures/, where ending is NULL, any plain name is allowed. */
+/* Returns true if the name of a file in a subfolder is allowed. In pictures/ and cases/ a name consists of small
+   letters, digits and dashes, and ends in `ending`. In signatures/, for which ending is NULL, any plain name is
+   allowed. */
 static bool within(const char *name, const char *folder, const char *ending)
 {
     const size_t head = strlen(folder);
@@ -124,7 +125,7 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
     return status;
 }
 
-/* Reads up to one block; *n is 0 at the end. */
+/* Reads up to one block. Sets *n to 0 at the end of the file. */
 static ost_status read_block(const char *name, int fd, void *to, size_t size, size_t *n, ost_error *err)
 {
     ssize_t got;
@@ -249,7 +250,7 @@ static ost_status list_one(listing *l, int fd, const char *name, const char *bas
     return OST_OK;
 }
 
-/* Lists one folder. inside: "", or the name of a folder in the bundle. */
+/* Lists one folder. The parameter inside is the name of a folder within the bundle, or "" for the bundle itself. */
 static ost_status list_folder(listing *l, int top, const char *folder, const char *inside, ost_error *err)
 {
     int fd = dup(top);
@@ -272,7 +273,7 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
         struct stat info;
         snprintf(name, sizeof name, "%s%s%.255s", inside, *inside ? "/" : "", e->d_name);
         if (!*inside && strcmp(name, "signatures") == 0)
-            continue; /* sign_check reads the folder signatures/ */
+            continue; /* not listed here, because sign_check reads the folder signatures/ */
         if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
             S_ISDIR(info.st_mode))
             status = list_folder(l, top, folder, name, err);
@@ -302,7 +303,7 @@ ost_status folder_list(const char *folder, folder_files *out, bundle_problem *pr
         return status;
     status = list_folder(&l, top, folder, "", err);
     close(top);
-    if (status == OST_OK && out->count) /* qsort does not accept NULL, even for 0 elements */
+    if (status == OST_OK && out->count) /* qsort must not be called with NULL, even for 0 elements */
         qsort(out->files, out->count, sizeof *out->files, by_name);
     if (status != OST_OK)
         folder_free(out);

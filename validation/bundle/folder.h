@@ -5,10 +5,10 @@
  *
  *   folder --folder_list--> names and sizes; anything else is reported as a problem
  *
- * A bundle may have the files of the table in folder.c, in the folder itself and
- * in pictures/, cases/ and signatures/; each has a maximum size.  Symbolic links,
- * pipes, devices and folders with other names are reported and never opened:
- * every component of a name is opened with O_NOFOLLOW from the folder above it.
+ * A bundle may have the files that are listed in folder.c. They are in the bundle's folder itself or in its
+ * folders pictures/, cases/ and signatures/. Each file has a maximum size. Symbolic links, pipes, devices
+ * and folders with other names are reported and never opened: every component of a path is opened relative
+ * to its parent folder, with O_NOFOLLOW.
  */
 #ifndef OST_VALIDATION_FOLDER_H
 #define OST_VALIDATION_FOLDER_H
@@ -28,30 +28,32 @@ typedef struct folder_files {
     size_t count;
 } folder_files;
 
-/* The rules for a file of the bundle; they depend on its name. */
+/* The rules for a file of the bundle, which depend on the file's name. */
 typedef struct folder_about {
-    bool varies;  /* true: the file depends on times, identities or the machine, and is not part of results_root */
-    bool bound;   /* true: the log contains the file's digest (log.h) */
+    /* true if the file depends on times, identities or the machine and is therefore not part of results_root */
+    bool varies;
+    bool bound;   /* true if the log must contain the file's digest (log.h) */
     int64_t most; /* maximum size in bytes */
 } folder_about;
 bool folder_describe(const char *name, folder_about *out);
 
-/* Returns the name in row `row` of the table; NULL after the last. Pictures, cases and signatures have no row. */
+/* Returns the name in row `row` of the table of files, or NULL after the last row. Pictures, cases and signatures are
+   not in the table. */
 const char *folder_name(size_t row);
 
-/* Lists all files except those of signatures/, which sign.h reads. Adds the number of problems to *found. */
+/* Lists all files except those of signatures/, which are read by sign.c. Adds the number of problems to *found. */
 ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found,
                        ost_error *err);
 void folder_free(folder_files *l);
 
-/* Opens folder/name as core/file.h does, without following symbolic links; the caller closes out->fd. Returns
-   OST_ERR_RANGE if the file exceeds its maximum size. */
+/* Opens the file folder/name in the same way as core/file.h, but without following symbolic links. The caller closes
+   out->fd. Returns OST_ERR_RANGE if the file exceeds its maximum size. */
 ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_error *err);
 
 /* Computes the SHA-256 of a file, block by block. */
 ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err);
 
-/* Compares a file with bytes, block by block; *absent and *same receive the result. */
+/* Compares a file with the given bytes, block by block. Sets *absent and *same. */
 ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent,
                           bool *same, ost_error *err);
 

@@ -42,7 +42,8 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* Adds the change of a value of the protocol as text. The value of the "arithmetic" key is a number. */
+/* Adds a row with both values of a protocol's key as texts. The value of the key "arithmetic" is a number, the others
+   are texts. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -53,7 +54,7 @@ static void add_protocol(json_t *list, const char *key, const json_t *a, const j
                json_is_integer(y) ? new : evidence_text(b, key));
 }
 
-/* Makes an object {name: text} with a member for each element of a list. */
+/* Converts a list to an object {name: text} with one member for each element of the list. */
 static json_t *index_of(const json_t *list, const char *key, const char *value, const char *other)
 {
     json_t *o = json_object();
@@ -68,8 +69,8 @@ static json_t *index_of(const json_t *list, const char *key, const char *value, 
     return o;
 }
 
-/* Makes a row for each name that is in only one of the two objects, and for each name whose texts in them differ.
-   Releases both objects. */
+/* Makes a row for each name that is in only one of the two objects or has different texts in them. Releases both
+   objects. */
 static json_t *compare_indexes(json_t *a, json_t *b)
 {
     json_t *list = json_array(), *text;
@@ -84,7 +85,7 @@ static json_t *compare_indexes(json_t *a, json_t *b)
     return list;
 }
 
-/* Makes an object {backend: driver, version, fingerprint} from devices.json. */
+/* Makes an object from devices.json that maps each backend to a text with its driver, version and fingerprint. */
 static json_t *devices_in(const json_t *file)
 {
     const json_t *list = json_object_get(json_object_get(file, "opencl"), "devices");
@@ -101,7 +102,7 @@ static json_t *devices_in(const json_t *file)
     return o;
 }
 
-/* Makes an object {id: remainder of the line} from requirements.csv. */
+/* Makes an object from requirements.csv that maps each id to the remainder of its line. */
 static ost_status requirements_in(const char *folder, json_t **out, ost_error *err)
 {
     char *bytes;
@@ -121,7 +122,7 @@ static ost_status requirements_in(const char *folder, json_t **out, ost_error *e
     return status;
 }
 
-/* Compares the verdicts of the cases and backends that both bundles have. */
+/* Compares the verdicts of those cases and backends that are in both bundles. */
 static ost_status verdicts_of(const char *old, const char *now, json_t **out, ost_error *err)
 {
     const char *const folders[] = {old, now};
@@ -193,7 +194,8 @@ static json_t *causes_of(const side *a, const side *b)
     return list;
 }
 
-/* Returns the number of cases in which only one bundle has a record: their results cannot be compared by digests. */
+/* Returns the number of cases in which one bundle has a record that the other bundle lacks. The results of these
+   cases cannot be compared by digests. */
 static json_int_t other_records(const json_t *results)
 {
     const json_t *list = json_object_get(results, "differences");
@@ -203,8 +205,8 @@ static json_int_t other_records(const json_t *results)
     return n;
 }
 
-/* Returns the conclusion. The reference's results may differ only if the version of the arithmetic does, since
-   inputs are compared by digest. */
+/* Returns the conclusion. Inputs are compared by digest, so the reference's results may differ only if the version of
+   the arithmetic differs. */
 static const char *conclusion_of(const json_t *results, const json_t *verdicts, bool same_arithmetic, bool *explained)
 {
     const json_int_t different = json_integer_value(json_object_get(results, "different_cases"));

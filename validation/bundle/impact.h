@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * impact.json: the changes between an older bundle and this one, and their known
- * causes.
+ * Makes impact.json, which lists the changes between an older bundle and this bundle, and possible causes
+ * of the changes.
  *
  *   old/, new folder --bundle_difference--> results of the reference by case, stage and chunk
- *                    --cases.jsonl--------> verdicts of backends that both have
+ *                    --cases.jsonl--------> verdicts of the backends in both bundles
  *                    --tools, devices-----> commit, compiler, flags, program, libraries, drivers
  *                    --requirements.csv---> added, removed, changed
  *
- * The older bundle is read and not checked (osteon verify does that).  Its root
- * is recorded, so that impact.json identifies that bundle.
+ * The older bundle is read but not checked; `osteon verify` can check it. Its root is recorded, so that
+ * impact.json identifies the older bundle.
  */
 #ifndef OST_VALIDATION_IMPACT_H
 #define OST_VALIDATION_IMPACT_H
@@ -19,7 +19,7 @@
 
 #define IMPACT_FILE "impact.json"
 
-/* Returns OST_ERR_INPUT if the folder is not a bundle; called before anything runs. */
+/* Returns OST_ERR_INPUT if the folder is not a bundle. Called before the first case runs. */
 ost_status impact_check(const char *old, ost_error *err);
 
 /*

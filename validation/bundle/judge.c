@@ -56,8 +56,8 @@ static bool leaves_ok(const json_t *leaves)
     return !leaves || json_is_array(leaves);
 }
 
-/* Writes line `at` of the reference: line 0 is that of the input, and each record has one further line. Writes "" after
-   the last line. Returns false if the input's digest or a row is malformed. */
+/* Writes digest line `at` of the reference. Line 0 contains the input's digest, and each record has one further line.
+   Writes "" after the last line. Returns false if the input's digest or a row is malformed. */
 static bool reference_line(const json_t *one, size_t at, char line[LINE])
 {
     const json_t *rows = json_object_get(one, "reference"), *row;
@@ -98,7 +98,8 @@ bool judge_reference(const json_t *one, ost_digest *out)
 
 /* -------------------------------------------------- lines of the backend */
 
-/* Computes the SHA-256 of a backend's own lines. Returns false if there are no lines or if a line is malformed. */
+/* Computes the SHA-256 of the digest lines that a backend's result contains. Returns false if there are no lines or
+   if a line is malformed. */
 static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
 {
     ost_hasher *h;
@@ -116,7 +117,7 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* Returns true if the line belongs to a record of this stage; *item receives the item of the record. */
+/* Returns true if the line belongs to a record of this stage. Sets *item to the item of the record. */
 static bool line_is_of(const char *line, trace_stage stage, int *item)
 {
     const char *name = trace_stage_name(stage);
@@ -130,7 +131,7 @@ static bool line_is_of(const char *line, trace_stage stage, int *item)
 }
 
 /*
- * Returns true if a backend may lack the record of a line.
+ * Returns true if a trace of this backend may lack the record of a line. The allowed records are:
  *
  *   dump             any record, because a dump contains only the files that its author wrote
  *   cl               densities of single voxels, the even items of sampling (perform_sample.c)
@@ -153,7 +154,8 @@ static bool may_lack(const char *backend, const char *line)
     return may;
 }
 
-/* Returns true for a line such as "tick 3 -": the dump has no such record, or the backend no such function. */
+/* Returns true for a line such as "tick 3 -", which states that a dump has no such record or that a backend does not
+   implement the function. */
 static bool is_stand_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');
@@ -161,8 +163,8 @@ static bool is_stand_in(const char *line, const char *reference)
     return head && strncmp(line, reference, head) == 0 && strcmp(line + head, " -") == 0;
 }
 
-/* Returns the index of the first line that differs from the reference's line, and writes that line of the reference to
-   `reference`. Returns -1 if no line differs. */
+/* Returns the index of the first line that differs from the reference's line, or -1 if no line differs. Writes the
+   reference's line at this index to `reference`. */
 static long first_other(const json_t *one, const json_t *lines, const char *backend, char reference[LINE])
 {
     const size_t count = json_array_size(lines), all = 1 + json_array_size(json_object_get(one, "reference"));
@@ -175,8 +177,8 @@ static long first_other(const json_t *one, const json_t *lines, const char *back
     return -1;
 }
 
-/* Writes the stage and the item of a difference at line `at`. The line is that of the reference or, after the
-   reference's last line, that of the backend. */
+/* Writes the stage and the item of a difference at line `at`. They are read from the reference's line or, after the
+   reference's last line, from the backend's line. */
 static void location_of(const char *reference, const json_t *lines, long at, char location[LINE])
 {
     const char *line = *reference ? reference : json_string_value(json_array_get(lines, (size_t)at));
@@ -203,7 +205,7 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* Judges a result that lists the lines of the backend's own records. */
+/* Judges a result that contains the digest lines of the backend's own records. */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");
@@ -230,8 +232,8 @@ static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
         report(j, "says that %s differs first, and its digests differ first at %s", stated, location);
 }
 
-/* Returns true for a difference in the bounds of a broad phase. Bounds are compared but are part of no digest
-   (trace_word_is_bound). */
+/* Returns true if the result differs in the bounds of a broad phase. Bounds are compared but are not part of any
+   digest (trace_word_is_bound). */
 static bool differs_in_bound(const json_t *r)
 {
     const char *word = evidence_text(r, "word");
@@ -249,7 +251,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
     if (verdict < 0)
         report(j, "has no verdict");
     else if (verdict == CASE_DIFFERS && differs_in_bound(r))
-        return; /* no digest contains a bound */
+        return; /* the difference is in a bound, which no digest contains */
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)

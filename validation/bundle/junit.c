@@ -12,7 +12,7 @@ typedef struct page {
     const json_t *protocol, *cases, *times, *environment;
 } page;
 
-/* Writes text for XML; characters that XML does not allow become '?'. */
+/* Writes text with XML escapes. Characters that XML does not allow become '?'. */
 static void put_xml(FILE *to, const char *text)
 {
     for (; *text; text++)
@@ -32,7 +32,7 @@ static bool is_verdict(const json_t *result, case_verdict verdict)
 
 /* ------------------------------------------------------------ the machine */
 
-/* Returns the seconds of a backend; in a merged bundle, the sum over all shards. */
+/* Returns the running time of a backend in seconds. In a merged bundle, this is the sum over all shards. */
 static double seconds_of_backend(const page *p, const char *backend)
 {
     const json_t *one;
@@ -42,7 +42,7 @@ static double seconds_of_backend(const page *p, const char *backend)
     return sum;
 }
 
-/* Finds the seconds of a backend in a case. Returns false if they were not measured. */
+/* Finds the running time of a backend in a case, in seconds. Returns false if it was not measured. */
 static bool seconds_of_case(const page *p, const char *id, const char *backend, double *seconds)
 {
     const json_t *one, *found;
@@ -54,8 +54,8 @@ static bool seconds_of_case(const page *p, const char *id, const char *backend, 
     return false;
 }
 
-/* Returns the least value of a key in the parts of a file, which for a time is the earliest value. Returns "" if there
-   is none. */
+/* Returns the smallest value of a key in the parts of a file, or "" if there is none. For a time, this is the
+   earliest time. */
 static const char *least(const json_t *file, const char *key)
 {
     const json_t *one;
@@ -66,7 +66,7 @@ static const char *least(const json_t *file, const char *key)
     return text;
 }
 
-/* ------------------------------------------------------------------ suites */
+/* the format of test harnesses has no time zone */
 
 static void put_attribute(FILE *to, const char *name, const char *value)
 {

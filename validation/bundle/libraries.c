@@ -48,7 +48,7 @@ typedef struct visit {
     bool incomplete; /* memory was exhausted */
 } visit;
 
-/* Writes the build id that the linker stored in the file: a note of type 3 by "GNU". */
+/* Writes the build id that the linker stored in the file, which is the note with type 3 and name "GNU". */
 static void build_id(const struct dl_phdr_info *info, char hex[129])
 {
     hex[0] = '\0';
@@ -58,7 +58,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
             continue;
         const unsigned char *at = (const unsigned char *)(info->dlpi_addr + p->p_vaddr);
         for (size_t left = p->p_memsz; left > 12;) {
-            uint32_t head[3]; /* sizes of the name and of the descriptor, and the type */
+            uint32_t head[3]; /* head of a note: size of the name, size of the descriptor, and type */
             memcpy(head, at, sizeof head);
             const size_t name = (head[0] + 3u) & ~3u, text = (head[1] + 3u) & ~3u, all = 12 + name + text;
             if (head[0] > left || head[1] > left || all > left)
@@ -74,7 +74,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
     }
 }
 
-/* Collects the names of the libraries that the program itself is linked with. */
+/* Collects the names of those libraries with which the program itself is linked. */
 static void needed_by(const struct dl_phdr_info *info, visit *v)
 {
     for (int i = 0; i < info->dlpi_phnum; i++) {
@@ -99,8 +99,8 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
     (void)size;
     if (!*info->dlpi_name)
         needed_by(info, v);
-    /* Kernels compiled by PoCL are loaded from its cache. They are made from this project's sources, under varying
-       names. */
+    /* Kernels compiled by PoCL are loaded from its cache under varying names. They are omitted, because they are made
+       from this project's sources. */
     if (*info->dlpi_name != '/' || strstr(info->dlpi_name, "/kcache/") || strncmp(info->dlpi_name, "/tmp/", 5) == 0)
         return 0;
     build_id(info, id);
@@ -113,9 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut off after PROGRAM_TEXT bytes. The caller frees *text, which is
- * NULL if the program is not installed. If the program cannot be started or read, or if it fails,
- * this is an error, because the list of libraries would be incomplete.
+ * Reads the output of a program, cut off after PROGRAM_TEXT bytes. The caller frees *text, which is NULL if
+ * the program is not installed. Returns an error if the program cannot be started, its output cannot be
+ * read or the program fails, because the list of libraries would be incomplete.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
@@ -139,7 +139,7 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     const bool started = !failed;
     size_t used = 0;
     char discarded[4096];
-    while (started) { /* read up to the end, since the program blocks on a full pipe */
+    while (started) { /* the output is read to its end, because the program would block on a full pipe */
         const ssize_t n = used < PROGRAM_TEXT ? read(ends[0], output + used, PROGRAM_TEXT - used)
                                               : read(ends[0], discarded, sizeof discarded);
         if (n < 0 && errno == EINTR)
@@ -174,8 +174,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the other name of a file, with or without /usr at its beginning. A package may list the file by the path that
-   it had before /bin and /lib were merged into /usr. */
+/* Writes the alternative path of a file: with /usr at the beginning if the path has none, otherwise without it. A
+   package may list the path that the file had before /bin and /lib were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)
@@ -196,7 +196,7 @@ static void free_words(char **argv, size_t from, size_t n)
     free(argv);
 }
 
-/* Makes {path: package} for all names of all files, with one call of dpkg-query. */
+/* Makes an object {path: package} for all paths of all libraries, with one call of dpkg-query. */
 static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
 {
     const size_t count = json_array_size(libraries);
@@ -223,7 +223,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
-        /* cuts the line after the name of the first package, before its architecture (libc6:amd64) */
+        /* cuts the line after the name of the first package, before the architecture ("libc6:amd64") */
         line[strcspn(line, ":,")] = '\0';
         if (json_object_set_new(out, path + 2, json_string(line)) != 0)
             status = no_memory(err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shared libraries that this process has loaded, including drivers that were
- * loaded at run time. The list comes from the loader, not from the build.
+ * Lists the shared libraries that this process has loaded, including drivers that were loaded at run time.
+ * The list comes from the dynamic loader, not from the build.
  *
  *   loader's list --> path, build-id, size, SHA-256 --dpkg-query, if installed--> package, version
  */
@@ -15,7 +15,7 @@
    caller. */
 ost_status libraries_loaded(json_t **out, ost_error *err);
 
-/* Computes the digest of a file, in hexadecimal. */
+/* Computes the SHA-256 of a file in hexadecimal. */
 ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t *size, ost_error *err);
 
 #endif

@@ -4,8 +4,8 @@
  *
  *   bytes --scan: depth, number of values--> refused in one line, or jansson
  *
- * A parser's memory grows with the number of values and not with the number of
- * bytes: "[0,0,0,..." takes sixteen times its size. The scan allocates no memory.
+ * The memory that a parser allocates grows with the number of values, not with the number of bytes:
+ * "[0,0,0,..." takes sixteen times its size. The scan allocates no memory.
  */
 #ifndef OST_VALIDATION_LIMITS_H
 #define OST_VALIDATION_LIMITS_H
@@ -24,15 +24,16 @@ enum {
     LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* maximum number of values in all lines of cases.jsonl */
 };
 
-/* Counts the values of a JSON text, each of which takes about 100 bytes when parsed. Returns OST_ERR_INPUT "WHERE:
-   ..." if a limit is exceeded. */
+/* Counts the values of a JSON text. Each value takes about 100 bytes when parsed. Returns OST_ERR_INPUT with an error
+   line "WHERE: ..." if a limit is exceeded. */
 ost_status limits_count(const char *where, const char *bytes, size_t size, size_t *values, ost_error *err);
 
-/* Parses a JSON text within the limits; the caller owns *out. Returns OST_ERR_INPUT "WHERE:LINE: ...", or
-   OST_ERR_MEMORY. */
+/* Parses a JSON text within the limits; the caller owns *out. Returns OST_ERR_MEMORY, or OST_ERR_INPUT with an error
+   line "WHERE:LINE: ...". */
 ost_status limits_parse(const char *where, const char *bytes, size_t size, json_t **out, ost_error *err);
 
-/* Copies a name or a text of a bundle for a message; characters other than printable ASCII become '?'. Returns out. */
+/* Copies a name or a text of a bundle for a message, and replaces characters other than printable ASCII by '?'.
+   Returns out. */
 char *limits_printable(const char *text, char out[], size_t size);
 
 #endif

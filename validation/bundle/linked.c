@@ -104,7 +104,7 @@ static bool has_text(const json_t *list, const char *text)
     return false;
 }
 
-/* Reads the instruction set of "cpu:isa=avx2,..."; returns false if the name has none. */
+/* Reads the instruction set from a name such as "cpu:isa=avx2,...". Returns false if the name contains none. */
 static bool isa_of(const char *name, char isa[32])
 {
     static const char head[] = "cpu:isa=";
@@ -114,8 +114,8 @@ static bool isa_of(const char *name, char isa[32])
     return true;
 }
 
-/* Checks that the bundle lists no available backend of an instruction set that the processor lacks. If all backends
-   were requested, also checks that all backends of the processor's instruction sets are listed. */
+/* Checks that the bundle lists no available backend for an instruction set that the processor lacks. If all backends
+   were requested, also checks that there are backends for all instruction sets of the processor. */
 static ost_status check_processor(const check *c, const json_t *devices, ost_error *err)
 {
     enum { SETS = 64 };
@@ -147,7 +147,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     return status;
 }
 
-/* Checks that all backends of each OpenCL device are listed, if all were requested. */
+/* If all backends were requested, checks that all backends of each OpenCL device are listed. */
 static void check_opencl(const check *c, const json_t *devices)
 {
     const json_t *list = json_object_get(json_object_get(devices, "opencl"), "devices");
@@ -183,7 +183,7 @@ static ost_status check_devices(const check *c, ost_error *err)
     return status;
 }
 
-/* Checks that there is a time for every backend of the protocol, and for no other. */
+/* Checks that there is a running time for every backend of the protocol, and for no other backend. */
 static void check_times(const check *c)
 {
     const json_t *backends = json_object_get(c->protocol, "backends"), *times;
@@ -208,7 +208,8 @@ static ost_status check_case_file(const check *c, ost_error *err)
     return status;
 }
 
-/* Checks that requirements.csv is present. It is neither a JSON file nor derived, so no other check reads it here. */
+/* Checks that requirements.csv is present. No other check reads this file, because it is neither a JSON file nor a
+   derived file. */
 static ost_status check_requirements(const check *c, ost_error *err)
 {
     ost_file file;

@@ -13,7 +13,7 @@
 
 enum { TEXT = 400 };
 
-/* Writes the counts as text: "46 equal, 0 differs, ...". */
+/* Writes the counts of verdicts as a text such as "46 equal, 0 differs, ...". */
 static void counts_of(const json_t *summary, char text[TEXT])
 {
     size_t n = 0;
@@ -24,8 +24,8 @@ static void counts_of(const json_t *summary, char text[TEXT])
                               case_verdict_name((case_verdict)v));
 }
 
-/* Computes the digest of the file in row `row` of the table. *there receives false if the file is absent or not
-   bound. */
+/* Computes the digest of the file in row `row` of the table in folder.c. Sets *there to false if the file is absent
+   or the log does not contain its digest. */
 static ost_status bound_file(const char *folder, size_t row, char text[TEXT], bool *there, ost_error *err)
 {
     folder_about about;
@@ -64,7 +64,7 @@ ost_status log_end(bundle *b, const json_t *summary, ost_error *err)
 /* ------------------------------------------------------- checking the log */
 
 typedef struct reader {
-    char *at;   /* the part of the log that has not been read yet */
+    char *at;   /* beginning of the part that has not been read yet */
     int number; /* number of the last line that was read */
     char *time, *action, *detail;
     char last_time[32];
@@ -105,7 +105,7 @@ static bool next_line(reader *r)
     return true;
 }
 
-/* Checks the time, 2026-11-22T21:36:00Z, which must not be before that of the previous line. */
+/* Checks that the time has the form 2026-11-22T21:36:00Z and is not before the time of the previous line. */
 static void check_time(reader *r)
 {
     static const char form[] = "0000-00-00T00:00:00Z";
@@ -117,7 +117,7 @@ static void check_time(reader *r)
     snprintf(r->last_time, sizeof r->last_time, "%.31s", r->time);
 }
 
-/* Checks that the next line has this action and this detail (NULL: any). */
+/* Checks that the next line has this action and this detail. If detail is NULL, any detail is accepted. */
 static bool expect(reader *r, const char *action, const char *detail)
 {
     if (!next_line(r)) {

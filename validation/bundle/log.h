@@ -3,10 +3,10 @@
  * The lines that audit.log must have, in this order:
  *
  *   begun            osteon VERSION
- *   protocol frozen  SHA-256 of protocol.json, before anything ran
+ *   protocol frozen  SHA-256 of protocol.json, before the first case runs
  *   merged           N shards of ...                              (only in a merged bundle)
  *   results          the counts of results.json
- *   file             NAME SHA-256, of each file that folder.c binds, sorted
+ *   file             NAME SHA-256, for each file that folder.c marks as bound, sorted by name
  *   ended            files written
  *
  * The `file` lines bind the measured files (tools, bill of materials, devices,
@@ -18,7 +18,8 @@
 
 #include "validation/bundle/bundle.h"
 
-/* Writes the lines from "results" on. All files except report and manifest must already be in the folder. */
+/* Writes the line "results" and all lines after it. All files except report and manifest must already be in the
+   folder. */
 ost_status log_end(bundle *b, const json_t *summary, ost_error *err);
 
 /* Reports every line that does not follow from the bundle's files. */

@@ -27,7 +27,7 @@ static ost_status leaf_of(const char *name, const ost_digest *file, ost_digest *
     return ost_digest_bytes(bytes, length + 2 + OST_DIGEST_BYTES, out, err);
 }
 
-/* Computes a tree hash. RFC 6962: split at the greatest power of two below count. */
+/* Computes the tree hash of RFC 6962, which splits at the greatest power of two below count. */
 static ost_status tree_of(const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     if (count == 0)
@@ -109,7 +109,8 @@ static ost_status manifest_of_files(const char *folder, const folder_files *l, j
     return status;
 }
 
-/* Stores the first problem found in the folder. This program filled the folder, so any problem is an error. */
+/* Stores the first problem found in the folder. This program wrote all files of the folder, so any problem is an
+   error. */
 static void first_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
 {
     ost_error *first = user;
@@ -146,7 +147,7 @@ char *manifest_text(const json_t *manifest)
     return line;
 }
 
-/* Makes an object {name: row} from a manifest; owned by the caller. */
+/* Converts the rows of a manifest to an object {name: row}, which the caller owns. */
 static json_t *rows_by_name(const json_t *manifest)
 {
     const json_t *files = json_object_get(manifest, "files");
@@ -172,8 +173,8 @@ static bool digest_in(const char *hex, ost_digest *out)
     return hex[2 * OST_DIGEST_BYTES] == '\0';
 }
 
-/* Returns true if the rows of a manifest give its root, that is, if the manifest is unchanged. In this case a file
-   without a row, or a row without a file, is a problem of the folder. */
+/* Returns true if the root of a manifest follows from its rows, which means that the manifest is unchanged. A file
+   without a row, or a row without a file, is then a problem of the folder. */
 static bool rows_give_root(const json_t *stated)
 {
     const json_t *files = json_object_get(stated, "files");

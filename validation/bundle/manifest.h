@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * manifest.json: every file of a bundle with its size and SHA-256, sorted by
- * name, and two roots over them:
+ * Makes manifest.json, which lists every file of a bundle with its size and SHA-256, sorted by name, and
+ * contains two root digests:
  *
  *   root     all files
- *   results  those whose content depends only on the cases, the code and the list
- *            of backends (folder.c lists them): two runs with the same list have
- *            the same root, whatever the machine, its drivers and the time
+ *   results  the files whose content depends only on the cases, the code and the list of backends (see
+ *            folder.c); two runs with the same list have the same root, independently of the machine, its
+ *            drivers and the time
  *
- * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 ||
- * digest of the file).  The form is canonical, so any change of a byte in the
- * manifest itself is detected.  The manifest does not include signatures/, since
- * a signature is made over the manifest.
+ * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 || digest of the file). The
+ * text of the manifest is canonical, so any change of a byte in the manifest itself is detected. The
+ * manifest does not list signatures/, because a signature covers the manifest.
  */
 #ifndef OST_VALIDATION_MANIFEST_H
 #define OST_VALIDATION_MANIFEST_H
@@ -23,7 +22,7 @@
 
 /* Makes the manifest of the folder's current files; the caller owns *out. */
 ost_status manifest_of(const char *folder, json_t **out, ost_error *err);
-/* Returns the manifest as text, as it is written to the file; the caller frees it. */
+/* Returns the text of the manifest file; the caller frees it. */
 char *manifest_text(const json_t *manifest);
 ost_status manifest_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err);
 

@@ -33,7 +33,7 @@ static json_t *common_part(const json_t *protocol)
     return o;
 }
 
-/* Adds one bundle's cases to the table by id, and its environment and times. */
+/* Adds the cases of one bundle to the table `by_id`, and its environment and times to *m. */
 static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_error *err)
 {
     char problem[256] = "", name[32];
@@ -67,7 +67,8 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
         json_decref(common);
     }
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* absent from a bundle of selected cases */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* the file is absent if the bundle has
+                                                                            only selected cases */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
         m->suite_limit = json_incref(json_object_get(protocol, "suite"));
         status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);

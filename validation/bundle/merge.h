@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Merges shards: the bundles in a folder, one for each of --shard 1/N to N/N,
- * become the bundle that a single run would have written, byte for byte except
- * for the files that differ from run to run.
+ * Merges the bundles of shards. A folder contains one bundle for each of --shard 1/N to N/N. The merged
+ * bundle is the bundle that a single run would have written, byte for byte except for the files that differ
+ * from run to run.
  *
- * Every shard is checked first (check.h).  They must come from one campaign:
- * their protocols are equal except for the shard and its cases.
+ * Every shard is checked first (check.h). All shards must come from one campaign, so that their protocols
+ * are equal except for the shard and its cases.
  */
 #ifndef OST_VALIDATION_MERGE_H
 #define OST_VALIDATION_MERGE_H
@@ -16,12 +16,12 @@ typedef struct merged {
     json_t *protocol, *cases;     /* protocol and cases of the complete campaign; owned */
     json_t *environment, *times;  /* {"1/3": ...}; owned */
     json_t *faults;               /* the first shard's sensitivity.json, or NULL if it has none; owned */
-    json_t *suite, *suite_limit;  /* the first shard's suite.json and its part of the protocol, or NULL; owned */
+    json_t *suite, *suite_limit;  /* owned; the first shard's suite.json and the protocol's member "suite", or NULL */
     int shards;
 } merged;
 
-/* Reads and merges the bundles in a folder. The message of OST_ERR_INPUT names the bundle that is invalid, missing,
-   duplicated, or of another campaign. */
+/* Reads and merges the bundles in a folder. The error line of OST_ERR_INPUT names the bundle that is invalid,
+   missing, duplicated, or of another campaign. */
 ost_status merge_read(const char *folder, merged *out, ost_error *err);
 void merge_free(merged *m);
 

@@ -34,7 +34,7 @@ static bool seed_of(const json_t *protocol, uint64_t *out)
     return *text >= '0' && *text <= '9' && !*end && !errno;
 }
 
-/* Makes a plan of the cases of --case, in their order. */
+/* Makes a plan of the cases that were run by --case, in their order. */
 static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *out, ost_error *err)
 {
     const json_t *list = json_object_get(file, "cases");
@@ -125,7 +125,8 @@ static bool subjects_in(const json_t *protocol, subject_list *out)
     return strcmp(out->subjects[0].spec, "ref") == 0;
 }
 
-/* Checks that the bundle's protocol is the one that this program writes for the same plan, options and backends. */
+/* Checks that the bundle's protocol equals the protocol that this program writes for the same plan, options and
+   backends. */
 static ost_status check_protocol(const check *c, const json_t *protocol, const plan *p, ost_error *err)
 {
     subject_list subjects;
@@ -143,8 +144,8 @@ static ost_status check_protocol(const check *c, const json_t *protocol, const p
     subjects_free(&subjects);
     if (status != OST_OK)
         return status;
-    /* These keys are checked elsewhere: case by planned_of, user with --rerun by the files themselves, and suite by
-       suite_check. */
+    /* Keys that are checked elsewhere: "case" by planned_of, "user" by comparison with the files (--rerun), and
+       "suite" by suite_check. */
     static const char *const given[] =
         {"case", "user", "suite"};
     for (size_t k = 0; k < sizeof given / sizeof given[0]; k++)

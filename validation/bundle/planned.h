@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks a bundle's protocol and cases against the plan of its tier, seed, shard
- * and options.  For the check, this program makes that plan again.
+ * Checks a bundle's protocol and cases against the plan of its tier, seed, shard and options. For this
+ * check, the plan is generated again.
  *
  *   protocol.json --tier, seed, shard, only, case--> plan --> the protocol again: every key must be equal
  *                                                      '--> the cases of cases.jsonl, in this order, with the inputs
  *                                                           of the plan (except those of the user's own files)
  *   devices.json, tools.json, environment.json, times.json, sensitivity.json: if they name a run, it must be this one
  *
- * This detects a smoke campaign labelled as standard, a missing case or backend,
- * and a file of another run or another build.
+ * The check detects, for example, a smoke campaign labelled as standard, a missing case or backend, and a
+ * file from another run or another build.
  */
 #ifndef OST_VALIDATION_PLANNED_H
 #define OST_VALIDATION_PLANNED_H
@@ -17,12 +17,12 @@
 #include "validation/bundle/bundle.h"
 #include "validation/plan.h"
 
-/* Makes the plan of a protocol: from its case, or from tier, seed, shard and options. The caller frees it with
-   plan_free. Returns OST_ERR_INPUT with a message of one line. */
+/* Makes the plan of a protocol from the protocol's case or from its tier, seed, shard and options. The caller frees
+   it with plan_free. Returns OST_ERR_INPUT with an error line if the protocol is invalid. */
 ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, ost_error *err);
 
-/* Reports differences from the plan. The protocol must be an object of the format EVIDENCE_FORMAT; cases must be an
-   array. */
+/* Reports differences between the bundle and the plan. The protocol must be an object of the format EVIDENCE_FORMAT;
+   cases must be an array. */
 ost_status planned_check(const json_t *protocol, const json_t *cases, bundle_problem *problem, void *user, int *found,
                          ost_error *err);
 

@@ -56,7 +56,8 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        status = devices_of(subjects, &devices, err); /* must precede tools_of, which lists loaded drivers */
+        status = devices_of(subjects, &devices, err); /* must precede tools_of, which lists the drivers that
+                                                         devices_of loads */
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);
     if (status == OST_OK)
@@ -72,7 +73,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 
 /* -------------------------------------------------------- files of shards */
 
-/* Writes the shard of the bundle's protocol: "2/8". */
+/* Writes the shard of the bundle's protocol, such as "2/8". */
 static ost_status shard_name(const char *folder, char name[32], ost_error *err)
 {
     json_t *protocol;
@@ -109,8 +110,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* Writes a file once if it is equal in all shards. If it is not, writes an object with the file of each shard if
-   by_shard is true, and fails otherwise. */
+/* Writes a file once if it is equal in all shards. Otherwise writes an object with the file of each shard if by_shard
+   is true, and fails if by_shard is false. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user,
                             ost_error *err)
 {
@@ -150,7 +151,7 @@ ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost
 
 /* ---------------------------------------------------------- derived files */
 
-/* Reads a JSON file. *out is NULL if the file is absent or exceeds the limits; linked_check reports this. */
+/* Reads a JSON file. *out is NULL if the file is absent or exceeds the limits; linked_check reports these problems. */
 static ost_status find_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     ost_error why = {0};

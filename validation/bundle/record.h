@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The files of a bundle besides the evidence of the comparison:
+ * Writes the files of a bundle that are not evidence of the comparison:
  *
- *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json;
- *                  these are compiled in, or collected on the machine
+ *   record_put     requirements.csv, known-anomalies.csv, tools.json, devices.json, common.json; these
+ *                  files are compiled in, or collected on the machine
  *   record_merge   the same files, from the bundles of shards
  *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml; these are derived from the files
  *                  above, environment.json, times.json and the cases; verify derives them again
@@ -19,15 +19,15 @@
 /* Known anomalies of this release (docs/qualification/known-anomalies.csv), as compiled in. */
 #define KNOWN_ANOMALIES_FILE "known-anomalies.csv"
 
-/* Writes the collected files. program: this program's file. */
+/* Writes the collected files. The parameter program is the path of this program's file. */
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
                       void *user, ost_error *err);
 
-/* Merges the collected files of the bundles in folder. Returns OST_ERR_INPUT if the bundles were made by different
+/* Merges the collected files of the bundles in a folder. Returns OST_ERR_INPUT if the bundles were made by different
    builds. */
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);
 
-/* Derives the other files from the files of the bundle in folder. */
+/* Derives the remaining files from the files of the bundle in a folder. */
 ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                          void *user, ost_error *err);
 

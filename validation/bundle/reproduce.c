@@ -29,7 +29,7 @@ static case_result *result_of(const campaign *c, int i, int s)
     return &c->results[(size_t)i * (size_t)c->subjects->count + (size_t)s];
 }
 
-/* Returns true if an earlier case of this backend differs in the same stage and has the same class. */
+/* Returns true if an earlier case of this backend differs in the same stage and its difference has the same class. */
 static bool seen_before(const campaign *c, int i, int s)
 {
     const case_result *r = result_of(c, i, s);

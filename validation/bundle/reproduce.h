@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * cases/NAME.json: small cases that show the differences that a campaign found;
- * each can be run by one command.
+ * Makes the files cases/NAME.json. Each file is a small case that reproduces a difference found by a
+ * campaign, and can be run by one command.
  *
  *   campaign's differences --minimise--> cases/session-1-backend-2.json
  *
- * For every backend, only the first difference of each stage and class is reduced,
- * because a defective backend differs in the same way everywhere.  The total number
- * of small cases is limited, too.
+ * For every backend, only the first difference of each stage and class is reduced, because a defective
+ * backend differs in the same way everywhere. The total number of small cases is also limited.
  */
 #ifndef OST_VALIDATION_REPRODUCE_H
 #define OST_VALIDATION_REPRODUCE_H
@@ -16,14 +15,14 @@
 
 enum { REPRODUCED = 6 };
 
-/* Writes the small cases and stores the name of each in the campaign's findings.  program and folder are as in
-   campaign_options; show may be NULL. */
+/* Writes the small cases and stores the name of each small case in the campaign's findings. program and folder are as
+   in campaign_options; show may be NULL. */
 ost_status reproduce(campaign *c, const char *program, const char *folder,
                      void (*show)(void *user, const char *what, double share), void *show_user, evidence_sink *sink,
                      void *user, ost_error *err);
 
-/* Returns true for names that reproduce makes: "cases/" and plain characters. Any other name in a bundle is not
-   used. */
+/* Returns true for names that the function reproduce generates: "cases/" followed by plain characters. Other names in
+   a bundle are ignored. */
 bool reproduce_name_ok(const char *name);
 
 #endif

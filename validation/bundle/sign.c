@@ -30,8 +30,8 @@ typedef struct claim {
     char by[SIGN_TEXT_MAX + 1], meaning[SIGN_TEXT_MAX + 1], time[SIGN_TIME];
 } claim;
 
-/* Adds "CASE on BACKEND", the name used in results.tap, to the list `passed` or `failed`. Returns false if memory is
-   exhausted. */
+/* Adds "CASE on BACKEND", the name of the test in results.tap, to the list `passed` or `failed`. Returns false if
+   memory is exhausted. */
 static bool sort_result(const char *id, const char *backend, const char *verdict, json_t *passed, json_t *failed)
 {
     char name[400];
@@ -42,8 +42,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
                                  json_string(name)) == 0;
 }
 
-/* Returns PASSED if all results are equal and the campaign covers enough to be evidence, and WARNED if all results
-   are equal but the campaign covers too little. Otherwise returns FAILED, also if nothing was compared or the
+/* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all
+   results are equal but the campaign covers too little. Otherwise returns FAILED, also if nothing was compared or the
    campaign is incomplete. */
 static const char *result_of(const json_t *summary)
 {
@@ -211,7 +211,7 @@ typedef struct check {
     const char *folder;
     int signatures; /* descriptor of the folder signatures/ */
     const sign_trust *trust;
-    const contents *is; /* NULL: the bundle is not readable, which was reported earlier */
+    const contents *is; /* NULL if the bundle is not readable, which was reported earlier */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -226,8 +226,8 @@ static void report(const check *c, const char *name, const char *text)
     ++*c->found;
 }
 
-/* Reads a file in signatures/. If this is not a file of at most max bytes, reports the reason and sets *bytes to
-   NULL. */
+/* Reads a file in signatures/. If it is not a regular file of at most max bytes, reports the reason and sets *bytes
+   to NULL. */
 static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent,
                               ost_error *err)
 {
@@ -259,8 +259,8 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
     return true;
 }
 
-/* Reads the signer's claims from a statement, and compares the rest of the statement with the bundle. *why receives the
-   reason if the statement is invalid, else NULL. */
+/* Reads the signer's claims from a statement, and compares the rest of the statement with the bundle. Sets *why to
+   the reason if the statement is invalid, otherwise to NULL. */
 static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why,
                                     ost_error *err)
 {
@@ -279,7 +279,7 @@ static ost_status compare_statement(const check *c, const sign_envelope *e, clai
     return status;
 }
 
-/* Returns the index of the trusted key that made a signature, or -1. */
+/* Returns the index of the trusted key that made signature s of an envelope, or -1. */
 static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
 {
     for (int k = 0; k < t->count; k++)
@@ -288,8 +288,8 @@ static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
     return -1;
 }
 
-/* Verifies all signatures of an envelope. Returns the reason if one is invalid, else NULL; adds the fingerprints to
-   keys. */
+/* Verifies all signatures of an envelope and adds their fingerprints to `keys`. Returns the reason if a signature is
+   invalid, otherwise NULL. */
 static const char *verify_signatures(const check *c, const sign_envelope *e, json_t *keys)
 {
     bool used[SIGN_KEYS_MAX] = {false};
@@ -309,7 +309,7 @@ static const char *verify_signatures(const check *c, const sign_envelope *e, jso
     return NULL;
 }
 
-/* Checks the time stamp of an envelope; time is "" if there is none. */
+/* Checks the time stamp of an envelope. Sets `time` to "" if there is none. */
 static ost_status check_time(const check *c, const char *name, const char *bytes, size_t size, char time[SIGN_TIME],
                              bool *there, ost_error *err)
 {
@@ -349,7 +349,7 @@ static ost_status check_envelope(const check *c, const char *name, ost_error *er
     status = sign_envelope_read(bytes, size, &e, &why, err);
     json_t *keys = json_array();
     if (status == OST_OK && !why) {
-        /* The signatures are verified before the contents are read. */
+        /* The signatures are verified before the contents of the envelope are read. */
         why = c->trust ? verify_signatures(c, &e, keys) : NULL;
         if (!why)
             status = compare_statement(c, &e, &claimed, &why, err);
@@ -380,7 +380,7 @@ static int by_name(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-/* Checks every file of the folder in the order of names, which begin with the time. */
+/* Checks every file of the folder in the order of the names, which begin with the time of signing. */
 static ost_status check_files(const check *c, DIR *dir, ost_error *err)
 {
     char names[FILES_MAX][256];

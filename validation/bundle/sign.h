@@ -7,9 +7,9 @@
  *   private key (PEM) --------------------------------> DSSE envelope: signatures/TIME-KEY.intoto.jsonl
  *   time-stamping authority (RFC 3161), optional -----> the same name followed by .tsr
  *
- * Except for the signer's claims (name, meaning, time), a statement is derived from the bundle, so
- * verification derives it again and compares the two.  A key is identified by
- * its fingerprint: SHA-256 of the DER form of the public key.
+ * A statement consists of the signer's claims (name, meaning, time) and of values that are derived from the
+ * bundle. Verification derives these values again and compares them. A key is identified by its
+ * fingerprint, the SHA-256 of the DER form of the public key.
  */
 #ifndef OST_VALIDATION_SIGN_H
 #define OST_VALIDATION_SIGN_H
@@ -22,8 +22,8 @@
 typedef struct sign_key sign_key;
 
 /*
- * Reads a PEM file.  The first line of the file `passphrase` decrypts an encrypted key; if passphrase is NULL, OpenSSL
- * prompts for it on the terminal.
+ * Reads a private key from a PEM file. The passphrase of an encrypted key is the first line of the file
+ * `passphrase`; if this parameter is NULL, OpenSSL prompts for the passphrase on the terminal.
  */
 ost_status sign_key_open(const char *path, const char *passphrase, sign_key **out, ost_error *err);
 void sign_key_free(sign_key *key); /* NULL is allowed */
@@ -33,26 +33,27 @@ void sign_key_free(sign_key *key); /* NULL is allowed */
 enum { SIGN_TEXT_MAX = 200, SIGN_NAME = 128 };
 
 /*
- * Signs the bundle in `folder`, which the caller has checked, and writes the envelope.  by: the signer's printed name,
- * "" for none; meaning: for example "reviewed and accepted".  name receives the envelope's name within the folder.
+ * Signs the bundle in `folder`, which the caller has checked, and writes the envelope. The parameter by is
+ * the signer's printed name, which may be ""; meaning is a text such as "reviewed and accepted". Sets name
+ * to the envelope's name within the folder.
  */
 ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning,
                        char name[SIGN_NAME], ost_error *err);
 
-/* Public keys, and the certificates of a time-stamping authority. */
+/* Trusted public keys, and the certificates of a time-stamping authority. */
 typedef struct sign_trust sign_trust;
 
-/* Reads the trusted keys. paths: PEM files of public keys, or folders of them; authority: a PEM file of
+/* Reads the trusted keys. paths lists PEM files of public keys or folders of such files. authority is a PEM file of
    certificates, or NULL. */
 ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out,
                            ost_error *err);
 void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 
 /*
- * Checks every file in signatures/.  If trust is not NULL, there must be a signature, and
- * each must be by a trusted key.  If trust is NULL, envelopes are read and compared with the
- * bundle, but no signature is verified.
- * *out: [{file, by, meaning, claimed_time, result, keys[], checked, time_stamp}]; owned by the caller.
+ * Checks every file in signatures/. If trust is not NULL, there must be at least one signature, and each
+ * signature must be by a trusted key. If trust is NULL, envelopes are read and compared with the bundle,
+ * but no signature is verified. *out: [{file, by, meaning, claimed_time, result, keys[], checked,
+ * time_stamp}]; owned by the caller.
  */
 ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,
                       json_t **out, ost_error *err);

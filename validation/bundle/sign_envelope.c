@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * DSSE 1.0.2 (github.com/secure-systems-lab/dsse, protocol.md and envelope.md):
+ * Makes and reads envelopes of DSSE 1.0.2 (github.com/secure-systems-lab/dsse, protocol.md and
+ * envelope.md):
  *
  *   PAE(type, body) = "DSSEv1" SP LEN(type) SP type SP LEN(body) SP body
  *   {"payload": base64(body), "payloadType": type, "signatures": [{"keyid", "sig": base64}]}
@@ -47,8 +48,8 @@ static int digit_of(char c)
     return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/* Decodes base64 of RFC 4648, standard or URL-safe, padded, with all unused bits 0. Returns NULL for anything else,
-   and if memory is exhausted. */
+/* Decodes base64 of RFC 4648, standard or URL-safe, with padding, and with all unused bits 0. Returns NULL for any
+   other text, or if memory is exhausted. */
 static unsigned char *from_base64(const char *text, size_t length, size_t *size)
 {
     const size_t pad = length && text[length - 1] == '=' ? length > 1 && text[length - 2] == '=' ? 2 : 1 : 0;
@@ -107,7 +108,7 @@ static bool is_fingerprint(const char *text)
     return strlen(text) == OST_DIGEST_HEX - 1 && strspn(text, "0123456789abcdef") == OST_DIGEST_HEX - 1;
 }
 
-/* Reads one of the signatures. Returns the reason if it is invalid, else NULL. */
+/* Reads one of the signatures of an envelope. Returns the reason if the signature is invalid, otherwise NULL. */
 static const char *read_signature(const json_t *one, sign_envelope *e)
 {
     const json_t *sig = json_object_get(one, "sig"), *keyid = json_object_get(one, "keyid");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Signing keys: Ed25519 (RFC 8032) and ECDSA over P-256 with SHA-256, as PEM files. */
+/* Reads signing keys from PEM files: Ed25519 (RFC 8032), and ECDSA over P-256 with SHA-256. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static bool is_supported(const EVP_PKEY *key)
            strcmp(group, "prime256v1") == 0;
 }
 
-/* Takes ownership of the key, also on failure. */
+/* Checks a key and stores it in *out. Takes ownership of pkey, also on failure. */
 static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_error *err)
 {
     unsigned char *der = NULL;
@@ -163,7 +163,7 @@ static bool ends_with(const char *text, const char *end)
     return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* Reads every *.pem of a folder. */
+/* Reads every file *.pem of a folder. */
 static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
 {
     const int before = t->count;
@@ -216,7 +216,7 @@ void sign_trust_free(sign_trust *trust)
 
 /* ----------------------------------------------------------- signatures */
 
-/* Returns the hash function for a key; NULL for Ed25519, which contains its own. */
+/* Returns the hash function for a key. Returns NULL for Ed25519, whose signature scheme includes a hash function. */
 static const EVP_MD *digest_of(const sign_key *key)
 {
     return is_ed25519(key->key) ? NULL : EVP_sha256();

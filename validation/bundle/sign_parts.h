@@ -18,7 +18,7 @@ struct sign_key {
 struct sign_trust {
     sign_key keys[SIGN_KEYS_MAX];
     int count;
-    X509_STORE *authority; /* NULL: time stamps are not checked */
+    X509_STORE *authority; /* NULL if time stamps are not checked */
 };
 
 /* ---------------------------------------------------------- sign_key.c */
@@ -32,7 +32,7 @@ bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsig
 /* ----------------------------------------------------- sign_envelope.c */
 
 typedef struct sign_envelope {
-    char *payload; /* the statement's bytes; owned, as are all pointers here */
+    char *payload; /* the bytes of the statement; the structure owns this and all other pointers */
     size_t payload_size;
     char *encoded; /* PAE(type, payload): the bytes that are signed */
     size_t encoded_size;
@@ -45,9 +45,10 @@ typedef struct sign_envelope {
     } signatures[SIGN_SIGNATURES_MAX];
 } sign_envelope;
 
-/* Makes an envelope for the payload, one line of JSON; the caller frees *text. */
+/* Makes an envelope for the payload as one line of JSON. The caller frees *text. */
 ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t size, char **text, ost_error *err);
-/* Reads an envelope. *why receives the reason if the text is invalid, else NULL. Fails only with OST_ERR_MEMORY. */
+/* Reads an envelope. Sets *why to the reason if the text is invalid, otherwise to NULL. Fails only with
+   OST_ERR_MEMORY. */
 ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out, const char **why, ost_error *err);
 void sign_envelope_free(sign_envelope *e);
 
@@ -56,8 +57,8 @@ void sign_envelope_free(sign_envelope *e);
 enum { SIGN_TIME = 40 };
 /* Reads the certificates of a time-stamping authority. */
 ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
-/* Checks a response to a time stamp query for these bytes. Returns the reason if it is invalid, else NULL and in
-   `time` the time of the stamp. */
+/* Checks a response to a time stamp query for these bytes. Returns the reason if the response is invalid. Otherwise
+   returns NULL and writes the time of the stamp to `time`. */
 const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
                             size_t size, char time[SIGN_TIME]);
 

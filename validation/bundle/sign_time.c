@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Time stamps of RFC 3161: the response of a time-stamping authority, in a file next to its envelope. */
+/* Checks time stamps of RFC 3161. The response of a time-stamping authority is in a file next to its envelope. */
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/ts.h>
@@ -38,7 +38,7 @@ ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *er
     return OST_OK;
 }
 
-/* Writes the time in the token: "2026-11-22T21:45:00Z". */
+/* Writes the time of the response's token in the form "2026-11-22T21:45:00Z". */
 static void time_of(TS_RESP *response, char time[SIGN_TIME])
 {
     TS_TST_INFO *info = TS_RESP_get_tst_info(response);

@@ -9,7 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* Known software, found by the beginning of a library's file name. */
+/* Software for which this program has a table row, which is found by the beginning of a library's file name. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;
@@ -98,7 +98,7 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
-/* True after a failed allocation outside of Jansson. A failed allocation in Jansson ends the program (app/main.c). */
+/* true after an allocation outside Jansson failed; a failed allocation in Jansson ends the program (app/main.c) */
 static bool out_of_memory;
 
 /* ----------------------------------------------------------- the libraries */
@@ -110,8 +110,8 @@ static int by_file(const void *a, const void *b)
     return order ? order : strcmp(evidence_text(x, "sha256"), evidence_text(y, "sha256"));
 }
 
-/* Returns the libraries of one machine or of all shards, without duplicates; owned by the caller; NULL if memory is
-   exhausted. */
+/* Returns the libraries of one machine or of all shards, without duplicates. The caller owns the result, which is
+   NULL if memory is exhausted. */
 static json_t *libraries_of(const json_t *tools)
 {
     json_t *all = json_array(), *seen = json_object(), *out = json_array();
@@ -139,7 +139,8 @@ static json_t *libraries_of(const json_t *tools)
     return out;
 }
 
-/* Returns the value of a key; in a merged bundle, that of the first shard. Returns NULL if there is none. */
+/* Returns the value of a key in tools.json, or NULL if there is none. In a merged bundle, this is the value of the
+   first shard. */
 static const json_t *part_of(const json_t *tools, const char *key)
 {
     return json_object_get(evidence_part(tools, key, 0), key);
@@ -147,14 +148,16 @@ static const json_t *part_of(const json_t *tools, const char *key)
 
 /* ------------------------------------------------------------------ files */
 
-/* Returns the licence in the table, else that of the package, else NOASSERTION. */
+/* Returns the licence from the table or, if the table has none, from the package. Returns NOASSERTION if neither is
+   available. */
 static const char *licence_of(const known *k, const json_t *library)
 {
     const char *its = evidence_text(library, "licence");
     return strcmp(k->licence, "NOASSERTION") == 0 && *its ? its : k->licence;
 }
 
-/* Returns the supplier of a library: the packager, or the maker if it is not part of a package. */
+/* Returns the supplier of a library: the maintainer of its package or, if it is not part of a package, the maker of
+   the software. */
 static const char *supplier_of(const known *k, const json_t *library)
 {
     return *evidence_text(library, "maintainer") ? evidence_text(library, "maintainer") : k->maker;
@@ -169,7 +172,7 @@ static const known *compiler_of(const char *text)
                                                                  : &unknown;
 }
 
-/* Returns the row of a library by its name in pkg-config. */
+/* Returns the table row of a library whose name in pkg-config is `name`. */
 static const known *headers_of(const char *name)
 {
     char soname[64];
@@ -178,7 +181,7 @@ static const known *headers_of(const char *name)
     return known_of(soname);
 }
 
-/* Writes a row of software that is used to build osteon. */
+/* Writes a row for software that is used to build osteon. */
 static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose,
                       const char *limits)
 {
@@ -227,8 +230,8 @@ static void soup(FILE *to, json_t *tools)
     json_decref(libraries);
 }
 
-/* Makes a package URL: libssl3 3.0.11-1 on Debian --> pkg:deb/debian/libssl3@3.0.11-1. Reserved characters are
-   encoded as %3A. */
+/* Makes a package URL: "libssl3 3.0.11-1" on Debian becomes "pkg:deb/debian/libssl3@3.0.11-1". Reserved characters
+   are percent-encoded. */
 static json_t *package_reference(const char *distribution, const char *package, const char *version)
 {
     char url[256];

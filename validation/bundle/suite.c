@@ -19,7 +19,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Splits a line's field of tests at its semicolons and appends the names; at most TESTS_MAX in all. */
+/* Splits the tests field of a line at its semicolons and appends the names to the array `names`. The array has at
+   most TESTS_MAX names. */
 static void names_of_line(char *line, char **names, size_t *count)
 {
     char *field = line, *remainder = NULL;
@@ -27,7 +28,7 @@ static void names_of_line(char *line, char **names, size_t *count)
         field = strchr(field, ',');
         field = field ? field + 1 : NULL;
     }
-    if (!field || *line == ',') /* a row without an id is a test that no requirement names */
+    if (!field || *line == ',') /* a row without an id lists a test that no requirement names */
         return;
     field[strcspn(field, ",")] = '\0';
     for (char *name = strtok_r(field, ";", &remainder); name && *count < TESTS_MAX;

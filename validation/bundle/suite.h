@@ -4,12 +4,11 @@
  *
  *   requirements.csv --suite_tests--> paths of tests --suite_run--> suite.json
  *
- * suite.json has one object for each test that a requirement names, sorted by
- * path: result, exit status, seconds, and size and SHA-256 of its output.  The
- * result follows from the status as in automake's harness: 0 is passed, 77 is
- * skipped, any other status is failed.  A test that was stopped is failed, too.
- * protocol.json states that the suite is to be run, so that a missing file is
- * detected.
+ * suite.json has one object for each test that a requirement names, sorted by path. The object contains the
+ * test's result, exit status and running time, and the size and SHA-256 of its output. The result follows
+ * from the status as in automake's harness: 0 is passed, 77 is skipped, any other status is failed. A test
+ * that was stopped also counts as failed. protocol.json records that the suite is part of the campaign, so
+ * that a missing file suite.json is detected.
  */
 #ifndef OST_VALIDATION_BUNDLE_SUITE_H
 #define OST_VALIDATION_BUNDLE_SUITE_H
@@ -20,25 +19,25 @@
 
 #define SUITE_FILE "suite.json"
 
-/* Exit status of a skipped test, as in automake. If a signal ended the test, its status is the negative signal
-   number. */
+/* Exit status of a skipped test, as in automake. The status of a test that was ended by a signal is the negative
+   signal number. */
 enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
-/* Maximum number of bytes of a test's output; a test that prints more is stopped. */
+/* Maximum size of a test's output in bytes. A test that prints more is stopped. */
 #define SUITE_OUTPUT_MAX ((json_int_t)64 << 20)
 
-/* Returns the tests that the rows of requirements.csv name, sorted, without duplicates; owned by the caller; NULL if
-   memory is exhausted. */
+/* Returns the tests that the rows of requirements.csv name, sorted and without duplicates. The caller owns the
+   result, which is NULL if memory is exhausted. */
 json_t *suite_tests(const char *requirements);
 
-/* Returns "passed", "skipped" or "failed". The parameter stopped is the reason why the test was stopped; it is "" if
-   the test was not stopped. */
+/* Returns "passed", "skipped" or "failed". The parameter stopped is the reason why the test was stopped, or "" if the
+   test ended by itself. */
 const char *suite_result(json_int_t status, const char *stopped);
 
-/* Counts the elements of o's array "tests" that are passed, skipped and failed, and writes these counts into o. */
+/* Counts the passed, skipped and failed tests in the array "tests" of o, and adds these counts to o. */
 void suite_count(json_t *o);
 
-/* Reports every part of a bundle's suite.json that does not follow from the protocol, from requirements.csv or from the
-   other parts of suite.json. */
+/* Reports every part of a bundle's suite.json that contradicts the protocol, requirements.csv or another part of
+   suite.json. */
 ost_status suite_check(const char *folder, const json_t *protocol, bundle_problem *problem, void *user, int *found,
                        ost_error *err);
 

@@ -10,7 +10,7 @@
 #include "validation/bundle/built.h"
 #include "validation/bundle/libraries.h"
 
-/* Makes an object of the versions in "zlib 1.2.13;jansson 2.14;". */
+/* Makes an object of the versions in a text such as "zlib 1.2.13;jansson 2.14;". */
 static json_t *built_with(void)
 {
     json_t *o = json_object();
@@ -31,7 +31,8 @@ const char *tools_commit(void)
     return BUILT_COMMIT;
 }
 
-/* Reads ID of os-release, the namespace in the names of packages; "" on a system without this file. */
+/* Reads ID from the file os-release. It is the namespace in the names of packages. Sets name to "" on a system
+   without this file. */
 static ost_status distribution_of(char name[32], ost_error *err)
 {
     static const char path[] = "/etc/os-release";

@@ -22,7 +22,7 @@ char *trace_requirements(void)
     return text;
 }
 
-/* The stages that cover a rule, by the beginning of the rule's name. */
+/* For each group of rules, the stages that cover it. A group is given by the beginning of the rules' identifiers. */
 static const struct {
     const char *begins, *stages;
 } bearing[] = {
@@ -63,14 +63,15 @@ static bool has_word(const char *words, const char *word)
 /* ---------------------------------------------------------------- results */
 
 typedef struct outcome {
-    json_int_t equal;     /* number of records of the cases in which a backend was equal, over all backends */
+    /* number of records in the cases in which a backend equals the reference, summed over all backends */
+    json_int_t equal;
     json_int_t different; /* number of cases in which a backend first differed at this stage */
     json_int_t known;     /* number of records of the reference */
 } outcome;
 
 typedef struct outcomes {
     outcome of[TRACE_STAGES];
-    json_int_t failed; /* number of results with another verdict: failed, crashed, timed out */
+    json_int_t failed; /* number of results with another verdict, such as failed, crashed or timed out */
 } outcomes;
 
 static int stage_of(const char *name)
@@ -128,7 +129,7 @@ static bool fields_of(char *line, char *field[FIELDS])
     return false;
 }
 
-/* Returns the suite's result of a test, by binary search in the sorted array; NULL if there is none. */
+/* Returns the suite's result of a test by binary search in the sorted array; NULL if there is none. */
 static const json_t *result_of(const json_t *suite, const char *test)
 {
     const json_t *list = json_object_get(suite, "tests");
@@ -157,9 +158,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row,
- * which are split at their semicolons. The parameter also is true if another part of this bundle
- * covers the row. Returns false if no test passed or failed, because a skipped test is no evidence.
+ * Writes texts such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a
+ * row, which are separated by semicolons. The parameter also is true if another part of this bundle covers
+ * the row. Returns false if no test passed or failed, because a skipped test is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
@@ -185,7 +186,7 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
     return tested;
 }
 
-/* Writes "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
+/* Writes a text such as "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
 static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common,
                       const json_t *suite, bool used[TRACE_STAGES])
 {

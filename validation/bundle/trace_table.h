@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Requirements, tests, results and files, in both directions:
+ * Makes the traceability table, which relates requirements, tests, results and files in both directions:
  *
  *   docs/requirements.csv --docs/check-requirements --table, at build time--> requirements.csv of a bundle
  *   requirements.csv, cases, common.json, suite.json --trace_write--> trace.csv
  *
- * trace.csv has a row for each requirement: its tests, the stages or checks of
- * this bundle that cover it with their results, and the files that contain them.
- * The orphans follow: requirements without any test, tests that no requirement
- * names, and results of this bundle that no requirement needs.
+ * trace.csv has a row for each requirement. The row lists the requirement's tests, the stages or checks of
+ * this bundle that cover the requirement, their results, and the files that contain the results. Rows for
+ * orphans follow: requirements without any test, tests that no requirement names, and results of this
+ * bundle that no requirement needs.
  */
 #ifndef OST_VALIDATION_TRACE_TABLE_H
 #define OST_VALIDATION_TRACE_TABLE_H
@@ -21,8 +21,8 @@
 /* Returns a copy of the table that is compiled in, which the caller frees with free(); NULL if memory is exhausted. */
 char *trace_requirements(void);
 
-/* Writes trace.csv. requirements: the bundle's file; common, suite: the bundle's common.json and suite.json, or
-   NULL. */
+/* Writes trace.csv. requirements is the text of the bundle's requirements.csv. common and suite are the contents of
+   common.json and suite.json, or NULL. */
 ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
                              evidence_sink *sink, void *user, ost_error *err);
 

@@ -3,7 +3,7 @@
 
 #include "validation/common/lab.h"
 
-/* Lists the checks that an installed program cannot make; `make check` in the source tree makes them. */
+/* Lists the checks that an installed program cannot perform. They are performed by `make check` in the source tree. */
 static json_t *by_the_tests(void)
 {
     static const struct {

@@ -6,10 +6,10 @@
  *
  *   golden     small grids, worked out by hand from docs/spec/arithmetic.md
  *   volume     bodies whose volume is given by a formula
- *   relation   two computations whose results must be equal for all voxels
+ *   relation   two computations that must give the same value for each voxel
  *
- * They take well under a second, and every campaign runs them again.  Checks
- * that an installed program cannot make are listed with the test that does.
+ * They take well under a second, and every campaign runs them again. Checks that an installed program
+ * cannot perform are listed with the test that performs them.
  */
 #ifndef OST_VALIDATION_COMMON_H
 #define OST_VALIDATION_COMMON_H
@@ -23,9 +23,8 @@
 #define COMMON_FILE "common.json"
 
 /*
- * Runs the checks; the caller owns *out:
+ * Runs the checks. A failed check is not an error: the function still returns OST_OK. The caller owns *out:
  * {passed, failed, checks: [{name, kind, what, requirements, expected, got, passed}], by_the_tests: [{what, tests}]}.
- * Returns OST_OK also if a check fails.
  */
 ost_status common_check(uint64_t seed, json_t **out, ost_error *err);
 bool common_proved(const json_t *common);

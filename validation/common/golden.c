@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small grids whose voxels were worked out by hand; each check states the derivation. */
+/* Checks of small grids whose voxels were computed by hand. The derivation precedes each check. */
 #include <stdio.h>
 #include <string.h>
 
@@ -56,11 +56,11 @@ static void scatter(lab *l)
 }
 
 /*
- * Layers at 0, 2.5 and 5 mm are resampled to a spacing of 1 mm: ceil(3 x 2.5) = 8
- * layers, the first at (1 - 2.5) / 2 = -0.75 mm. Linear: t = (2 k - 1.5) / 5 is
- * below 0, then 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and
- * becomes 120, and 120 + 180 x 0.3 = 174, 120 + 180 x 0.7 = 246. Nearest:
- * floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). Then the threshold is applied.
+ * Checks the resampling of layers at 0, 2.5 and 5 mm to a spacing of 1 mm. The grid has ceil(3 x 2.5) = 8
+ * layers, the first at (1 - 2.5) / 2 = -0.75 mm. Linear: for layer k, t = (2 k - 1.5) / 5 is below 0, then
+ * 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and becomes 120, and 120 + 180 x 0.3 = 174,
+ * 120 + 180 x 0.7 = 246. Nearest: floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). Then the
+ * threshold is applied.
  */
 static void layers(lab *l)
 {
@@ -106,9 +106,9 @@ static void layers(lab *l)
 }
 
 /*
- * A cube from 0 to 2 mm at 1 mm: RHE(-1 / 2) = 0, less one voxel: corner -1;
- * RHE(5 / 2) = 2, plus one voxel: 3. This gives 4 voxels per axis with centres
- * at -0.5, 0.5, 1.5, 2.5; the second and third are inside.
+ * Checks a cube from 0 to 2 mm with voxels of 1 mm. RHE rounds half to even. The grid's corner is RHE(-1 /
+ * 2) = 0 less one voxel, -1. Its end is RHE(5 / 2) = 2 plus one voxel, 3. This gives 4 voxels per axis with
+ * centres at -0.5, 0.5, 1.5, 2.5; the second and third are inside.
  */
 static void cube(lab *l)
 {
@@ -157,8 +157,8 @@ static void gone(lab *l, const char *name, const char *what, const char *expecte
                "%d of 512 voxels as expected, %d removed", right, removed);
 }
 
-/* A row of bone voxels lies under tool voxels of the classes cutting, cutting, cutting, not cutting and void.
-   Density classes are half-open, so 150 is cancellous and 650 cortical. */
+/* Checks a row of bone voxels under tool voxels of the classes cutting, cutting, cutting, not cutting and empty.
+   Density classes are half-open, so the densities 150 and 650 belong to the classes cancellous and cortical. */
 static void classes(lab *l)
 {
     static const int16_t expected[5] = {0, 0, 0, 700, 700};
@@ -242,8 +242,8 @@ static void digests(lab *l)
                strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
 }
 
-/* The example of docs/spec/arithmetic.md, section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18 <=
-   n^2 * 2.209 * 10^17. */
+/* Checks the example of docs/spec/arithmetic.md, section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18
+   <= n^2 * 2.209 * 10^17. */
 static void sweep(lab *l)
 {
     const ost_pose a = ost_pose_identity();

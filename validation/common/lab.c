@@ -71,7 +71,7 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size)
             n += q[a] * q[a];
         }
     } while (n > 1 || n < 0.01);
-    double root = 1; /* Newton's method: libm is not needed for a unit length within 1e-3 */
+    double root = 1; /* Newton's method for a norm that differs from 1 by less than 1e-3; avoids libm */
     for (int i = 0; i < 30; i++)
         root = 0.5 * (root + n / root);
     for (int a = 0; a < 4; a++)
@@ -137,7 +137,7 @@ uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const 
 
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out)
 {
-    /* Bit a of the number v of a vertex is set if the vertex is at the box's maximum on axis a. */
+    /* The 8 vertices are numbered by their position: bit a is set if the vertex is at the box's maximum on axis a. */
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     *out = (ost_mesh){.vertex_count = 0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions for the checks.  A lab stores the first error, after which every
- * call does nothing, so that the code of a check needs no error handling.
+ * Helper functions of the checks. A lab stores the first error. After an error every call returns without
+ * effect, so that the code of a check needs no error handling.
  */
 #ifndef OST_VALIDATION_COMMON_LAB_H
 #define OST_VALIDATION_COMMON_LAB_H
@@ -45,8 +45,8 @@ void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const
 uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
                      int16_t density);
 
-/* Makes a box of twelve triangles, whose corners are counter-clockwise seen from outside or, if inside_out is true,
-   seen from inside. */
+/* Makes a box of twelve triangles. Seen from outside, their corners are counter-clockwise, or clockwise if inside_out
+   is true. */
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);
 /* Voxelizes a mesh on the given grid or, if grid is NULL, on the grid of the mesh's bounds. Initialises *out. */
 void lab_voxelize(lab *l, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_pm voxel, ost_tool_volume *out);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Laws of docs/spec/arithmetic.md (AR-LAW): two computations that must give the same voxels, on random bones, tools and
-   poses. */
+/* Checks of the laws of docs/spec/arithmetic.md (AR-LAW). A law states that two computations give the same voxels.
+   The bones, tools and poses are random. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,8 @@ static int64_t differ(const int16_t *a, const int16_t *b)
 
 typedef struct law {
     const char *name, *requirements, *what;
-    void (*two_ways)(lab *l, draw *d, scene *s); /* computes s->a and s->b in two ways that must give equal results */
+    /* computes s->a and s->b in the two ways that must give equal results */
+    void (*two_ways)(lab *l, draw *d, scene *s);
 } law;
 
 static void chunk_sizes(lab *l, draw *d, scene *s)
@@ -99,8 +100,8 @@ static void moved(lab *l, draw *d, scene *s)
     lab_remove(l, &s->g, 32, s->b, s->tool, s->poses, POSES, NULL);
 }
 
-/* Moves the tool by complete voxels in its own frame. Moves the pose, which has no rotation, by the same distance in
-   the opposite direction. */
+/* Moves the tool by a whole number of voxels in its own frame, and the pose, which has no rotation, by the same
+   distance in the opposite direction. */
 static void shifted(lab *l, draw *d, scene *s)
 {
     ost_tool_volume v = {.voxels = NULL};
@@ -175,8 +176,8 @@ static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
     return wrong;
 }
 
-/* Checks boxes with borders at any position: with all faces turned inside out, cut into two halves, and moved by a
-   whole number of voxels. */
+/* Checks three laws for boxes with borders at any position: all faces turned inside out, the box cut into two halves,
+   and the box moved by a whole number of voxels. */
 static void mesh_laws(lab *l)
 {
     draw d = draw_named(l->seed, "meshes");
@@ -190,7 +191,8 @@ static void mesh_laws(lab *l)
         const ost_pm3 hi = draw_point(&d, LAB_MM, 9 * LAB_MM);
         const ost_pm3 n = draw_point(&d, -20, 20), by = {n.x * voxel, n.y * voxel, n.z * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
-        ost_tool_geometry grid = {.dims = {0, 0, 0}}; /* initialised: it is read below even if the bounds are refused */
+        /* initialised because it is read below even if ost_tool_geometry_from_bounds fails */
+        ost_tool_geometry grid = {.dims = {0, 0, 0}};
         l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
         ost_tool_geometry there = grid;
         there.corner = (ost_pm3){grid.corner.x + by.x, grid.corner.y + by.y, grid.corner.z + by.z};

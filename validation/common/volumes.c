@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bodies whose volume is known. If the borders of a body lie between voxel centres, the volume of its voxels must be
-   exact; otherwise it may deviate by at most the volume of the border's voxels. */
+/* Checks of bodies whose volume is given by a formula. If the borders of a body lie between voxel centres, the volume
+   of its voxels must be exact; otherwise it may deviate by at most the volume of the border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,8 @@
 
 #define PI 3.14159265358979323846
 
-/* A box of 7 x 5 x 3 mm with voxels of 0.5 mm: its faces lie on voxel borders, so 14 x 10 x 6 centres are inside. */
+/* Checks a box of 7 x 5 x 3 mm with voxels of 0.5 mm. Its faces lie on voxel borders, so 14 x 10 x 6 centres are
+   inside. */
 static void box(lab *l)
 {
     ost_mesh mesh;
@@ -23,7 +24,7 @@ static void box(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* Makes a mesh of a ball from circles of latitude and longitude, with its poles on z. */
+/* Makes a mesh of a ball from circles of latitude and longitude. The poles lie on the z axis. */
 static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh *out)
 {
     *out = (ost_mesh){.vertex_count = 0};
@@ -82,8 +83,8 @@ static void ball(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* A cube of 4 mm moves from x = 2 to x = 26 in steps of less than a voxel. It must remove 28 x 4 x 4 voxels of 1 mm,
-   without a gap. */
+/* Checks a cube of 4 mm that moves from x = 2 to x = 26 in steps of less than a voxel. It must remove 28 x 4 x 4
+   voxels of 1 mm, without a gap. */
 static void slot(lab *l)
 {
     enum { STEPS = 61 };
@@ -100,8 +101,8 @@ static void slot(lab *l)
                "%llu voxels", gone);
 }
 
-/* A square of half side 4 that is turned by 45 degrees about z contains the integer points with |x| + |y| <= 4 sqrt 2 =
-   5.66. There are 61 such points in each of 8 layers. */
+/* Checks a square of half side 4 that is turned by 45 degrees about z. It contains the integer points with |x| + |y|
+   <= 4 sqrt 2 = 5.66. There are 61 such points in each of 8 layers. */
 static void turned(lab *l)
 {
     ost_pose pose;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bones with one density and one occupancy flag per voxel. Chunks are not stored; they exist only as numbers (AR-CHK,
-   AR-DIG-2). */
+/* Bones that store one density and one occupancy flag per voxel. Chunks are not stored; only their numbers are used
+   (AR-CHK, AR-DIG-2). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -68,7 +68,7 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    /* number of active voxels with density 0; their first effect on a result is on the count of active voxels */
+    /* number of active voxels with density 0; they change the count of active voxels and, at first, no other result */
     int64_t emptied = 0;
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];
@@ -93,7 +93,7 @@ typedef struct upload {
     const int16_t *voxels;
 } upload;
 
-/* Returns the density at (i, j, k) of the grid from the uploaded slices; 0 outside of them. */
+/* Returns the density at (i, j, k) of the grid from the uploaded slices, or 0 outside of these slices. */
 static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = bone->base.geometry.dims;

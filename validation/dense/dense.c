@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The function table of the dense backend. No list of backends contains it; only dense_open opens it. */
+/* The function table of the dense backend. The backend is in no list of backends; only dense_open opens it. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A second implementation of the function table, written from
- * docs/spec/arithmetic.md alone, on dense arrays and with the simplest loops.
+ * A second implementation of the function table. It was written only from the text of
+ * docs/spec/arithmetic.md, and uses dense arrays and simple loops.
  *
- * Without a deviation it is evidence against mistakes that the reference and
- * the backends derived from it have in common.  It has its own division, uses
- * neither far blocks nor the event's boxes, and processes rows and triangles in
- * their given order.
- * With a deviation it behaves like a port with that mistake (deviation.h).
+ * Without a deviation, its results show whether the reference and the backends derived from the reference
+ * have a mistake in common. It has its own division, uses neither far blocks nor the event's boxes, and
+ * processes rows and triangles in their given order. With a deviation it behaves like a port with that
+ * mistake (deviation.h).
  *
- * It is part of the command's validation and not of the library, so no backend
- * string opens it.
+ * The second implementation is part of the command and not of the library, so no backend string opens it.
  */
 #ifndef OST_VALIDATION_DENSE_H
 #define OST_VALIDATION_DENSE_H
@@ -19,7 +17,8 @@
 
 #include "validation/dense/deviation.h"
 
-/* Opens the dense backend. If how is NULL, there is no deviation. The caller closes *out with ost_backend_close. */
+/* Opens the dense backend. how is the deviation, or NULL for correct results. The caller closes *out with
+   ost_backend_close. */
 ost_status dense_open(const deviation *how, ost_backend **out, ost_error *err);
 
 /* Returns the current record of the deviation; all zeros if there is no deviation. The backend must have been opened by

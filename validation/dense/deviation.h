@@ -3,21 +3,19 @@
  * The kinds of mistakes that a port of the arithmetic to a GPU can contain, and
  * the record of the positions where a mistake was made.
  *
- * A backend opened with a deviation (dense.h) is correct except for that kind.
- * The units in which it makes the mistake are drawn from `seed`: on average one of
- * `one_in` of the kind's units (calls, samples, voxels, chunks, triangles ...).  If
- * one_in is 0 or 1, the mistake is made in every unit.
+ * A backend opened with a deviation (dense.h) is correct except for one kind of mistake. The units in which
+ * it makes the mistake are drawn from `seed`: on average one of `one_in` of the kind's units (calls,
+ * samples, voxels, chunks, triangles ...). If one_in is 0 or 1, the mistake is made in every unit.
  *
  * The record counts two kinds of effects and stores the first position of each:
  *   acted     a value inside the algorithm differed from the correct value;
  *             recorded by the code of the mistake itself
- *   changed   a voxel of the call's result, or a line of its report, differed
- *             from the correct one; recorded by the backend, which runs the stage
- *             a second time on the same input without the mistake
- * If acted is 0, the mistake was not triggered: no unit was drawn, or no drawn unit
- * had a value that could change.  If acted is not 0 but changed is 0, the mistake
- * survived; the table lists when this can happen.  A comparison with any correct
- * backend must find first_changed as its first difference.
+ *   changed   a voxel of the call's result, or a line of its report, differed from the correct result;
+ *             recorded by the backend, which runs the stage a second time on the same input without the
+ *             mistake
+ * If acted is 0, the mistake was not triggered: no unit was drawn, or no drawn unit had a value that could
+ * change. If acted is not 0 but changed is 0, the mistake survived; the table below lists when this can
+ * happen. A comparison with any correct backend must find first_changed as its first difference.
  *
  * Causes marked F are documented in the literature or were measured on a device.
  * Causes marked T follow the text of the thesis (docs/design/thesis-notes.md).
@@ -29,14 +27,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The stages, in the order of the pipeline. DEVIATION_EVERY is for kinds of mistakes that replace the code of every
-   stage. */
+/* The stages, in the order of the pipeline. A kind of mistake that replaces the code of every stage has the stage
+   DEVIATION_EVERY. */
 typedef enum deviation_stage {
-    DEVIATION_RECT,   /* ct_to_rect; one call is one grid with all its batches */
+    DEVIATION_RECT,   /* ct_to_rect; one call processes one grid with all its batches */
     DEVIATION_CUBIC,  /* rect_to_cubic */
     DEVIATION_CHUNKS, /* cubic_to_chunks, bone_upload */
     DEVIATION_TOOL,   /* voxelize */
-    DEVIATION_REMOVE, /* remove and collide; one call is one event */
+    DEVIATION_REMOVE, /* remove and collide; one call processes one event */
     DEVIATION_EVERY,
     DEVIATION_STAGES
 } deviation_stage;
@@ -255,17 +253,16 @@ typedef struct deviation_about {
     deviation_stage stage;
 } deviation_about;
 
-/* Returns the row of the table; kind must not be NONE. */
+/* Returns the table row of a kind, which must not be NONE. */
 const deviation_about *deviation_describe(deviation_kind kind);
 /* Returns the name of a stage: "rect", ..., "every". */
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
- * The position of an effect.  voxel and leaf (of 32^3 voxels, as in a digest) are -1
- * if the position is not a voxel, but a line of the report or a complete call.
- * chunk is the bone's chunk; -1 if there is none.  If one call has several
- * positions, the least voxel in the order of AR-GRID-2, the least leaf and the least
- * chunk are stored, each independently.
+ * The position of an effect. voxel and leaf (of 32^3 voxels, as in a digest) are -1 if the effect is in a
+ * line of the report or in a complete call. chunk is the bone's chunk, or -1 if there is none. If one call
+ * has effects at several positions, the lowest voxel in the order of AR-GRID-2, the lowest leaf and the
+ * lowest chunk are stored independently of each other.
  */
 typedef struct deviation_position {
     deviation_stage stage;
@@ -277,7 +274,7 @@ typedef struct deviation_position {
 } deviation_position;
 
 typedef struct deviation_record {
-    uint64_t acted, changed; /* numbers of effects; if a number is 0, the position of the effect is not valid */
+    uint64_t acted, changed; /* numbers of effects; if a number is 0, the corresponding position is not valid */
     deviation_position first_acted, first_changed;
     bool report; /* true if the first change is in the call's report */
     bool voxels; /* true if the first change is in the call's grid */

@@ -61,7 +61,7 @@ ost_status dense_grid_download(const ost_grid *grid, int32_t z0, int32_t count, 
 
 /* --------------------------------------------------------- the rect grid */
 
-/* The properties that all samples of a batch share. */
+/* The parameters that all samples of a batch share. */
 typedef struct batch {
     deviant *m;
     const ost_geometry *g;
@@ -75,8 +75,8 @@ static bool lower(int64_t line, int64_t known)
     return known == 0 || line < known;
 }
 
-/* Returns the index at which a sample is stored, either by AR-CT-4 or with a deliberate mistake; -1 if it is not
-   stored. */
+/* Returns the index at which a sample is stored, computed by AR-CT-4 or with a deliberate mistake; -1 if the sample
+   is not stored. */
 static int64_t where(const batch *b, const ost_sample *s, uint64_t item, const int64_t index[3])
 {
     const ost_dims d = b->g->dims;
@@ -309,8 +309,8 @@ void dense_grid_finish(dense_grid *grid)
 
 /* -------------------------------------------------------- the cubic grid */
 
-/* The source of a cubic voxel along one axis: the mean of rect voxel `index` with weight ONE - weight, and of the next
-   rect voxel with weight `weight`. If weight is 0, the next voxel is not read. */
+/* The source of a cubic voxel along one axis: the mean of rect voxel `index` with weight ONE - weight, and of the
+   next rect voxel with the weight `weight`. If weight is 0, the next voxel is not read. */
 typedef struct source {
     int64_t index;
     int32_t weight;
@@ -318,12 +318,12 @@ typedef struct source {
 
 enum { ONE = 1 << 15 };
 
-/* Computes AR-CUB-2 to 4. */
+/* Computes the source of cubic voxel i by AR-CUB-2 to 4. */
 static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     if (rule == OST_RESAMPLE_THESIS)
         return (source){(int64_t)dense_floor((int128)i * cubic, rect), 0};
-    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the quotient; the denominator is 2 rect */
+    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the quotient, whose denominator is 2 rect */
     const int128 unit = 2 * (int128)rect;
     if (rule == OST_RESAMPLE_NEAREST)
         return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};
@@ -335,8 +335,8 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
     return (source){(int64_t)(t / unit), (int32_t)dense_nearest(t % unit * ONE, unit)};
 }
 
-/* Returns true if the centre of the cubic voxel lies exactly on the centre of a source voxel other than the first.
-   For the `thesis` rule, the lower borders of the voxels are compared instead of the centres. */
+/* Returns true if the centre of the cubic voxel lies exactly on the centre of a source voxel other than the first
+   source voxel. For the `thesis` rule, the lower borders of the voxels are compared instead of the centres. */
 static bool on_multiple(int32_t i, ost_pm cubic, ost_pm rect, source right, ost_resample rule)
 {
     const int128 t = rule == OST_RESAMPLE_LINEAR ? (2 * (int128)i + 1) * cubic - rect
@@ -354,7 +354,7 @@ static source float_source(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_
     return (source){index, rule == OST_RESAMPLE_LINEAR ? (int32_t)((t - (float)index) * ONE) : 0};
 }
 
-/* Returns the source, either by AR-CUB or with a deliberate mistake. Axis 2 is z. */
+/* Returns the source of cubic voxel i, computed by AR-CUB or with a deliberate mistake. Axis 2 is z. */
 static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule,
                      bool other_rule)
 {
@@ -381,7 +381,7 @@ static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect,
     return made;
 }
 
-/* Returns the voxel that is read for (x, y, z), either by the correct layout or by a mistaken one. */
+/* Returns the voxel that is read for (x, y, z). The memory layout is correct, or wrong if swapped or padded is true. */
 static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t z, bool swapped, bool padded)
 {
     const ost_dims d = rect->base.geometry.dims;
@@ -393,8 +393,8 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
     return at < ost_dims_count(d) ? rect->made.voxels[at] : 0;
 }
 
-/* Returns a (ONE - w) + b w, whose scale is 2^15 times that of a and b. Applied along z, then y, then x, it gives
-   the weighted sum of all eight values. */
+/* Returns a (ONE - w) + b w, whose scale is 2^15 times that of a and b. Three applications, along z, then y, then x,
+   give the weighted sum of all eight values. */
 static int64_t mixed(int64_t a, int64_t b, int32_t w)
 {
     return a * (ONE - w) + b * w;

@@ -1,26 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the tool voxel of every active bone voxel at one pose (AR-MAP).  The bone
- * is processed in blocks, as in docs/spec/arithmetic.md, with 64-bit integers.  The
- * rule of far blocks and the event's boxes are not used, so that voxels which a backend
- * omits because of them by mistake are found.  A block is skipped only if the
- * coordinates of all its corners lie beyond one side of the tool.  This is sufficient
- * because the coordinates are linear.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP). The bone is processed in
+ * blocks, as in docs/spec/arithmetic.md, with 64-bit integers. This code uses neither the rule of far
+ * blocks nor the event's boxes. If a backend omits voxels because of a mistake in them, the results
+ * therefore differ. A block is skipped only if the coordinates of all its corners lie beyond one side of
+ * the tool. This test is sufficient because the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 
 enum { BLOCK = 16, ONE = 1 << 20 };
 
-/* The map of a pose in the form that this stage uses, which may contain deliberate mistakes. */
+/* The map of a pose in the form that this stage uses. It may contain deliberate mistakes. */
 typedef struct pose {
     deviant *m;
     const ost_map *map;
     uint64_t number;
     int128 column[3][3];
     int64_t step[3][3]; /* steps by the correct arithmetic */
-    int64_t used[3][3]; /* steps from which coordinates are computed, possibly with a mistake */
+    int64_t used[3][3]; /* steps used to compute coordinates, possibly with a mistake */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* box of which a mistake omits the last layer; NULL: boxes have no effect */
+    const ost_voxel_box *tight; /* box whose last layer a mistake omits; if NULL, boxes have no effect */
 } pose;
 
 /* Returns the low 24 bits of v, sign-extended. */
@@ -59,7 +58,7 @@ static int64_t wrapped(int64_t v)
     return (int32_t)(uint32_t)(uint64_t)v;
 }
 
-/* Computes the base of AR-MAP-4 for the block whose first voxel is f. *wraps receives true if the coordinates of the
+/* Computes the base of AR-MAP-4 for the block whose first voxel is f. Sets *wraps to true if the coordinates of the
    block are taken modulo 2^32. */
 static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t base[3], bool *wraps)
 {
@@ -96,7 +95,7 @@ static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t ba
     }
 }
 
-/* Returns the tool's class at a coordinate; void outside the tool's grid. */
+/* Returns the class of the tool voxel at a coordinate. Voxels outside the tool's grid are empty. */
 static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3], const int32_t v[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -121,7 +120,7 @@ static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3
     return found;
 }
 
-/* Returns true if the voxel is in the last layer of the box, which this kind of mistake omits, or outside the box. */
+/* Returns true if the voxel is outside the box or in the last layer of the box, which this kind of mistake omits. */
 static bool left_out(const pose *p, const int32_t v[3])
 {
     if (!p->tight)
@@ -134,8 +133,8 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
-/* Returns true if no voxel of the block can be in the tool, because along one axis all its coordinates lie on one side
-   of the tool. */
+/* Returns true if no voxel of the block can be in the tool, because along one axis all coordinates of the block lie
+   on one side of the tool. */
 static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
@@ -152,7 +151,7 @@ static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
     return false;
 }
 
-/* Marks the voxels of a block. previous is the base of the previous block, which the mistake MISSED_BARRIER uses. */
+/* Marks the voxels of a block. The mistake MISSED_BARRIER uses the base of the previous block, which is `previous`. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {

@@ -10,8 +10,8 @@
  *   thesis.c   the float arithmetic of the thesis
  *   dense.c    the function table
  *
- * Each stage is a function that takes a deviant or NULL.  If the deviation can act
- * in that stage, the stage also runs with NULL, and the differences are recorded.
+ * Each stage is a function that takes a deviant or NULL. If the deviation can act in a stage, the stage
+ * runs a second time with NULL, and the differences are recorded.
  */
 #ifndef OST_VALIDATION_DENSE_PARTS_H
 #define OST_VALIDATION_DENSE_PARTS_H
@@ -25,10 +25,10 @@ typedef struct dense_grid dense_grid;
 
 typedef struct dense {
     ost_backend base;
-    deviant *deviant; /* &own or NULL */
+    deviant *deviant; /* &own, or NULL without a deviation */
     deviant own;
-    dense_grid *unsettled; /* borrowed; the rect grid whose changes have not been recorded yet, or NULL */
-    ost_map last_map;      /* map of the last event's last pose */
+    dense_grid *unsettled; /* borrowed; the rect grid whose changes have not been recorded yet; NULL if there is none */
+    ost_map last_map;      /* map of the last pose of the last event */
     bool has_last_map;
 } dense;
 
@@ -42,7 +42,7 @@ typedef struct dense_scatter {
 struct dense_grid {
     ost_grid base;
     dense_scatter made;
-    dense_scatter right; /* the grid without the deviation; its arrays are NULL if there is no deviation */
+    dense_scatter right; /* the grid computed without the mistake; its arrays are NULL if there is no deviation */
     uint64_t call, samples, batches;
     bool scattered;
 };
@@ -50,7 +50,7 @@ struct dense_grid {
 typedef struct dense_bone {
     ost_bone base;
     int16_t *density;
-    uint8_t *active; /* per voxel: 1 if its occupancy bit is set */
+    uint8_t *active; /* 1 for each voxel whose occupancy bit is set, else 0 */
 } dense_bone;
 
 typedef struct dense_tool {
@@ -73,7 +73,7 @@ static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 
 __extension__ typedef __int128 int128;
 
-/* Converts a number of a map to the compiler's 128-bit type. */
+/* Converts a 128-bit number of a map to the compiler's 128-bit type. */
 static inline int128 dense_int128(ost_int128 v)
 {
     return (int128)v.high * ((int128)1 << 64) + (int128)v.low;
@@ -87,8 +87,8 @@ static inline int128 dense_floor(int128 n, int128 d)
     return -((-n + d - 1) / d);
 }
 
-/* Returns the integer nearest to n / d, or the even one if two integers are equally near. Compares twice the
-   remainder with d, which is below 2^98 in all uses. */
+/* Returns the integer nearest to n / d; if two integers are equally near, returns the even one. Compares twice the
+   remainder with d; d is below 2^98 in all uses. */
 static inline int128 dense_nearest(int128 n, int128 d)
 {
     const int128 below = dense_floor(n, d), twice = 2 * (n - below * d);
@@ -101,8 +101,8 @@ static inline int128 dense_nearest(int128 n, int128 d)
 
 /* ------------------------------------------------ functions of the parts */
 
-/* Called after the last batch of a rect grid. Records the changes that the deviation made in the grid. Further calls
-   for the grid have no effect. */
+/* Called after the last batch of a rect grid. Records the changes that the mistake made in the grid. A repeated call
+   for the same grid has no effect. */
 void dense_grid_finish(dense_grid *grid);
 
 ost_status dense_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
@@ -137,11 +137,11 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
 
 /* ------------------------------------------------- the marks of an event's voxels */
 
-/* For each voxel of the bone, two counts of poses: those at which it lies in a cutting voxel of the tool, and those at
-   which it lies in a non-cutting voxel. */
+/* Two counts of poses for each voxel of the bone: the poses at which the voxel lies in a cutting voxel of the tool,
+   and the poses at which it lies in a non-cutting voxel of the tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
-    uint8_t *met; /* per chunk: 1 if one of its voxels is marked */
+    uint8_t *met; /* 1 for each chunk that contains a marked voxel, else 0 */
 } dense_marks;
 
 /* Counts a tool voxel of class `found` at bone voxel v. */
@@ -159,23 +159,25 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
         marks.touch[at]++;
 }
 
-/* Adds the marks of one pose. number is the index of the pose in the event. */
+/* Adds the marks of one pose. The parameter number is the index of the pose in the event. */
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
                     const ost_voxel_box *box, int number, dense_marks marks);
 
 /* ----------------------------------------- the arithmetic of the thesis */
 
-/* Computes Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end of the array. */
+/* Computes a sample's position by Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end
+   of the array. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);
-/* Computes Alg. 2.5. */
+/* Returns the source layer of cubic layer z by Alg. 2.5. */
 int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
 /* Computes MinVoxelCoords of Alg. 2.1 for both meshes, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
                          float minimum[3]);
-/* Computes the counts of one row with float edge functions, as tool.c does with integers. */
+/* Computes the counts of one row with float edge functions. They correspond to the counts that tool.c computes with
+   integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
                       int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
-/* Computes Algs. 2.8 to 2.10. */
+/* Adds the marks of one pose by Algs. 2.8 to 2.10. */
 void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused,
                        dense_marks marks);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs events on dense arrays (AR-REM, AR-CLS): first makes all marks, then the report, then the removal. */
+/* Runs events on dense arrays (AR-REM, AR-CLS). First makes all marks, then the report, and then removes the voxels. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
@@ -31,7 +31,7 @@ static cube cube_of(const dense_bone *bone, int32_t number)
     return k;
 }
 
-/* Iterates over the voxels of a cube: v are the coordinates, at is the index. */
+/* Iterates over the voxels of a cube. v receives the coordinates of each voxel, and at its index. */
 #define EACH_VOXEL(bone, k, v, at)                                                                         \
     for (int32_t v[3] = {0, 0, (k).lo[2]}; v[2] < (k).hi[2]; v[2]++)                                       \
         for (v[1] = (k).lo[1]; v[1] < (k).hi[1]; v[1]++)                                                   \
@@ -77,7 +77,7 @@ static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, con
     }
 }
 
-/* Clears the marks of the last chunk that is hit. */
+/* Clears the marks of the last chunk that has a hit. */
 static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks marks)
 {
     if (!deviates(m, DEVIATION_LAST_CHUNK_LOST, 0))
@@ -100,8 +100,8 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* Returns the density class by AR-CLS-1. If above is true, makes the mistake of testing density > border instead of
-   density >= border. */
+/* Returns the density class by AR-CLS-1. If above is true, the comparison is density > border instead of density >=
+   border, which is a deliberate mistake. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;
@@ -229,8 +229,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Returns true if all boxes of the event are empty; the event then reaches no voxel. A box that is not empty has no
-   effect here, because boxes may only exclude voxels outside the tool (event.h). */
+/* Returns true if all boxes of the event are empty, so that the event reaches no voxel. Boxes that are not empty have
+   no effect in this backend, because boxes may only exclude voxels outside the tool (event.h). */
 static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md
- * prescribes no box, so this is a bound and not a value.  The box of sim/box.h
- * includes the voxels whose centres lie in the bone-aligned bounds of the tool's
- * grid enlarged by one voxel, unless no voxel is inside the grid.
+ * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no
+ * box, so the result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's
+ * grid, the box of sim/box.h may be empty. Otherwise that box includes the voxels whose centres lie in the
+ * bone-aligned bounds of the tool's grid enlarged by one voxel.
  */
 #include "validation/dense/steps.h"
 
 #include <string.h>
 
-/* Compares o + i s with bound / n. Returns the sign of i s n - (bound - o n). */
+/* Compares the coordinate o + i s with the fraction bound / n. Returns the sign of i s n - (bound - o n). */
 static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 {
     return wide_order(wide_times(wide_plus(wide_of(o), wide_times(wide_of(i), wide_of(s))), n), bound);
@@ -36,7 +36,7 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
             most[a] = which == 0 || wide_order(at[a], most[a]) > 0 ? at[a] : most[a];
         }
     }
-    /* bisection for the first voxel that is not before the bounds, and for the first voxel after the bounds */
+    /* Finds by bisection the first voxel that is not before the bounds, and the first voxel after the bounds. */
     for (int a = 0; a < 3; a++) {
         int32_t below = 0, above = n[a], first = 0, last = n[a];
         while (below < above) {
@@ -63,13 +63,13 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 
 enum { BLOCK = 16 };
 
-/* Returns true if any bone voxel of the block lies inside the tool's grid (AR-MAP-4). 64 bits are sufficient, because
-   |base| < 2^31 and |15 step| < 2^28. */
+/* Returns true if at least one bone voxel of the block lies inside the tool's grid (AR-MAP-4). 64 bits are
+   sufficient, because |base| < 2^31 and |15 step| < 2^28. */
 static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, const ost_dims bone, const int32_t f[3],
                           const int32_t base[3])
 {
     const int64_t end[3] = {(int64_t)tool->dims.x << 20, (int64_t)tool->dims.y << 20, (int64_t)tool->dims.z << 20};
-    for (int a = 0; a < 3; a++) { /* false if all corners of the block are on one side of the grid */
+    for (int a = 0; a < 3; a++) { /* returns false if all corners of the block lie on one side of the grid */
         int64_t least = base[a], most = base[a];
         for (int b = 0; b < 3; b++)
             *(map->step[b][a] < 0 ? &least : &most) += (BLOCK - 1) * (int64_t)map->step[b][a];

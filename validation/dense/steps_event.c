@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Determines which ticks are events. The ticks since the beginning of a sweep are examined again for each tick, so the
-   only state is the list of ticks that were not refused, with some indices into it. */
+/* Determines which ticks are events. For each tick, the code examines all ticks since the beginning of the sweep
+   again. The only state is therefore the list of ticks that were not refused, with some indices into this list. */
 #include "validation/dense/steps.h"
 
 #include <stdlib.h>

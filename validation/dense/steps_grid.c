@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the bone's grid by AR-CUB-1. The map is computed from this grid. */
+/* Computes the bone's grid by AR-CUB-1. The steps of the map are computed from this grid. */
 #include "validation/dense/steps.h"
 
-/* Returns the least m with m c >= n s, by counting. */
+/* Returns the smallest m with m c >= n s, found by counting. */
 static int32_t voxels(int32_t n, ost_pm s, ost_pm c)
 {
     int32_t m = 1;

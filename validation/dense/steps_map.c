@@ -15,8 +15,8 @@ static wide wide_of_int128(ost_int128 v)
                                wide_of((int64_t)(v.low & 0xffffffff))));
 }
 
-/* Computes U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t at p = o + (i s, j s, k s), with N s_t as the common
-   denominator. */
+/* Computes the map of bone voxel (i, j, k) to tool coordinates: U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t
+   with p = o + (i s, j s, k s). The common denominator is N s_t. */
 void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out)
 {
     const wide n = steps_norm(pose), divisor = wide_times(n, wide_of(tool->voxel)), one = wide_power_of_two(20);
@@ -31,7 +31,8 @@ void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_ge
     for (int a = 0; a < 3; a++)
         out->origin[a] = int128_of(wide_times(one, wide_minus(turned[a], wide_times(n, wide_of(corner[a])))));
     for (int b = 0; b < 3; b++) {
-        wide way[3] = {wide_of(0), wide_of(0), wide_of(0)}; /* vector from a bone voxel to the next one along axis b */
+        /* vector from a bone voxel to the next bone voxel along axis b */
+        wide way[3] = {wide_of(0), wide_of(0), wide_of(0)};
         way[b] = wide_of(spacing[b]);
         steps_turn(pose, true, way, turned);
         for (int a = 0; a < 3; a++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rotation of a motor. This file computes the cosines, while src/core has a table of them. Multiplied by 2^30, the
-   cosines are at least 10^-6 from the middle between two integers, so errors in their last digits have no effect. */
+/* The rotation of a motor. This file computes the cosines; src/core reads them from a table. The cosines times 2^30
+   differ by at least 10^-6 from every midpoint between two integers, so errors in their last digits have no effect. */
 #include "validation/dense/steps.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ static wide way_of(int64_t from, int64_t to, int64_t rpm)
     return wide_times(wide_minus(wide_of(to), wide_of(from)), wide_of(rpm));
 }
 
-/* Returns the tool's pose at phase P for a pose of the handle (AR-MOTOR-3, AR-MOTOR-4). */
+/* Returns the pose of the tool at phase P of the motor for a pose of the handle (AR-MOTOR-3, AR-MOTOR-4). */
 static ost_pose turned(const ost_pose *handle, wide phase)
 {
     const int64_t k = wide_to_int64(wide_floor(wide_times(wide_of(4096), phase), wide_of(turn)));
@@ -48,7 +48,7 @@ static int32_t of_unit_length(int32_t c, wide r)
     return (int32_t)wide_to_int64(wide_nearest(wide_times(wide_power_of_two(30), wide_of(c)), r));
 }
 
-/* Returns the handle's pose between two rows of a path. */
+/* Returns pose j of m between two rows a and b of the handle's path. */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);
@@ -57,7 +57,7 @@ static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int 
                       of_unit_length(p.qz, r)};
 }
 
-/* Returns m of AR-MOTOR-7 for row i: the least m >= 1 with 8 n (t - t') <= m U. */
+/* Returns m of AR-MOTOR-7 for row i: the smallest m >= 1 with 8 n (t - t') <= m U. */
 static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
 {
     if (i == 0 || rpm <= 0)
@@ -97,7 +97,8 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
             }
             if (row->rpm == OST_RPM_OF_DEVICE)
                 tick->rpm = rpm;
-            if (at > 0 && tick->rpm > 0) { /* AR-MOTOR-2: reduces modulo a turn by subtracting multiples of it */
+            /* AR-MOTOR-2: subtracts complete turns, so that the phase stays below one turn */
+            if (at > 0 && tick->rpm > 0) {
                 phase = wide_plus(phase, way_of(out->ticks[at - 1].t_ns, tick->t_ns, tick->rpm));
                 phase = wide_minus(phase, wide_times(wide_floor(phase, wide_of(turn)), wide_of(turn)));
             }

@@ -9,7 +9,8 @@ static ost_pm coordinate(const ost_pm3 *p, int axis)
     return axis == 0 ? p->x : axis == 1 ? p->y : p->z;
 }
 
-/* Finds the least and the greatest coordinate along one axis of the vertices that a triangle of either mesh uses. */
+/* Finds the lowest and the highest coordinate along one axis. Only vertices that belong to a triangle of one of the
+   meshes are included. */
 static bool ends(const ost_mesh meshes[2], int axis, ost_pm *least, ost_pm *most)
 {
     bool any = false;
@@ -36,7 +37,8 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
         ost_pm least = 0, most = 0;
         if (voxel < 1000000 || voxel > 100000000000 || !ends(meshes, a, &least, &most))
             return false;
-        /* In voxels, the ends of the grid are RHE(least / s - 1/2) - 1 and RHE(most / s + 1/2) + 1. */
+        /* The ends of the grid, in voxels, are RHE(least / s - 1/2) - 1 and RHE(most / s + 1/2) + 1. RHE rounds half
+           to even. */
         const wide s = wide_of(voxel), two_s = wide_of(2 * voxel);
         const wide near = wide_minus(wide_nearest(wide_minus(wide_of(2 * least), s), two_s), wide_of(1));
         const wide far = wide_plus(wide_nearest(wide_plus(wide_of(2 * most), s), two_s), wide_of(1));
@@ -51,7 +53,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
     return wide_order(all, wide_power_of_two(33)) <= 0;
 }
 
-/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20, by trying from 0 upwards. */
+/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20. Tries the values from 0 upwards. */
 static int fraction_bits(const ost_tool_geometry *grid)
 {
     int f = 0;
@@ -61,8 +63,8 @@ static int fraction_bits(const ost_tool_geometry *grid)
     return f;
 }
 
-/* Returns true if the area of the triangle is not 0. |u|^2 |v|^2 - (u v)^2 = |u x v|^2, so this difference is 0 if and
-   only if the cross product is 0. */
+/* Returns true if the area of the triangle is not 0. Because |u|^2 |v|^2 - (u v)^2 = |u x v|^2, the left side is 0 if
+   and only if the cross product is 0. */
 static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
 {
     wide uu = wide_of(0), vv = uu, uv = uu;

@@ -11,7 +11,8 @@ static wide dot(const ost_pose *a, const ost_pose *b)
     return sum;
 }
 
-/* Computes the image of a corner (AR-SWEEP-1). Bit a of `which` selects the near or the far end of axis a. */
+/* Computes the position of a corner of the tool's grid at a pose (AR-SWEEP-1). Bit a of `which` selects the near or
+   the far end of axis a. */
 static void image(const ost_pose *pose, const ost_tool_geometry *tool, int which, wide out[3])
 {
     const ost_pm near[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, t[3] = {pose->t.x, pose->t.y, pose->t.z};
@@ -42,7 +43,7 @@ static wide greatest_way_squared(const ost_pose *a, const ost_pose *b, const ost
     return greatest;
 }
 
-/* Returns true if 4 |d|^2 <= n^2 s^2. */
+/* Returns true if 4 |d|^2 <= n^2 s^2, where way_squared is |d|^2. */
 static bool enough(int n, wide way_squared, ost_pm s)
 {
     const wide reach = wide_times(wide_of(n), wide_of(s));

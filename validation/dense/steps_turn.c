@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes AR-POSE-4 without its matrix: M v is the vector part of q v q* for every integer quaternion. */
+/* Computes AR-POSE-4 without a matrix: for every integer quaternion q, M v is the vector part of q v q*. */
 #include "validation/dense/steps.h"
 
 typedef struct quaternion {
     wide c[4]; /* w, x, y, z */
 } quaternion;
 
-/* Returns the Hamilton product: i j = k, j k = i, k i = j. */
+/* Returns the Hamilton product, with i j = k, j k = i, k i = j. */
 static quaternion product(const quaternion *p, const quaternion *q)
 {
     static const struct {

@@ -45,8 +45,8 @@ static float ceil_multiple(float x, float m)
 
 /* ---------------------------------------------------------------- import */
 
-/* Computes the index as in Alg. 1.1 with the grid's own dims. Alg. 2.3 makes the dims too small by one if positions are
-   multiples of the size. */
+/* Computes a sample's index as in Alg. 1.1, but with the dims of the grid. The dims of Alg. 2.3 are too small by one
+   if positions are multiples of the voxel size. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3])
 {
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
@@ -159,22 +159,22 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
 
 /* --------------------------------------------------------------- removal */
 
-/* The transform from the bone's box to the tool's box, with coordinates relative to the centres of the boxes. */
+/* The transform from the bone's box to the tool's box. Coordinates are relative to the centres of the boxes. */
 typedef struct boxes {
     float matrix[3][4];
-    float bone[3], tool[3]; /* half the extents of the boxes */
+    float bone[3], tool[3]; /* half of the boxes' extents */
     float bone_voxel, tool_voxel;
     int32_t chunk_lo[3], chunk_hi[3]; /* half-open */
 } boxes;
 
-/* Returns a . (x, y, z, 1). */
+/* Returns the dot product a . (x, y, z, 1). */
 static float dot4(const float a[4], const float p[3], bool fused)
 {
     return times_plus(a[0], p[0], times_plus(a[1], p[1], times_plus(a[2], p[2], a[3], fused), fused), fused);
 }
 
-/* Computes the range of chunks by Algs. 2.8 and 2.9: the tool's corners are transformed into the bone's box, in units
-   of chunks. */
+/* Computes the range of chunks by Algs. 2.8 and 2.9. The tool's corners are transformed into the bone's box, with a
+   chunk as the unit. */
 static void share(boxes *x, const dense_bone *bone, bool fused)
 {
     const float n = (float)bone->base.chunk_size;

@@ -43,20 +43,20 @@ void dense_tool_free(ost_tool *base)
 
 /* ------------------------------------------------------------- one row */
 
-/* The way in which a call reads its meshes, correctly or with a mistake. */
+/* The parameters with which a call reads its meshes, correctly or with a mistake. */
 typedef struct manner {
     deviant *m;
-    bool own;     /* true if m makes a mistake in this stage */
+    bool own;     /* true if the deviant m makes a mistake in this stage */
     bool corners; /* true if voxels are sampled at their corners */
     size_t triangles_lost;
     float thesis_minimum[3];
-    uint64_t first_item; /* number of the first unit of this mesh; the units of an earlier mesh have smaller numbers */
+    uint64_t first_item; /* number of the first unit of the current mesh; units of an earlier mesh have lower numbers */
 } manner;
 
-/* The counts of the triangles in a row. */
+/* The counts of triangles in one row of voxels. */
 typedef struct row {
-    int32_t *count;  /* dims.x elements; the counts of AR-VOX-3 */
-    uint32_t *times; /* dims.x elements; the numbers of AR-VOX-5 */
+    int32_t *count;  /* dims.x counts of AR-VOX-3 */
+    uint32_t *times; /* dims.x counts of AR-VOX-5 */
     int64_t total;
     uint64_t owners;
 } row;
@@ -66,7 +66,7 @@ static int64_t sample_at(const manner *how, const ost_snapped_mesh *mesh, int32_
     return how->corners ? (int64_t)i << mesh->fraction_bits : (2 * (int64_t)i + 1) << (mesh->fraction_bits - 1);
 }
 
-/* Evaluates AR-VOX-2 for one edge. */
+/* Returns the result of AR-VOX-2 for one edge. */
 static bool owned_right(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 {
     const int64_t dy = (int64_t)b[1] - a[1], dz = (int64_t)b[2] - a[2];
@@ -115,7 +115,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
     if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) ||
                       z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
-        return; /* only a mistake lets a triangle own a row beyond all three of its corners */
+        return; /* only a mistake can make a triangle own a row that lies beyond all three corners of the triangle */
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;
@@ -169,8 +169,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
 
 /* ------------------------------------------------------------- all rows */
 
-/* Writes the solid voxels of one mesh. Where the mistake UNCLEARED_COUNTS is made, the counts of the previous row
-   remain. */
+/* Writes the solid voxels of one mesh. In rows in which the mistake UNCLEARED_COUNTS is made, the counts of the
+   previous row are not cleared. */
 static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class,
                      const row *r, uint8_t *voxels, ost_voxelize_report *report)
 {

@@ -109,8 +109,8 @@ static wide shifted(const wide *a, int by)
     return out;
 }
 
-/* Returns the greatest q with q b <= a. Computes the two's complement of q from the highest bit to the lowest. product
-   is q b. */
+/* Returns the greatest q with q b <= a. Computes the two's complement of q from the highest bit to the lowest. The
+   variable product is q b. */
 wide wide_floor(wide a, wide b)
 {
     const int bits = bits_of(&a) - bits_of(&b) + 1 > 0 ? bits_of(&a) - bits_of(&b) + 1 : 0;
@@ -129,8 +129,7 @@ wide wide_floor(wide a, wide b)
     return q;
 }
 
-/* Returns the floor of a / b or the next integer, whichever is closer to a / b. If both are equally close, returns the
-   even one. */
+/* Returns a / b rounded to the nearest integer, and to the even integer if two integers are equally near. */
 wide wide_nearest(wide a, wide b)
 {
     const wide below = wide_floor(a, b), above = wide_plus(below, wide_of(1));

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 256-bit integers as sign and magnitude, so that no step of steps.h requires a
- * proof of its range.  The greatest number there, 2 * P^2 or origin + i column, is
- * below 2^140.  The arithmetic is schoolbook arithmetic on 32-bit limbs, the lowest
- * limb first.
+ * 256-bit integers as sign and magnitude. They make proofs of ranges unnecessary for the computations of
+ * steps.h, whose greatest number, 2 * P^2 or origin + i column, is below 2^140. The arithmetic is schoolbook
+ * arithmetic on 32-bit limbs, the lowest limb first.
  */
 #ifndef OST_VALIDATION_DENSE_WIDE_H
 #define OST_VALIDATION_DENSE_WIDE_H
@@ -26,12 +25,13 @@ wide wide_times(wide a, wide b);
 /* Returns -1, 0 or 1 if a is less than, equal to or greater than b. */
 int wide_order(wide a, wide b);
 
-/* These functions compute AR-INT-1 and AR-INT-2 of the rational number a / b with b > 0, bit by bit and without machine
-   division. */
+/* These functions compute AR-INT-1 and AR-INT-2 of the rational number a / b with b > 0. They compute the quotient
+   bit by bit, without machine division. */
 wide wide_floor(wide a, wide b);
 wide wide_nearest(wide a, wide b);
 
-/* Returns the value if its magnitude is below 2^63, which the callers' ranges guarantee; else 0. */
+/* Returns the value if its magnitude is below 2^63, otherwise 0. The ranges of the callers' values guarantee that the
+   magnitude is below 2^63. */
 int64_t wide_to_int64(wide a);
 /* Writes the value as 128-bit two's complement, the low half first. */
 void wide_to_words(wide a, uint64_t words[2]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the grids of a dump into a trace, with the reference's records where the dump has none. */
+/* Reads the grids of a dump into a trace. Where the dump has no grid, the trace gets the reference's record. */
 #include "validation/dump/parts.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@
 
 #include "core/file.h"
 
-/* Reads raw voxels, stored as in memory; the file's size must be that of the reference's grid. */
+/* Reads raw voxels in the byte order of this machine. The file must have the size of the reference's grid. */
 static ost_status read_raw(const char *path, uint64_t bytes, void *to, ost_error *err)
 {
     ost_file file;
@@ -68,7 +68,7 @@ static ost_status read_nrrd(const char *path, ost_dims dims, uint32_t voxel_byte
     return status;
 }
 
-/* Reads the grid of one stage if the dump has it. */
+/* Reads the grid of one stage. Sets *there to false if the dump has no such grid. */
 static ost_status read_grid(const char *folder, const char *name, ost_dims dims, uint32_t voxel_bytes, void *to,
                             bool *there, ost_error *err)
 {
@@ -93,12 +93,13 @@ static ost_status read_grid(const char *folder, const char *name, ost_dims dims,
     return OST_OK;
 }
 
-/* The state of one case while its trace is made. */
+/* The state of one case while the case's trace is written. */
 typedef struct maker {
     const char *folder;
     trace_writer *w;
     ost_dims dims;
-    /* voxels of the bone: ref in the reference, state in the trace so far, next after the next record of the trace */
+    /* Voxels of the bone: ref in the reference, state after the records written so far, next after the following
+       record. */
     int16_t *ref, *state, *next;
     uint64_t compared;
 } maker;
@@ -123,7 +124,7 @@ static void copy_blocks(trace_writer *w, const trace_record *r)
     }
 }
 
-/* Writes the leaves in which `next` differs from `state` as blocks; `state` becomes `next`. */
+/* Writes blocks for the leaves in which `next` differs from `state`. Then copies `next` to `state`. */
 static void changed_leaves(maker *m)
 {
     const ost_dims d = m->dims;
@@ -160,13 +161,13 @@ static ost_status store_bone(maker *m, const trace_block_view *b, const int16_t 
     return OST_OK;
 }
 
-/* Writes the record of a stage that has one complete grid. */
+/* Writes the record of a stage whose result is one complete grid. */
 static ost_status make_complete(maker *m, const trace_record *r, const char *name, ost_error *err)
 {
     size_t at = 0;
     trace_block_view b;
     bool there = false;
-    if (!trace_next_block(r, &at, &b)) { /* an import that was refused has no grid */
+    if (!trace_next_block(r, &at, &b)) { /* there is no grid if the import was refused */
         copy_words(m->w, r);
         trace_flags(m->w, TRACE_STAND_IN);
         return OST_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The steps before the voxels in a dump: snap-N.json and steps-N.json, whose
- * members are the words of the records of steps_record.h.
+ * Reads and writes the files of a dump for the steps before the voxels, snap-N.json and steps-N.json. Their
+ * members are the words of the records in steps_record.h.
  *
  *   file --dump_read_steps--> words --dump_write_steps--> file
  *
@@ -22,18 +22,18 @@
 #include "validation/steps_record.h"
 
 enum {
-    MESH_WORDS = 15, /* number of words of a mesh in a snap record: 11 numbers and 4 words of digest */
+    MESH_WORDS = 15, /* number of words of one mesh in a snap record: 11 numbers and a digest of 4 words */
     MESH_DIGEST = 11,
     TICK_WORDS = 11,
     POSE_WORDS = 61,
-    BOX_WORDS = 7, /* the last words of a pose: `reaches` and the box */
+    BOX_WORDS = 7, /* number of words of `reaches` and the box, which are the last words of a pose */
     BITS_OF_COORDINATE = 21,
     BYTES_MAX = 1 << 26
 };
 
 /* ---------------------------------------------------------- values of members */
 
-/* The file that is read. After the first error, which is described in err, all functions that read members return
+/* A file and its reader. After the first error, which is described in err, all functions that read members return
    false. */
 typedef struct reader {
     const char *path;
@@ -68,7 +68,7 @@ static bool put_ints(reader *r, const json_t *array, size_t count, const char *m
     return true;
 }
 
-/* Reads an integer of 128 bits, written as a decimal in quotes, into its two words. */
+/* Reads a 128-bit integer, written as a decimal in quotes, and stores it as two words. */
 static bool put_wide(reader *r, const json_t *value, const char *member)
 {
     static const char expected[] = "a decimal of at most 126 bits in quotes, as in \"-12\"";
@@ -176,7 +176,7 @@ static bool read_snap(reader *r, const json_t *o, const uint8_t *ref)
         !read_mesh(r, json_array_get(meshes, 0)) || (count == 2 && !read_mesh(r, json_array_get(meshes, 1))))
         return false;
     /* If the file has no second mesh, the words of the second mesh are 0. If the reference has no second mesh either,
-       they are the reference's words. */
+       these words are copied from the reference. */
     const bool none = trace_word_at(ref, MESH_WORDS + 9) == 0;
     for (size_t i = MESH_WORDS; i < 2 * MESH_WORDS && count == 1; i++)
         trace_word(r->w, none ? trace_word_at(ref, i) : 0);
@@ -329,7 +329,7 @@ ost_status dump_read_steps(const char *folder, const trace_record *ref, trace_wr
     json_error_t where;
     *there = false;
     ost_status status = name_of(path, folder, ref, err);
-    /* A tool whose mesh before snapping is not known has a record without words, and nothing is compared. */
+    /* If the mesh of a tool before snapping is not available, the record has no words, and nothing is compared. */
     if (status != OST_OK || access(path, F_OK) != 0 || !trace_words(ref, &count, &words) || !count)
         return status;
     status = ost_file_read(path, BYTES_MAX, &bytes, &size, &absent, err);

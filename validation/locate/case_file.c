@@ -24,7 +24,7 @@ static bool number_in(const json_t *v, json_int_t least, json_int_t most, int64_
     return true;
 }
 
-/* Appends [from, to) to the list. Returns false if the range is invalid. */
+/* Appends the range [from, to) to the list. Returns false if the range is invalid. */
 static bool add_range(const json_t *from, const json_t *to, cut_list *list)
 {
     int64_t a, b;

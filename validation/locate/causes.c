@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The table was made with osteon validate --faults-only --tier standard --json, seed 1: 2,767 mistakes changed a
-   result. test_locate computes the table again. */
+/* The table contains the results of `osteon validate --faults-only --tier standard --json` with seed 1, in which
+   2,767 mistakes changed a result. The test test_locate computes the table again. */
 static const causes known[] = {
     {"byte-order", 49, 1, {{"byte-order", 49}}},
     {"axis-swap", 66, 2, {{"swapped-axis", 64}, {"excluded-crossing", 2}}},

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The known causes of a class of differences.  They are the deliberate mistakes by
- * which sensitivity.h measures the campaign.  The share of a kind among these
- * mistakes is not a probability for a backend, because the mistakes of backends
- * have not been counted.
+ * Possible causes of the differences of a class. The causes are deliberate mistakes with which
+ * sensitivity.h measures the sensitivity of the campaign. The share of one kind of mistake in this list is
+ * not the probability that a backend has this mistake, because the mistakes of real backends have not been
+ * counted.
  */
 #ifndef OST_VALIDATION_CAUSES_H
 #define OST_VALIDATION_CAUSES_H
 
 enum { CAUSES_NAMED = 3, CAUSES_TEXT = 320 };
 
-/* The known mistakes of one class: their number, the number of their kinds, and the most frequent kinds. */
+/* The mistakes that caused differences of one class: their number, the number of their kinds, and the most frequent
+   kinds. */
 typedef struct causes {
     const char *class;
     int mistakes, kinds;
     struct {
-        const char *kind; /* name in dense/deviation.h; NULL if there are fewer kinds */
+        const char *kind; /* name in dense/deviation.h; NULL in the unused rows if there are fewer kinds */
         int mistakes;
     } most[CAUSES_NAMED];
 } causes;

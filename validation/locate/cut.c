@@ -101,7 +101,8 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
             scene_tool_free(&s->tools[i]);
             continue;
         }
-        /* The cut has indices of snapped triangles, so the meshes before snapping are removed. */
+        /* The cut contains indices of snapped triangles, so the meshes before snapping cannot be used and are
+           removed. */
         if (cut->triangles[i][0].some || cut->triangles[i][1].some)
             drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);
@@ -121,12 +122,13 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
-    if (ticks != s->path.count || cut->no_tools) { /* the cut has indices of ticks, not of the handle's poses */
+    /* the cut contains indices of ticks, which differ from those of the handle's poses */
+    if (ticks != s->path.count || cut->no_tools) {
         ost_path_free(&s->handle_path);
         s->handle_path = (ost_path){.count = 0};
     }
     s->path.count = ticks;
     if (has_bone && !s->sample_count)
-        s->path.count = 0; /* without a bone there are no ticks */
+        s->path.count = 0; /* ticks cannot run without a bone */
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parts of a generated scene that are retained when a case that shows a
- * difference is reduced.  A case file (case_file.h) lists them.
+ * A cut lists the parts of a generated scene that are retained when a case that shows a difference is
+ * reduced. It is stored in a case file (case_file.h).
  *
  *   scene of a case --scene_cut_apply--> scene with a part of the grid and fewer samples, tools, triangles, ticks
  *
@@ -28,8 +28,8 @@ struct scene_cut {
     bool cropped;
     int32_t lo[3], hi[3]; /* range of voxels of the rect grid */
     cut_list samples, ticks;
-    uint32_t no_tools;    /* one bit per tool: 1 if it is removed */
-    /* ranges of triangles for each tool and mesh; mesh 0 cuts, mesh 1 does not cut */
+    uint32_t no_tools;    /* bit t is set if tool t is removed */
+    /* retained triangles of each tool; index 0 is the cutting mesh, index 1 the non-cutting mesh */
     cut_list triangles[SCENE_TOOLS_MAX][2];
 };
 typedef struct scene_cut scene_cut;

@@ -33,14 +33,15 @@ static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, c
     }
 }
 
-/* If the difference is in the report of a collision, finds the difference in the tick with the same number. A tick has
-   voxels, which locate the difference better than a report does. Returns false if the tick has no differing voxel. */
+/* Called for a difference in the report of a collision: finds the difference in the tick with the same number. The
+   record of a tick has voxels, which give a more precise position than a report. Returns false if the tick has no
+   differing voxel. */
 static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                             const compare_difference *d, compare_difference *out)
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
-    /* The tick's own record follows the record of the tick's steps, which has the index d->records. */
+    /* The tick's record follows the record of the tick's steps, which has the index d->records. */
     compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out);
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }

@@ -54,7 +54,7 @@ static bool same_dims(ost_dims a, ost_dims b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Copies a tick's leaves into a bone. Returns false if a leaf is not inside the bone. */
+/* Copies a tick's leaves into a bone. Returns false if a leaf is not completely inside the bone. */
 static bool lay(const trace_record *r, ost_dims d, int16_t *to)
 {
     size_t walk = 0;
@@ -92,7 +92,8 @@ static bool tick_grids(const trace *ref, compare_range in_ref, const trace_recor
            lay(got, out->dims, out->got);
 }
 
-/* Computes AR-CUB along an axis: the source rect voxel of each cubic voxel, and the weight of the next rect voxel. */
+/* Computes AR-CUB along an axis. For each cubic voxel, finds the source rect voxel and the weight of the rect voxel
+   after it. */
 static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source,
                          int32_t **weight)
 {
@@ -106,7 +107,7 @@ static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, o
     return *source && *weight;
 }
 
-/* Returns an array with the number of samples that follow the last sample of each voxel in the batch. */
+/* Returns an array that contains, for each voxel, the number of samples after the voxel's last sample in the batch. */
 static int32_t *samples_behind(const scene *s)
 {
     const ost_geometry *g = &s->rect;

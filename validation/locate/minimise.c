@@ -12,8 +12,8 @@
 #include "validation/user_store.h"
 #include "validation/worker.h"
 
-/* Maximum number of candidates per process (BATCH) and of processes per case (RUNS), time limit of a process in seconds
-   (LIMIT), and capacity of a path (PATH). */
+/* BATCH is the maximum number of candidates per process, RUNS the maximum number of processes per case, LIMIT the
+   time limit of a process in seconds, and PATH the capacity of a path. */
 enum { BATCH = 12, RUNS = 40, LIMIT = 60, PATH = 1200 };
 
 typedef struct job {
@@ -92,8 +92,8 @@ static ost_status trace_reference(const job *j, const scene *s, trace *out, ost_
     return status;
 }
 
-/* Compares case i of the worker's trace with the reference. *same receives true if the case still shows the same
-   difference; the case then becomes the best one. */
+/* Compares case i of the worker's trace with the reference. If the case still shows the same difference, sets *same
+   to true and makes the case the best case so far. */
 static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t i, bool *same, ost_error *err)
 {
     plan_case c = *j->c;
@@ -106,7 +106,8 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     c.cut = &own;
     if (!range.count || scene_make(&c, &s, &none) != OST_OK)
         return OST_OK;
-    /* The worker's trace contains the digest of the input, so the reference's trace needs it for the comparison. */
+    /* The worker's trace contains the digest of the input. The reference's trace must contain it too, because it is
+       compared. */
     ost_status status = scene_digest(&s, &s.digest, err);
     if (status == OST_OK)
         status = trace_reference(j, &s, &ref, err);
@@ -165,7 +166,7 @@ static cut_list one_range(uint32_t from, uint32_t to)
     return (cut_list){.some = true, .count = 1, .range = {{from, to}}};
 }
 
-/* Tries to omit later stages, tools that do not affect the difference, and ticks before and after the difference. */
+/* Tries to omit later stages, tools without an effect on the difference, and ticks before and after the difference. */
 static ost_status cut_stages(job *j, const scene *s, const compare_difference *d, bool *found, ost_error *err)
 {
     candidates list = {.count = 0};
@@ -196,7 +197,8 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
                 break;
             }
         }
-        cut.no_tools = 0; /* the difference may depend on voxels that other tools removed */
+        /* no tools are omitted, because the difference may depend on voxels that other tools removed */
+        cut.no_tools = 0;
         add(&list, &cut);
     }
     scene_cut uncut = {.no_collide = false};
@@ -204,7 +206,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
     return try_all(j, &list, found, err);
 }
 
-/* Finds the rect voxel that contains the centre of a bone voxel. The `linear` rule also reads the neighbours of this
+/* Finds the rect voxel that contains the centre of a bone voxel. The `linear` rule also reads neighbours of the rect
    voxel. */
 static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3], int32_t at[3])
 {
@@ -218,8 +220,8 @@ static void source_of(const scene *s, trace_stage stage, const int32_t voxel[3],
     }
 }
 
-/* Tries to retain only a part of the grid around the first voxel or chunk. First finds the smallest cube that shows the
-   same difference, and then reduces each side separately. */
+/* Tries to retain only a part of the grid around the first differing voxel or chunk. First finds the smallest cube
+   that shows the same difference, and then reduces each side separately. */
 static ost_status cut_grid(job *j, const scene *s, ost_error *err)
 {
     const compare_difference *d = &j->best->difference;
@@ -233,7 +235,8 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    else if (d->kind == COMPARE_WORD && f->chunk_size) { /* use the middle of the chunk whose report differs */
+    /* the centre is the middle of the chunk whose report differs */
+    else if (d->kind == COMPARE_WORD && f->chunk_size) {
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[1] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[2] * f->chunk_size + f->chunk_size / 2};
@@ -283,7 +286,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
     return status;
 }
 
-/* Computes the ranges of the list without [a, b). */
+/* Computes the ranges of the list from which [a, b) is removed. */
 static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 {
     *out = (cut_list){.some = true};
@@ -302,8 +305,8 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
     return true;
 }
 
-/* Applies delta debugging to one list: divides it into 2, 4, ... parts, and tries to retain only one part or to omit
-   one part. `which` returns the list in a cut. */
+/* Applies delta debugging to one list: divides the list into 2, 4, ... parts, and tries to retain only one part or to
+   omit one part. The function `which` returns the list that a cut contains. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
                             ost_error *err)
 {
@@ -321,7 +324,8 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        for (uint32_t pass = 0; pass < 2; pass++) /* retains one part first, since this gives smaller candidates */
+        /* first tries to retain one part, because this gives smaller candidates */
+        for (uint32_t pass = 0; pass < 2; pass++)
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;
                 const uint32_t to = hi - from < step ? hi : from + step;
@@ -392,7 +396,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     *out = (minimised){.runs = 0};
     *done = false;
     if (c->cut || d->kind == COMPARE_EQUAL)
-        return OST_OK; /* the case was read from a file and is not reduced further */
+        return OST_OK; /* a case that was read from a file is not reduced further */
     snprintf(j.cases, sizeof j.cases, "%s/cases.json", folder);
     snprintf(j.trace, sizeof j.trace, "%s/trace-small", folder);
     snprintf(j.ref, sizeof j.ref, "%s/trace-small-ref", folder);
@@ -406,7 +410,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
 
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
 {
-    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* large enough for the longest numbers */
+    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* large enough for the greatest numbers */
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reduces a case that shows a difference to fewer ticks, tools, samples and
- * triangles and to a part of the bone, as long as the same backend still differs in
- * the same stage with a difference of the same class.
+ * Reduces a case that shows a difference to fewer ticks, tools, samples and triangles, and to a part of the
+ * bone. A reduction is accepted only if the same backend still has a difference of the same class in the
+ * same stage.
  *
  *   case, difference --candidates--> worker on the backend, reference here --same stage and class?--> keep --> ...
  *
@@ -21,18 +21,19 @@ typedef struct minimised {
     scene_cut cut;
     compare_difference difference; /* the difference that the small case shows */
     finding found;
-    uint64_t samples, triangles, ticks; /* numbers of samples, triangles and ticks in the small case */
+    uint64_t samples, triangles, ticks; /* numbers of these items in the small case */
     ost_dims rect;
     int tools;
-    int runs;   /* number of processes started */
+    int runs;   /* number of processes that were started */
 } minimised;
 
-/* Minimises a case. program is the path of this program's file, which workers run. folder is for temporary files, which
-   are removed. *out is valid only if *done is true. */
+/* Minimises a case. program is the path of this program's file, which workers run. Temporary files are written to
+   folder and removed afterwards. *out is valid only if *done is true. */
 ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f,
                     const char *program, const char *folder, minimised *out, bool *done, ost_error *err);
 
-/* Writes the contents as text, such as "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2 voxels". */
+/* Describes the contents of the small case in a text such as "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2
+   voxels". */
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT]);
 
 #endif

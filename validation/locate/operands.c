@@ -55,7 +55,8 @@ static void rect_operands(const scene *s, const compare_difference *d, operands 
 
 /* --------------------------------------------------------- the cubic grid */
 
-/* Adds the operands of a voxel of TRACE_CUBIC, or of TRACE_RESAMPLE, whose source is the cubic grid. */
+/* Adds the operands of a voxel in the stage TRACE_CUBIC or TRACE_RESAMPLE. The source of TRACE_RESAMPLE is the cubic
+   grid. */
 static void cubic_operands(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                            operands *o)
 {
@@ -207,12 +208,12 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 
 /* ----------------------------------------------------------------- a tick */
 
-/* The poses of a tick's event, determined as in ost_world_step. */
+/* The poses of a tick's event. They are determined by the same rules as in ost_world_step. */
 typedef struct event_poses {
     bool removal;
-    ost_pose from, to; /* first and last pose of the sweep; from is valid only if count > 1 */
+    ost_pose from, to; /* first and last pose of the sweep; the first is valid only if count > 1 */
     int count;
-    int64_t since; /* number of the tick that has the pose `from`; -1: none */
+    int64_t since; /* number of the tick whose pose is `from`; -1 if there is none */
 } event_poses;
 
 static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
@@ -242,7 +243,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
                 if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) !=
                     OST_OK) {
                     e.removal = false;
-                    continue; /* the tick is refused and does not change the world */
+                    continue; /* a refused tick does not change the world */
                 }
             }
             last[t->tool] = t->pose;
@@ -257,10 +258,12 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
 
 /* The position of a bone voxel in the tool at one pose. */
 typedef struct mapped {
-    bool near;       /* true if the voxel's block can be in the tool (AR-MAP-5) */
+    bool near;       /* true if the voxel's block is near, so that it can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
-    int is;          /* class of the tool voxel; -1 outside the tool's grid */
-    int32_t gap;     /* Chebyshev distance in 2^-20 voxels to the nearest neighbour with another result; -1: none */
+    int is;          /* class of the tool voxel; -1 if the position is outside the tool's grid */
+    /* Chebyshev distance in 2^-20 voxels to the nearest adjacent tool voxel that gives another result; -1 if there is
+       none */
+    int32_t gap;
 } mapped;
 
 static int class_of(const trace_block_view *tool, const int32_t at[3])

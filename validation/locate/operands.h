@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The operands from which a voxel was computed, which a developer would print first.
- * They are computed again by the reference's arithmetic from the case's inputs and
- * the reference's own results of the previous stages.
+ * Computes the operands of a voxel, which are the values that a developer would print first. The operands
+ * are computed again with the reference's arithmetic, from the inputs of the case and the reference's
+ * results of the previous stages.
  *
  *   rect     the samples of the voxel, and the rule for duplicates             AR-CT
  *   cubic    for each axis, the division that gives the source voxel           AR-CUB
@@ -13,8 +13,8 @@
  *            point in tool coordinates (fixed point), the tool voxel there     AR-MAP, AR-REM
  *            and its class
  *
- * They are the operands of the correct result. They do not show which of them was
- * different in the other backend.
+ * The operands are those of the correct result. They do not show which operand was different in the other
+ * backend.
  */
 #ifndef OST_VALIDATION_OPERANDS_H
 #define OST_VALIDATION_OPERANDS_H
@@ -32,8 +32,8 @@ typedef struct operands {
     operand_line lines[OPERANDS_MAX];
 } operands;
 
-/* Computes the operands of the first voxel of the difference d. There are none if d is not a difference of voxels. The
-   parameter before is the bone before the tick if the difference is in a tick, else NULL. */
+/* Computes the operands of the first voxel of the difference d. If d is not a difference of voxels, there are no
+   operands. The parameter before is the bone before the tick for a difference in a tick, else NULL. */
 void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                  const int16_t *before, operands *out);
 

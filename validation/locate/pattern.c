@@ -64,7 +64,7 @@ static bool offset(const pattern_scan *s, char *text)
            pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
-/* Checks the densities of each chunk in the grid to which the threshold was applied. */
+/* Checks the densities of each chunk in the grid before and after the threshold was applied. */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;

@@ -4,32 +4,32 @@
  *
  *   two grids, and their inputs if known --> patterns that hold --> class: the first pattern that holds
  *
- * Every rule is a statement that is checked on all voxels to which it applies, so a
- * pattern that holds is a fact.  It is not certain that the pattern names the cause;
- * the class indicates where to search first.  Several patterns may hold.  The class
- * is the first of them in the order below, from the pattern that explains most to
- * the one that explains least.  D is the set of voxels that differ, A is the
- * reference's grid and B the other one.
+ * Every rule is a statement that is checked on all voxels to which it applies, so a pattern that holds is
+ * certain. The cause of the difference is not certain; the class indicates where to search first. If
+ * several patterns hold, the class is the first of them in the list below, which begins with the pattern
+ * that explains most. D is the set of differing voxels, A is the reference's grid, and B is the other grid.
  *
- *   byte-order      every voxel of D is the correct one with its two bytes swapped
+ *   byte-order      every voxel of D is the correct value with its two bytes swapped
  *   axis-swap       B is A with axes exchanged or reversed, or memory was read with the axes in a different order
  *   shift           every voxel of D has the value of its neighbour in one common direction, or the value that
  *                   results if another voxel of the input is resampled
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
  *   threshold       D consists of all voxels on one side of a density near the threshold
- *   stale-chunk     in every chunk with a difference B is as before the event, and its report differs
+ *   stale-chunk     in every chunk with a difference, B equals the bone before the event, and the chunk's
+ *                   report differs
  *   lost-tail       D is the last part of the work, which was not done: samples, voxels or chunks
- *   lost-chunk      every chunk with a difference is completely void or unprocessed
+ *   lost-chunk      every chunk with a difference is completely empty or unprocessed
  *   column-parity   D consists of complete runs of voxels along x, from one crossing of the surface to another
- *   tool-class      every voxel of D is solid in both grids, but cutting in only one of them
+ *   tool-class      every voxel of D is solid in both grids and cutting in only one of them
  *   boundary-layer  D lies on the surface, one voxel deep
- *   carried-rows    every row of D is the correct row combined with the previous one, whose counts were not cleared
+ *   carried-rows    every row of D is the correct row combined with the previous row, whose counts were not
+ *                   cleared
  *   speckle         most voxels of D have no neighbour in D
  *   unclassified    none of these patterns holds
  *
- * osteon diff and the campaign use the same rules.  The campaign has more inputs,
- * such as the bone before the event, and can therefore distinguish more patterns.
+ * `osteon diff` and the campaign use the same rules. The campaign has more inputs, such as the bone before the
+ * event, and can therefore distinguish more patterns.
  */
 #ifndef OST_VALIDATION_PATTERN_H
 #define OST_VALIDATION_PATTERN_H
@@ -57,30 +57,31 @@ typedef enum pattern {
 
 const char *pattern_name(pattern p);
 
-/* The kind of the input from which the stage made its grid. */
+/* The relation between a grid and `in`, the input from which the stage made the grid. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
     /* `in` is resampled: voxel (x, y, z) comes from voxel (source[0][x], source[1][y], source[2][z]) of `in`, or is a
-       mean of that voxel and the next ones */
+       mean of this voxel and the voxels after it */
     PATTERN_SOURCE,
-    PATTERN_THRESHOLDED, /* `in` is the same grid before densities below the threshold became 0 */
+    PATTERN_THRESHOLDED, /* `in` is the same grid before densities below the threshold were set to 0 */
     PATTERN_BEFORE       /* `in` is the bone before the event */
 } pattern_input;
 
 typedef struct pattern_view {
     const int16_t *a, *b;
-    ost_dims dims, dims_b;    /* if dims and dims_b differ, only axis-swap is checked */
-    int32_t solid_a, solid_b; /* least value of a solid voxel */
+    ost_dims dims, dims_b;    /* if the two dims differ, only axis-swap is checked */
+    int32_t solid_a, solid_b; /* lowest value of a solid voxel */
     bool tool;
     int chunk;                /* voxels along a chunk's edge */
     pattern_input input;
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    /* weight of the next voxel along each axis in units of 2^-15; 0: the next voxel is not read */
+    /* For each axis, the weight of the voxel after the source voxel, in units of 2^-15. If it is 0, that voxel is not
+       read. */
     const int32_t *weight[3];
-    /* for each voxel the number of samples that follow its last sample in the batch; -1 for a voxel without a sample;
-       NULL: not known */
+    /* For each voxel, the number of samples after the voxel's last sample in the batch, or -1 if the voxel has no
+       sample. NULL if unknown. */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;
@@ -88,7 +89,7 @@ typedef struct pattern_view {
 enum { PATTERN_TEXT = 200 };
 typedef struct pattern_list {
     bool holds[PATTERNS];
-    char text[PATTERNS][PATTERN_TEXT]; /* evidence as text; set for the patterns that hold */
+    char text[PATTERNS][PATTERN_TEXT]; /* evidence for each pattern that holds */
     pattern of_all;                    /* the class */
 } pattern_list;
 

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for chunks, and for a last part of the work that was not done. */
+/* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
 #include "validation/locate/pattern_parts.h"
 
-/* Number of work-items in a work-group. At most this number of samples is lost at the end of a batch. */
+/* Number of work-items in a work-group. At most this many samples are lost at the end of a batch. */
 enum { GROUP = 256 };
 
 typedef struct chunk_counts {
-    /* as_before: all voxels of B equal those of `in`; hit: at least one voxel of A differs from that of `in` */
+    /* as_before is true if all voxels of B equal those of `in`; hit is true if at least one voxel of A differs from
+       `in` */
     bool differs, as_before, hit;
     bool solid_a, solid_b;
 } chunk_counts;
@@ -28,8 +29,10 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 }
 
 typedef struct chunk_sums {
-    int64_t differ, undone, one_sided; /* counts of chunks; one_sided: solid in only one grid */
-    /* hit_after: number of hit chunks without a difference that follow the first chunk with a difference */
+    /* numbers of chunks; one_sided counts the chunks that are solid in only one grid */
+    int64_t differ, undone, one_sided;
+    /* hit_after is the number of chunks with a hit but without a difference that follow the first chunk with a
+       difference */
     int64_t hit, hit_after;
 } chunk_sums;
 
@@ -72,7 +75,7 @@ bool pattern_lost_chunk(const pattern_scan *s, char *text)
                                                        (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
-/* Checks that only the last samples of batches are missing. */
+/* Checks the rule lost-tail for samples: only the last samples of batches are missing. */
 static bool lost_samples(const pattern_scan *s, char *text)
 {
     int32_t most = 0;

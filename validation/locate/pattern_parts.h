@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rules of pattern.h, and the declarations that they share.
+ * Declares the rules of pattern.h and the helper functions that several rules use. D is the set of
+ * differing voxels.
  *
  *   pattern.c        D, values, the list     pattern_place.c   positions
  *   pattern_chunk.c  chunks, tails           pattern_shape.c   rows, surface, neighbours
@@ -10,19 +11,19 @@
 
 #include "validation/locate/pattern.h"
 
-/* A pattern that holds for fewer voxels than this is not significant. */
+/* Smallest number of voxels for which a pattern is significant. */
 enum { PATTERN_TELLING = 8 };
 
-/* The view, and the properties of D that all rules use. */
+/* The view, and the properties of D, the set of differing voxels, that all rules use. */
 typedef struct pattern_scan {
     const pattern_view *v;
     int64_t count;         /* number of voxels in D */
-    int64_t first;         /* least index of a voxel in D */
+    int64_t first;         /* lowest index of a voxel in D */
     int32_t lo[3], hi[3];  /* bounds of D, half-open */
-    bool several;          /* true if B has more than one value other than 0 in D */
+    bool several;          /* true if B has more than one non-zero value in D */
 } pattern_scan;
 
-/* Returns true if the pattern holds. In this case text receives the evidence. */
+/* Returns true if the pattern holds, and then writes the evidence to text. */
 typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */
@@ -33,7 +34,7 @@ pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, 
 /* Writes the evidence to text. Always returns true. */
 bool pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
-/* Returns a density as the stage stores it. */
+/* Returns a density in the form in which the stage stores it. */
 int16_t pattern_stored(const pattern_view *v, int16_t density);
 
 static inline bool pattern_same_dims(ost_dims a, ost_dims b)
@@ -51,7 +52,7 @@ static inline bool pattern_inside(ost_dims d, int64_t x, int64_t y, int64_t z)
     return x >= 0 && y >= 0 && z >= 0 && x < d.x && y < d.y && z < d.z;
 }
 
-/* Iterates over D: p is the voxel, i its index. */
+/* Iterates over the differing voxels; p is the position of the voxel, i its index. */
 #define PATTERN_EACH(s, p, i)                                                                                          \
     for (int32_t p[3] = {0, 0, (s)->lo[2]}; p[2] < (s)->hi[2]; p[2]++)                                                 \
         for (p[1] = (s)->lo[1]; p[1] < (s)->hi[1]; p[1]++)                                                             \

@@ -1,23 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for values at a wrong position. A rule finds the position that these values have in the
-   reference. */
+/* The rules of pattern.h for values at a wrong position. A rule finds where the reference has these values. */
 #include "validation/locate/pattern_parts.h"
 
 #include "validation/resample.h"
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* A wrong way to read the input: at an offset of `step` voxels, with the axes in a different order in memory, and
-   with rows (along x) of a different length. */
+/* A wrong way to read the input: at an offset of `step` voxels, with the axes in a different order in memory, or with
+   rows (along x) of a different length. */
 typedef struct reading {
     int step[3];
     const int *order;
-    int64_t row; /* length of a row; 0: the correct length */
+    int64_t row; /* length of a row in voxels; 0 means the correct length */
 } reading;
 
-/* Resamples voxel p with the input read as in *how. Returns false if a source voxel is outside the input's dims. A
-   different order of axes or a different row length can give an index beyond the input's memory; a voxel with such
-   an index reads as 0. */
+/* Resamples voxel p from an input that is read as described by *how. Returns false if a source voxel is outside the
+   input's dims. With a different order of axes or a different row length, an index may lie beyond the input's memory;
+   such a voxel reads as 0. */
 static bool resample_as(const pattern_view *v, const int32_t p[3], const reading *how, int16_t *out)
 {
     const ost_dims d = v->in_dims;
@@ -42,8 +41,7 @@ static bool resample_as(const pattern_view *v, const int32_t p[3], const reading
     return true;
 }
 
-/* Computes the stage's result for the neighbour of voxel p at (dx, dy, dz). Returns false if the neighbour is outside
-   the grid. */
+/* Computes the stage's result for the voxel at p + (dx, dy, dz). Returns false if this voxel is outside the grid. */
 static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy, int dz, int16_t *out)
 {
     if (v->input == PATTERN_SOURCE) {
@@ -59,7 +57,8 @@ static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy,
     return true;
 }
 
-/* An arrangement in which voxel p of B is voxel q of A: q[from[axis]] = (flip ? n - 1 - p[axis] : p[axis]) + shift. */
+/* An arrangement of the axes in which voxel p of B is voxel q of A: q[from[axis]] = (flip ? n - 1 - p[axis] :
+   p[axis]) + shift. */
 typedef struct arrangement {
     int from[3];
     bool flip[3];
@@ -90,13 +89,15 @@ static bool arranged_equal(const pattern_view *v, const arrangement *how, int32_
     return solid || stride > 1;
 }
 
-/* Returns true if B is A in this arrangement. Checks a few voxels first, because most arrangements fail there. */
+/* Returns true if B is A in this arrangement. Checks a few voxels first, because most arrangements are already wrong
+   there. */
 static bool arranged(const pattern_view *v, const arrangement *how)
 {
     return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);
 }
 
-/* Returns true if D has the values that result if the input is read with this order of the axes and this row length. */
+/* Returns true if all differing voxels have the values that result if the input is read with this order of the axes
+   and this row length. */
 static bool misread(const pattern_scan *s, const int order[3], int64_t row)
 {
     const pattern_view *v = s->v;
@@ -147,7 +148,7 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Returns true if all voxels of D have the value of their neighbour at this offset. */
+/* Returns true if every differing voxel has the value of its neighbour at this offset. */
 static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
 {
     int64_t met = 0;
@@ -162,7 +163,8 @@ static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
     return met >= PATTERN_TELLING && 2 * met > s->count;
 }
 
-/* Returns true if each voxel of D has the value of a neighbour, and all these neighbours are in the same octant. */
+/* Returns true if every differing voxel has the value of one of its neighbours, and all these neighbours are in the
+   same octant. */
 static bool resampled(const pattern_scan *s, int way)
 {
     PATTERN_EACH(s, p, i) {
@@ -204,7 +206,8 @@ bool pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Tries rows that are one voxel shorter or longer, or aligned like rows of images and allocations. */
+/* Checks the rule row-pitch. Tries rows that are one voxel shorter or longer, or aligned like rows of images and
+   allocations. */
 bool pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };

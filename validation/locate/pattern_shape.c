@@ -4,8 +4,8 @@
 
 #include "validation/locate/pattern_parts.h"
 
-/* Returns the end of the complete run of g that begins at x. Returns x if no run begins there or if the run continues
-   beyond `end`. */
+/* Returns the end of the complete run of solid voxels in g that begins at x. Returns x if no run begins there or if
+   the run continues beyond `end`. */
 static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
 {
     int32_t to = x + 1;
@@ -16,11 +16,11 @@ static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
     return to == n || g[to] != g[x] ? to : x;
 }
 
-/* Returns the least number of complete runs of a or b that exactly cover the voxels from <= x < end; 0 if no runs
-   do. */
+/* Returns the smallest number of complete runs of a or b that exactly cover the voxels from <= x < end. Returns 0 if
+   they cannot be covered by runs. */
 static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
 {
-    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* least number of runs that cover [from, x), plus one */
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* smallest number of runs that cover [from, x), plus one */
     least[from] = 1;
     for (int32_t x = from; x < end; x++) {
         if (!least[x])
@@ -76,8 +76,8 @@ bool pattern_tool_class(const pattern_scan *s, char *text)
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* Returns the side of the surface on which a voxel of A lies: 1 or 0, or the class of a tool voxel; -1 if the voxel had
-   no bone before the event. */
+/* Returns the side of the surface on which a voxel of A lies: 1 (solid) or 0, or the class of a tool voxel. Returns
+   -1 if the voxel was not bone before the event. */
 static int side_of(const pattern_view *v, int64_t i)
 {
     if (v->tool)
@@ -87,9 +87,9 @@ static int side_of(const pattern_view *v, int64_t i)
     return v->a[i] >= v->solid_a;
 }
 
-/* Returns true if one of the 26 neighbours of voxel p is on the other side of the surface. Neighbours outside the grid
-   are void; if the input is the bone before an event, they are ignored. *known receives true if there is a neighbour to
-   compare with. */
+/* Returns true if one of the 26 neighbours of voxel p is on the other side of the surface. Neighbours outside the
+   grid count as empty, or are ignored if the input is the bone before an event. Sets *known to true if at least one
+   neighbour can be compared. */
 static bool on_surface(const pattern_view *v, const int32_t p[3], int64_t i, bool *known)
 {
     const int mine = side_of(v, i);
@@ -122,7 +122,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             return false;
         known += can;
     }
-    /* If most solid voxels are on the surface, the differences are on the surface in any case, and the pattern is not
+    /* If most solid voxels are on the surface, any differences are also likely to be there, so the pattern is not
        significant. */
     int64_t solid = 0, surface = 0;
     int32_t p[3];
@@ -143,10 +143,9 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
 }
 
 /*
- * Returns true if the row at index `row` of B is the result of not clearing the
- * counts of the previous row: solid where either row is solid (winding), or where
- * exactly one of them is (parity).  Adds the number of voxels of the row that became
- * solid or void to *differing.
+ * Returns true if row `row` of B would result if the counts of the previous row were not cleared. Such a
+ * row is solid where at least one of the two rows is solid (winding), or where exactly one of them is solid
+ * (parity). Adds the number of voxels of the row that became solid or empty to *differing.
  */
 static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)
 {

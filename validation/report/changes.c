@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The changes since an older bundle (impact.json), and their known causes. */
+/* Writes the section on changes since an older bundle (impact.json), and on possible causes. */
 #include <string.h>
 
 #include "validation/bundle/impact.h"

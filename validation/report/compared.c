@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the two tables of the comparison: backends by families, and the reference's stages. */
+/* Writes the two tables of the comparison: one of backends and families, and one of the reference's stages. */
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
@@ -16,7 +16,7 @@ typedef struct tally {
     json_int_t cases, equal, bad, records;
 } tally;
 
-/* Counts the results of one backend in one family (NULL: all). */
+/* Counts the results of one backend in one family, or in all families if family is NULL. */
 static tally count(const page *p, const char *backend, const char *family)
 {
     tally t = {0};
@@ -27,7 +27,7 @@ static tally count(const page *p, const char *backend, const char *family)
         const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), backend), "verdict");
         t.cases++;
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 && evidence_refused(one))
-            continue; /* both refused: there is no result to compare */
+            continue; /* the reference and the backend refused the input, so there is no result to compare */
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
             t.equal++;
             t.records += (json_int_t)json_array_size(json_object_get(one, "reference"));

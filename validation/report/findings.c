@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the results that are not equal, and whether deliberate mistakes were noticed. */
+/* Writes the results that are not equal. Also writes whether the deliberate mistakes were detected. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
 
-enum { LISTED = 200 }; /* maximum number of results in the table; anomalies.csv contains all results */
+enum { LISTED = 200 }; /* maximum number of results in the table; the file anomalies.csv contains all results */
 
 static json_int_t integer(const json_t *o, const char *key)
 {
@@ -22,7 +22,7 @@ static bool is_finding(const json_t *result)
     return strcmp(verdict, case_verdict_name(CASE_EQUAL)) != 0 && strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) != 0;
 }
 
-/* Writes the stage, with its number if the stage has several: "tick 12". */
+/* Writes the stage; if a case has several items of this stage, also writes the item, as in "tick 12". */
 static void where(const page *p, const json_t *r)
 {
     const char *stage = evidence_text(r, "stage");
@@ -79,7 +79,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     fputs("</td></tr>\n", p->to);
 }
 
-/* Writes the command that runs the small case, which shows the same difference. */
+/* Writes the command that runs the small case, which shows the same difference as the complete case. */
 static void reproduction(const page *p, const json_t *backend, const json_t *r)
 {
     const char *file = evidence_text(r, "reproduce");
@@ -127,8 +127,8 @@ typedef struct totals {
     int found, drawn, small;
 } totals;
 
-/* Writes a finding with its small case, operands and pictures. A finding with neither small case nor picture is only
-   in the table. */
+/* Writes the details of a finding: its small case, operands and pictures. A finding with neither a small case nor a
+   picture has no details and is only in the table. */
 static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, totals *n)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Backend", "Difference"};
@@ -152,7 +152,7 @@ static void detail(const page *p, int number, const json_t *one, size_t s, const
     }
 }
 
-/* Writes all findings in the order of cases, then backends; their numbers are those of anomalies.csv. */
+/* Writes all findings in the order of cases, then backends. They have the same numbers as in anomalies.csv. */
 static totals each_finding(const page *p, bool pictures)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
@@ -268,8 +268,8 @@ static bool fault_missed(const json_t *kind)
            integer(kind, "localized") != integer(kind, "changed");
 }
 
-/* Writes the sums of each stage; the order of the stages is that of their first kinds in the list. Then writes the
-   kinds of which not every mistake was detected and located. */
+/* Writes the sums of each stage, in the order in which the stages occur in the list of kinds. Then writes the kinds
+   of mistakes that were not always detected and located. */
 static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
 {
     const size_t count = json_array_size(kinds) < LISTED ? json_array_size(kinds) : LISTED;
@@ -318,7 +318,8 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fputs("</table></div>\n", p->to);
 }
 
-/* Writes every kind. On a screen the list is hidden until the reader opens it; on paper it is always shown. */
+/* Writes every kind of mistake. On a screen the list is hidden until the reader opens it; on paper it is always
+   visible. */
 static void fault_kinds(const page *p, const json_t *kinds)
 {
     char label[64];

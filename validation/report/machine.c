@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes when and where the campaign ran, for the first page.
+ * Writes the time and the machine of the campaign's run, for the first page.
  *
  *   audit.log          the time of its first line
  *   environment.json   machine, processor, the paths that backends entered; for merged shards {"1/3": ...}
@@ -27,7 +27,8 @@ static void end_row(const page *p, const char *file)
     fputs("</td></tr>\n", p->to);
 }
 
-/* Writes the time of the log's first line, HASH TAB TIME TAB begun TAB ..., as "2026-11-22 21:45:00 UTC". */
+/* Writes the time of the log's first line in the form "2026-11-22 21:45:00 UTC". The line has the form HASH TAB TIME
+   TAB begun TAB ... */
 static void when(const page *p)
 {
     enum { TIME = 20 }; /* 2026-11-22T21:45:00Z */
@@ -71,7 +72,7 @@ static void one_machine(const page *p, const char *shard, const json_t *e)
     end_row(p, "environment.json");
 }
 
-/* Returns the number in a path's name "... on 7 threads"; 0 if there is none. */
+/* Returns the number in a path's name that ends in "on N threads"; 0 if there is none. */
 static int threads_in(const char *path)
 {
     const char *at = strstr(path, " on "), *digits = at ? at + strlen(" on ") : "";
@@ -80,7 +81,7 @@ static int threads_in(const char *path)
     return end > digits && strcmp(end, " threads") == 0 && n > 0 && n < THREADS_MAX ? (int)n : 0;
 }
 
-/* Sets used[n] if a path of a backend was entered with n threads. */
+/* Sets used[n] for each number n of threads with which a path of a backend was entered. */
 static void note_threads(const json_t *environment, bool used[THREADS_MAX])
 {
     json_t *backend, *count;
@@ -102,7 +103,7 @@ static void threads(const page *p, const bool used[THREADS_MAX])
     end_row(p, "environment.json");
 }
 
-/* Writes the devices that were compared, and the kernels that were chosen for each. */
+/* Writes the devices that were compared, and the kernels that were chosen for each device. */
 static void opencl(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");

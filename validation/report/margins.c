@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes how close the differing decisions were: a table and a histogram for each backend that differs. */
+/* Writes the margins of differing voxels: a table and a histogram for each backend that differs. */
 #include <string.h>
 
 #include "validation/bundle/evidence.h"
@@ -47,9 +47,9 @@ static void number(const page *p, json_int_t value)
     fputs("</td>", p->to);
 }
 
-/* Writes one bar for each bin of margins. The bins are powers of two: the first bar is for margins of 0, on the border,
-   and the last one for one voxel or more. The height of a bar is proportional to the number of binary digits of
-   the count, so that a single voxel is visible next to a million voxels. */
+/* Writes one bar for each bin of margins. The bins are powers of two: the first bar is for margins of 0 (on the
+   border), and the last bar for margins of one voxel or more. The height of a bar is proportional to the number of
+   binary digits of its count, so that a single voxel is visible next to a million voxels. */
 static void histogram(const page *p, const sums *s)
 {
     enum { BAR = 9, HEIGHT = 36 };
@@ -88,7 +88,7 @@ static void stage_row(const page *p, trace_stage stage, const sums *s)
         fputs("<td class=\"n\">-</td><td></td></tr>\n", p->to);
 }
 
-/* Writes whether the margins are consistent with the statement "only rounding at borders". */
+/* Writes a sentence that states whether the margins are consistent with "only rounding at borders". */
 static void meaning(const page *p, const sums *all, json_int_t near)
 {
     const json_int_t other = all->unexplained + all->below_threshold;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes HTML: text is escaped, files of the bundle become links, and pictures
- * become a part of the page.  Text from a bundle is written only by these
- * functions.
+ * Writes HTML. Text is escaped, files of the bundle become links, and pictures are embedded in the page.
+ * Text from a bundle may be written only by the functions below.
  */
 #ifndef OST_VALIDATION_REPORT_PAGE_H
 #define OST_VALIDATION_REPORT_PAGE_H
@@ -20,40 +19,41 @@ typedef struct page {
     FILE *to;
     const char *folder; /* the folder of the bundle */
     const json_t *protocol, *cases, *summary;
-    ost_error *unread; /* error of the first file of the bundle that could not be read; the page is then not written */
+    /* error of the first bundle file that could not be read; the page is not written after such an error */
+    ost_error *unread;
 } page;
 
-/* Writes text escaped for HTML, both for the text of elements and for quoted attributes; control characters become
-   '?'. */
+/* Writes text escaped for HTML. It may be used in the text of elements and in quoted attributes. Control characters
+   become '?'. */
 void page_text(const page *p, const char *text);
-/* Writes a number as 12,345. */
+/* Writes a number with thousands separators, as in "12,345". */
 void page_count(const page *p, json_int_t value);
-/* Writes a number with its noun: 1 case, 12,345 cases. */
+/* Writes a number with its noun, as in "1 case" or "12,345 cases". */
 void page_many(const page *p, size_t count, const char *one);
 /* Writes text quoted as one word for a shell. */
 void page_shell_word(const page *p, const char *text);
 /* Writes a link to a file of the bundle. */
 void page_link(const page *p, const char *file);
 /* Reads a file of the bundle into *bytes, which the caller frees. Returns false if the file is absent or cannot be
-   read (p->unread). */
+   read; the latter is recorded in p->unread. */
 bool page_read(const page *p, const char *file, char **bytes, size_t *size);
-/* Returns a JSON file of the bundle, owned by the caller; NULL if it is absent, cannot be read (p->unread) or is not
-   JSON. */
+/* Returns a JSON file of the bundle, which the caller owns. Returns NULL if the file is absent, is not JSON or cannot
+   be read; the latter is recorded in p->unread. */
 json_t *page_json(const page *p, const char *file);
 bool page_has(const page *p, const char *file);
-/* Embeds a picture with a caption in the page and links the picture to its file. Writes nothing and returns false if
-   the bundle does not have the picture. */
+/* Embeds a picture with a caption in the page and links the picture to its file. If the bundle does not have the
+   picture, writes nothing and returns false. */
 bool page_picture(const page *p, const char *file, const char *caption);
 
 /*
- * Begin and end a part of the page that has a label. On a screen the part is opened by its label;
- * on paper the part is always open. The element details is not used, because some browsers print it
- * closed. The content of the part is one div. The id must be unique on the page.
+ * These functions begin and end a part of the page that has a label. On a screen the reader opens the part
+ * with its label; on paper the part is always open. The HTML element `details` is not used, because some
+ * browsers print it closed. The content of the part is one div. The id must be unique on the page.
  */
 void page_fold_begin(const page *p, const char *id, bool open, const char *label);
 void page_fold_end(const page *p);
 
-/* Begin and end the page. The beginning of the page contains its style. */
+/* These functions begin and end the page. The beginning of the page contains the page's style sheet. */
 void page_begin(const page *p, const char *title);
 void page_end(const page *p);
 

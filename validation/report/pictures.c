@@ -10,7 +10,8 @@
 #include "validation/report/triplet.h"
 #include "validation/scene.h"
 
-/* VIEW and SLICE: widths of pictures in pixels. TRIED: number of differing records that are searched for voxels. */
+/* VIEW and SLICE are widths of pictures in pixels. TRIED is the maximum number of differing records that are searched
+   for voxels. */
 enum { VIEW = 480, SLICE = 420, TRIED = 16 };
 
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role)
@@ -58,11 +59,11 @@ static int16_t voxel_of(const trace_block_view *b, size_t i)
     int16_t wide;
     if (b->voxel_bytes == 1)
         return b->voxels[i];
-    memcpy(&wide, b->voxels + 2 * i, 2); /* blocks are not aligned in the file */
+    memcpy(&wide, b->voxels + 2 * i, 2); /* copied, because blocks are not aligned in the file */
     return wide;
 }
 
-/* Copies a block into a volume. Returns false if it is not inside the volume. */
+/* Copies a block into a volume. Returns false if the block is not completely inside the volume. */
 static bool lay_block(const trace_block_view *b, ost_volume *to)
 {
     const ost_dims d = to->geometry.dims;
@@ -104,7 +105,7 @@ static bool volume_of(const trace_record *r, ost_volume *out)
 
 /* ------------------------------------------------------------ operation */
 
-/* Computes the view direction, in which the first tool enters the bone. */
+/* Computes the view direction, which is the direction in which the first tool enters the bone. */
 static void view_direction(const scene *s, double direction[3])
 {
     size_t last = 0;
@@ -131,7 +132,7 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
                                              PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
         ost_picture picture = {0};
-        if (k == 2) { /* both pictures of slices show the slices through the removed voxels */
+        if (k == 2) { /* the slices of both pictures pass through the centre of the removed voxels */
             int64_t sum[3] = {0, 0, 0}, n = 0;
             const ost_dims d = before->geometry.dims;
             for (int64_t v = 0; v < ost_dims_count(d); v++)
@@ -177,7 +178,7 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 
 /* ----------------------------------------------------------- differences */
 
-/* Makes both volumes at record `at` of the case; the leaves of a tick are copied over the previous bone. */
+/* Makes both volumes at record `at` of the case. The leaves of a tick are copied over the bone before the tick. */
 static bool volumes_at(const campaign *c, int case_index, size_t at, const trace_record *got, ost_volume *a,
                        ost_volume *b)
 {
@@ -208,7 +209,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
     if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS ||
         k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
         return;
-    /* A report may differ before any voxel does; until a voxel differs, both bones are the reference's. */
+    /* A report may differ earlier than any voxel. Until a voxel differs, both bones equal the reference's bone. */
     const compare_range in_ref = c->ranges[case_index];
     triplet t;
     bool differ = false;

@@ -26,7 +26,7 @@ static json_int_t findings(const page *p)
     return n;
 }
 
-/* Counts the results of one backend that are equal, and those that are not. */
+/* Counts the equal results of one backend, and its other results. */
 static void tally(const page *p, const char *backend, size_t *equal, size_t *other)
 {
     *equal = *other = 0;
@@ -39,7 +39,7 @@ static void tally(const page *p, const char *backend, size_t *equal, size_t *oth
     }
 }
 
-/* Writes which backends differ, so that the reader need not search a table. */
+/* Writes the names of the differing backends, so that the reader does not have to search a table. */
 static void who_differs(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");
@@ -123,7 +123,7 @@ static json_int_t number_in(const page *p, const char *file, const char *key)
     return n;
 }
 
-/* Writes the failed tests. A failed test is not a difference between backends, but equally important. */
+/* Writes the failed tests. A failed test is not a difference between backends, but it is equally important. */
 static void suite_failed(const page *p)
 {
     const json_int_t failed = number_in(p, SUITE_FILE, "failed");
@@ -137,7 +137,7 @@ static void suite_failed(const page *p)
     fputs("</span></div>\n", p->to);
 }
 
-/* Writes short statements on sensitivity, common mistakes and limits, each with a link to its file. */
+/* Writes short statements on sensitivity, common mistakes and limits. Each statement has a link to its file. */
 static void in_short(const page *p)
 {
     const json_int_t kinds = number_in(p, "sensitivity.json", "kinds_total"),
@@ -391,9 +391,9 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     page_begin(&p, TITLE);
     head(&p);
     section_machine(&p);
-    not_shown(&p); /* on the first page */
+    not_shown(&p); /* these sentences must be on the first page */
     section_compared(&p);
-    if (findings(&p)) { /* the most important part comes first */
+    if (findings(&p)) { /* differences are the most important part and precede all others */
         section_differences(&p);
         section_margins(&p);
     }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.html: the evidence for readers, on one page that needs no other file.
+ * Makes report.html, which presents the evidence on one page that needs no other file.
  *
  *   protocol, cases, files of the folder (pictures, sensitivity.json) --report_write--> report.html
  *
- * It is derived only from the bundle's files, without times or the machine's
- * name, so a check of the bundle derives it again and compares bytes.  It is
- * written last, because it names optional files only if they are in the folder.
+ * The report is derived only from the bundle's files and contains neither times nor the machine's name, so
+ * a check of the bundle can derive it again and compare the bytes. It is written last, because it mentions
+ * an optional file only if the file is in the folder.
  */
 #ifndef OST_VALIDATION_REPORT_H
 #define OST_VALIDATION_REPORT_H

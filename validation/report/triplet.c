@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least width that is shown, margin around the differences, pixels of the longest side, gap between panels. */
+/* LEAST is the smallest width that is shown, MARGIN the width around the differences, both in voxels. PANEL is the
+   length of the longest side and GAP the distance between panels, both in pixels. */
 enum { LEAST = 32, MARGIN = 6, PANEL = 288, GAP = 8 };
 
 static int16_t at_voxel(const ost_volume *v, const int32_t at[3])
@@ -63,7 +64,8 @@ static uint8_t grey_of(const triplet *t, int32_t value)
     return (uint8_t)grey;
 }
 
-/* Chooses pattern and colour for a pixel: solid in only one volume, or different values. x, y are pixels. */
+/* Chooses pattern and colour for pixel (x, y) of a differing voxel: solid only in the reference, solid only in the
+   other volume, or different values. */
 static void mark(const triplet *t, int32_t ref, int32_t got, int x, int y, uint8_t rgb[3])
 {
     static const uint8_t only_ref[2][3] = {{194, 47, 39}, {255, 255, 255}}, only_got[3] = {36, 103, 189},
@@ -83,13 +85,13 @@ static void draw_panel(const triplet *t, picture_role role, int across, int down
     int32_t at[3] = {t->at[0], t->at[1], t->at[2]};
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            const int row = down == 2 ? height - 1 - y : y; /* z points up */
+            const int row = down == 2 ? height - 1 - y : y; /* rows are reversed, because z points up */
             at[across] = t->lo[across] + (int32_t)((int64_t)x * t->n[across] / width);
             at[down] = t->lo[down] + (int32_t)((int64_t)row * t->n[down] / height);
             const int16_t ref = at_voxel(t->reference, at), got = at_voxel(t->got, at);
             uint8_t *rgb = out->rgb + 3 * ((size_t)y * (size_t)out->width + (size_t)(left + x));
             uint8_t grey = grey_of(t, role == PICTURE_GOT ? got : ref);
-            if (role == PICTURE_DIFFERENCE) /* draws densities paler, so that the marks are distinct */
+            if (role == PICTURE_DIFFERENCE) /* paler densities make the marks distinct */
                 grey = (uint8_t)(170 + grey / 4);
             memset(rgb, grey, 3);
             if (role == PICTURE_DIFFERENCE && ref != got)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Three pictures of one position in two volumes: the reference, the other volume,
- * and the difference.  Each has an axial, a coronal and a sagittal slice through
- * the position with the most differences.  A voxel is a square, so that a single
- * difference is visible; the kind of a difference is shown by pattern and colour.
+ * Draws three pictures of one position: of the reference, of the other volume, and of the difference. Each
+ * picture has an axial, a coronal and a sagittal slice through the position with the most differences. A
+ * voxel is drawn as a square, so that a single difference is visible. Pattern and colour show the type of a
+ * difference.
  */
 #ifndef OST_VALIDATION_REPORT_TRIPLET_H
 #define OST_VALIDATION_REPORT_TRIPLET_H
@@ -14,12 +14,12 @@
 
 typedef struct triplet {
     const ost_volume *reference, *got;
-    bool tool;       /* true: voxels are classes, not densities */
+    bool tool;       /* true if voxels are classes of a tool; false if they are densities */
     int32_t at[3];   /* indices of the slices */
-    int32_t lo[3], n[3]; /* the range of voxels that is shown */
+    int32_t lo[3], n[3]; /* range of voxels that is shown: first voxel and number of voxels along each axis */
 } triplet;
 
-/* Chooses the slices. Returns false if nothing differs. */
+/* Chooses the slices. Returns false if no voxel differs. */
 bool triplet_of(const ost_volume *reference, const ost_volume *got, bool tool, triplet *out);
 ost_status triplet_draw(const triplet *t, picture_role role, ost_picture *out, ost_error *err);
 
