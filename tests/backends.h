@@ -4,10 +4,9 @@
  *
  *   OST_TEST_BACKENDS="ref cpu:isa=avx2,threads=7" tests/ref/test_remove
  *
- * The default list is: the reference; the cpu backend with its default instruction set and 2
- * threads; the cpu backend with scalar loops and 3 threads. .ci/long runs all combinations. The
- * expected values are written in the tests, so a test passes on all backends only if their
- * grids are bit-identical.
+ * The default list consists of the reference, the cpu backend with its default instruction set and 2
+ * threads, and the cpu backend with scalar loops and 3 threads. .ci/long runs all combinations. Each test
+ * contains its expected values, so it passes on all backends only if their grids are bit-identical.
  */
 #ifndef OST_TESTS_BACKENDS_H
 #define OST_TESTS_BACKENDS_H
@@ -16,7 +15,7 @@
 
 #include <osteon/backend.h>
 
-/* Specification of the backend of the running group; "ref" before the first group. */
+/* Spec of the backend on which the current group runs; "ref" before the first group. */
 static char test_backend[100] = "ref";
 
 static inline const char *test_backends(void)
@@ -40,7 +39,7 @@ static inline int close_test_backend(void **state)
     return 0;
 }
 
-/* Skips the test if the backend cannot read voxels during a tick. Tests that need a force call this function. */
+/* Skips the test if the backend cannot read voxels during a tick. Tests that need a force must call this function. */
 static inline void skip_without_samples(ost_backend *backend)
 {
     const ost_geometry one = {{1, 1, 1}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};

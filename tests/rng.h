@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The random generator of all tests; it gives the same numbers on every machine. */
+/* The random number generator of all tests. It returns the same numbers on every machine. */
 #ifndef OST_TESTS_RNG_H
 #define OST_TESTS_RNG_H
 
@@ -18,7 +18,7 @@ static inline uint64_t rng_next(test_rng *rng)
     return z ^ (z >> 31);
 }
 
-/* lo <= result <= hi */
+/* Returns a number with lo <= number <= hi. */
 static inline int64_t rng_range(test_rng *rng, int64_t lo, int64_t hi)
 {
     uint64_t span = (uint64_t)hi - (uint64_t)lo + 1;

@@ -15,11 +15,12 @@
 
 #include "harness.h"
 
-enum { SCENE_THRESHOLD = 250 }; /* bone without cartilage */
+enum { SCENE_THRESHOLD = 250 }; /* excludes cartilage */
 
 typedef struct scene {
     ost_volume ct;
-    double glenoid[3], axis[3], trigonum[3], inferior[3]; /* mm; the glenoid's centre lies on the cartilage */
+    /* positions and direction in mm; the glenoid's centre lies on the cartilage */
+    double glenoid[3], axis[3], trigonum[3], inferior[3];
     bool left;
     double spacing[3];
 } scene;
@@ -41,7 +42,7 @@ static inline void scene_read(const ost_meta *meta, const char *key, double out[
     out[2] = ost_pm_to_mm(p.z);
 }
 
-/* Computes out = R v for rows of a rotation. */
+/* Computes out = R v for the rotation matrix R with the given rows. */
 static inline void scene_turn(double rotation[3][3], const double v[3], double out[3])
 {
     for (int r = 0; r < 3; r++)
@@ -68,7 +69,7 @@ static inline void scene_rotation(test_rng *rng, double rotation[3][3])
     memcpy(rotation, m, sizeof m);
 }
 
-/* Returns the density of the phantom at a point by trilinear interpolation; -100 outside. */
+/* Returns the density of the phantom at a point by trilinear interpolation, or -100 outside the phantom's grid. */
 static inline double scene_density(const ost_volume *v, const double p[3])
 {
     const ost_geometry *g = &v->geometry;
@@ -117,7 +118,7 @@ static inline void scene_make(uint64_t seed, scene *out)
         scene_read(&phantom.meta, keys[i], p);
         scene_turn(rotation, p, to[i]);
     }
-    /* The box of the rotated bone. */
+    /* Computes the bounding box of the rotated bone. */
     const ost_geometry *g = &phantom.geometry;
     const double o[3] = {ost_pm_to_mm(g->origin.x), ost_pm_to_mm(g->origin.y), ost_pm_to_mm(g->origin.z)};
     size_t i = 0;

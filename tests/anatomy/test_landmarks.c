@@ -12,18 +12,19 @@
 
 #include "anatomy/scene.h"
 
-/* The values of a phantom: errors, and then the processor time, which is printed and has no limit. */
+/* The values of a phantom: ERRORS errors, followed by the processor time, which is printed but not limited. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
- * Depth of the bone below the centre of the cartilage: 2.4 mm of the mean shape, times the phantom's size.  A voxel at
- * the surface reaches the threshold when it is 14 % bone, so the surface lies about 0.6 mm farther out.
+ * Depth of the bone below the centre of the cartilage. In the mean shape it is 2.4 mm, which is multiplied
+ * by the phantom's size. A surface voxel reaches the threshold if 14 % of its volume is bone, so the
+ * detected surface lies about 0.6 mm farther out.
  */
 #define CARTILAGE_MM 2.7
 
 static const char *const names[VALUES] = {"centre across the face, mm", "centre along the axis, mm", "axis, degrees",
                                           "trigonum, mm", "inferior angle, mm", "version, degrees",
                                           "inclination, degrees", "time, s"};
-/* Greatest errors that are accepted, and greatest medians. */
+/* Greatest accepted error of any phantom, and greatest accepted median of the errors. */
 static const double worst_allowed[ERRORS] = {3, 2.5, 5, 10, 8, 5, 6};
 static const double median_allowed[ERRORS] = {1.5, 1, 3, 4, 5, 2.5, 3};
 
@@ -132,7 +133,8 @@ static void expect_refusal(const ost_volume *v, const char *text)
         fail_msg("'%s'; expected '%s'", err.text, text);
 }
 
-/* The glenoid without the blade, a scapula without its medial half, one without its glenoid, and no bone at all. */
+/* Landmarks must be refused on a glenoid without the blade, a scapula without its medial half, a scapula without its
+   glenoid, and a volume without bone. */
 static void refuses(void **state)
 {
     (void)state;

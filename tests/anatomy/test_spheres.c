@@ -16,10 +16,10 @@ enum { SEEDS = 12 };
 
 typedef struct shape {
     double centre[3], radius;
-    double shaft;     /* radius of a cylinder from the centre towards -z; 0: none */
-    double cavity;    /* radius of a hollow in the ball; 0: none */
-    bool socket;      /* the ball is cut out of a block below its centre */
-    bool box;         /* the ball is replaced by a cube */
+    double shaft;     /* radius of a cylinder from the centre towards -z; 0 if there is none */
+    double cavity;    /* radius of a hollow in the ball; 0 if there is none */
+    bool socket;      /* true if the ball is cut out of a block below its centre */
+    bool box;         /* true if the volume is a cube instead of a ball */
     int noise;        /* HU */
 } shape;
 
@@ -77,7 +77,7 @@ static void random_spacing(test_rng *rng, double spacing[3])
     spacing[2] = between(rng, 0.5, 3);
 }
 
-/* A ball on a shaft of two thirds of its radius. */
+/* Tests a ball on a shaft whose radius is two thirds of the ball's. */
 static void finds_a_head(void **state)
 {
     (void)state;
@@ -102,13 +102,13 @@ static void finds_a_head(void **state)
             fail_msg("seed %llu: centre off by %.2f mm, radius by %.2f mm", (unsigned long long)seed, off, wider);
         assert_true(found[0].residual_mm < 0.7);
         assert_true(found[0].coverage > 0.5 && found[0].coverage < 1);
-        /* The covered part is the side without the shaft. */
+        /* The detected part of the sphere is the side opposite the shaft. */
         assert_true(found[0].facing[2] > 0.9);
         ost_volume_free(&v);
     }
 }
 
-/* A dish of 36 x 28 mm in a block. */
+/* Tests a dish of 36 x 28 mm in a block. */
 static void finds_a_socket(void **state)
 {
     (void)state;
@@ -136,7 +136,7 @@ static void finds_a_socket(void **state)
     }
 }
 
-/* The same bytes result again, and lengths are multiples of 0.01 mm. */
+/* Two runs must give the same bytes, and lengths must be multiples of 0.01 mm. */
 static void is_deterministic(void **state)
 {
     (void)state;
@@ -171,7 +171,7 @@ static void refuses(void **state)
     const ost_anatomy_bone bone = {&v, 300, 32767};
     ost_sphere found[1];
     int count = 5;
-    /* A small cube has no sphere of such a radius. */
+    /* A small cube contains no sphere of an allowed radius. */
     refused(ost_spheres_find(&bone, NULL, found, 1, &count, &err), OST_ERR_INPUT, "no spherical surface", &err);
     assert_int_equal(count, 0);
     refused(ost_spheres_find(&(ost_anatomy_bone){&v, 5, 5}, NULL, found, 1, &count, &err), OST_ERR_INPUT, "no ", &err);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the pictures and videos that are written while a loop runs. Frames follow the clock;
- * where there is no new frame, the last one is repeated. If the writer is slow, frames are
- * omitted and counted. A file is either complete, under a name that was free, or absent.
+ * Tests the pictures and videos that are written while a loop runs. Frames follow the clock; if there is no
+ * new frame at a frame time, the last frame is repeated. If the writer is slow, frames are omitted and
+ * counted. A file is either complete, under a name that was free, or absent.
  * Covers: REQ-FILM, REQ-PART-FILES
  */
 #include <dirent.h>
@@ -109,7 +109,7 @@ static void a_video_goes_by_the_clock(void **state)
     assert_true(film_is_due(f, 5000000000));
     show(f, 5.00, 0);
     assert_false(film_is_due(f, 5099000000));
-    show(f, 5.05, 255); /* a frame for this tenth of a second already exists */
+    show(f, 5.05, 255); /* ignored, because a frame for this tenth of a second already exists */
     show(f, 5.10, 255);
     show(f, 5.42, 85);
     assert_int_equal(access("v.y4m", F_OK), -1); /* the file does not exist until it is complete */
@@ -325,8 +325,8 @@ static void a_signal_leaves_no_part(void **state)
 {
     (void)state;
     /*
-     * The variables path and f are static, so that both are still reachable when the child is
-     * killed and valgrind reports no leak.
+     * The variables path and f are static, so that their memory is still reachable when the child is
+     * killed. Otherwise valgrind would report a leak.
      */
     static char *path;
     path = strdup(getenv("PATH"));
@@ -373,7 +373,7 @@ static void a_slow_writer_holds_nobody_up(void **state)
     (void)state;
     assert_int_equal(mkfifo("gate", 0600), 0); /* created first, because the encoder waits for it */
     film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
-    /* This number of frames is more than the pipe and the queue can hold. */
+    /* more frames than the pipe and the queue can hold together */
     enum { MANY = 3000 };
     for (int i = 0; i < MANY; i++)
         show(f, 0.1 * i, 10);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the request to end the program. The request comes from a signal, or from another thread while
- * the loop polls for it (checked by ThreadSanitizer). The previous handler handles a second
- * signal.
+ * Tests requests to end the program. A request is made by a signal, or by another thread while the loop
+ * polls for requests (checked by ThreadSanitizer). A second signal must be handled by the handler that was
+ * installed before.
  * Covers: REQ-WINDOW
  */
 #include <pthread.h>

@@ -35,7 +35,8 @@ static void fill(ost_volume *v, int lo, int hi, int z_lo, int z_hi, int16_t valu
                 v->voxels[index_of(x, y, z)] = value;
 }
 
-/* Makes a CT with a cube of 20 mm (label 1), a cube of 4 mm near a corner (label 2) and a dense cube without label. */
+/* Makes a CT with three cubes: one of 20 mm with label 1, one of 4 mm near a corner with label 2, and a dense one
+   without a label. */
 static scene *make_scene(void)
 {
     ost_error err = {0};
@@ -111,8 +112,8 @@ static void test_outline(void **state)
 }
 
 /*
- * If the glenoid's centre is known, the planes pass through it, here through the cube of label 2. Its side of 4 mm is
- * 33.3 pixels long, and its outline has 4 x 2 x 31.3 pixels.
+ * If the glenoid's centre is set, the planes pass through the centre, which in this test is in the cube of
+ * label 2. The cube's side of 4 mm is 33.3 pixels long, so its outline has 4 x 2 x 31.3 pixels.
  */
 static void test_planes_through_the_glenoid(void **state)
 {
@@ -136,7 +137,8 @@ static void test_planes_through_the_glenoid(void **state)
     free_scene(s);
 }
 
-/* The dense cube without a label is outlined where a plane meets it, unless this is not requested. */
+/* The dense cube without a label is outlined in each plane that intersects it, unless the options disable this
+   outline. */
 static void test_left_out(void **state)
 {
     (void)state;
@@ -173,10 +175,11 @@ static void test_same_bytes(void **state)
 }
 
 /*
- * A bone of 60^3 voxels of 1 mm over a CT of 15^3 voxels of 4 mm whose density is 20 HU per mm along
- * x, beginning at the centre of its first voxel, 0.5 mm from the bone's. With interpolation, the grey
- * at x mm is (20 (x - 0.5) + 500) / 1800 of white. The nearest voxel of the CT is up to 1.5 mm away,
- * which is 30 HU or 4.25 greys.
+ * The bone has 60^3 voxels of 1 mm. The CT has 15^3 voxels of 4 mm, and its density increases by 20 HU per
+ * mm along x. The density is 0 at the centre of the CT's first voxel, which is 0.5 mm from the centre of
+ * the bone's first voxel. With interpolation, the grey at x mm is (20 (x - 0.5) + 500) / 1800 of white.
+ * Without interpolation, the nearest voxel of the CT is up to 1.5 mm away, which is a difference of 30 HU
+ * or 4.25 grey levels.
  */
 static void test_densities(void **state)
 {
@@ -196,7 +199,8 @@ static void test_densities(void **state)
         s->in.nearest = nearest;
         ost_picture p = draw(s);
         int worst = 0, last = -1, steps = 0;
-        /* The bone is small, so only 25 mm around it are shown: 47 mm in each direction, from 0 mm on. */
+        /* The bone is small, so the picture shows it with a margin of 25 mm: 47 mm in each direction, beginning at 0
+           mm. */
         const double mm = 47.0 / SIDE;
         for (int x = 40; x < SIDE - 40; x++) {
             const double expected = (20 * (x * mm - 0.5 - 0.5) + 500) / 1800 * 255;
@@ -215,7 +219,7 @@ static void test_densities(void **state)
     free_scene(s);
 }
 
-/* Without parts, the complete grid is shown. */
+/* If the bone has no labelled parts, the complete grid is shown. */
 static void test_no_part(void **state)
 {
     (void)state;
@@ -227,7 +231,7 @@ static void test_no_part(void **state)
     free_scene(s);
 }
 
-/* Texts stay within the box of their table, however long they are, and rows without room are counted. */
+/* Texts of any length must stay within the box of their table. Rows for which there is no space are counted. */
 static void test_table(void **state)
 {
     (void)state;
@@ -265,7 +269,7 @@ static void test_table(void **state)
     free(table);
 }
 
-/* The table repeats the warnings of a verb, without the name of the file with which they begin. */
+/* The table repeats the warnings of a verb, but omits the file name at their beginning. */
 static void test_warnings(void **state)
 {
     (void)state;

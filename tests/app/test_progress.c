@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the progress line. The command runs with its standard error on a pseudo-terminal, or on a
- * pipe, and is ended as soon as its line has been seen, or after a time in which it would have been
- * printed. The command is one that takes many seconds on any machine: generating a phantom of 36
- * million voxels.
+ * Tests the progress line. The tested command generates a phantom of 36 million voxels, which takes many
+ * seconds on any machine. Its standard error is a pseudo-terminal or a pipe. The test ends the command when
+ * its progress line has appeared, or after a time in which the line would have appeared.
  * Covers: REQ-PROGRESS
  */
 #include "harness.h"
@@ -24,7 +23,7 @@ static char program[4096], out[sizeof folder + 16];
 
 typedef struct child {
     pid_t pid;
-    int fd; /* for its standard error */
+    int fd; /* read end of the command's standard error */
     char text[OUTPUT];
     size_t size;
 } child;
@@ -62,7 +61,7 @@ static void start(child *c, bool terminal, char *const argv[])
     c->fd = ends[0];
 }
 
-/* Reads the output until it contains the pattern, until the time has passed, or until its end. pattern may be NULL. */
+/* Reads the output until it contains the pattern, until the time limit, or until its end. pattern may be NULL. */
 static bool read_until(child *c, const char *pattern, int limit_ms)
 {
     regex_t regex;
@@ -79,7 +78,7 @@ static bool read_until(child *c, const char *pattern, int limit_ms)
         if (poll(&poll_fd, 1, limit_ms - spent) <= 0)
             continue;
         const ssize_t n = read(c->fd, c->text + c->size, OUTPUT - 1 - c->size);
-        open = n > 0; /* the end of a pseudo-terminal is the error EIO */
+        open = n > 0; /* a pseudo-terminal reports its end by the error EIO */
         c->size += n > 0 ? (size_t)n : 0;
         c->text[c->size] = '\0';
         found = pattern && regexec(&regex, c->text, 0, NULL, 0) == 0;
@@ -102,7 +101,7 @@ static char *const slow[] = {program, (char[]){"phantom"}, (char[]){"trabecular2
 static char *const quiet[] = {program, (char[]){"phantom"}, (char[]){"trabecular2"}, (char[]){"--out"}, out,
                               (char[]){"--quiet"}, NULL};
 
-/* The share grows, and the remaining time is printed with it. */
+/* The printed share must grow, and the line must also contain the remaining time. */
 static void test_on_a_terminal(void **state)
 {
     (void)state;
@@ -115,7 +114,8 @@ static void test_on_a_terminal(void **state)
     assert_true(running);
 }
 
-/* Without a terminal, and with --quiet, nothing is printed in a time after which the line would have been there. */
+/* Without a terminal, or with --quiet, the line must not be printed. The test waits until it would have been
+   printed. */
 static void test_silence(void **state)
 {
     (void)state;

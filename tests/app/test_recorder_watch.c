@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the messages about a recorder that cannot write: one when the trouble begins, one when
- * it ends, and none while the disk works.
+ * Tests the messages about a recorder that cannot write: one message when the problem begins, one when it
+ * ends, and none while the disk works.
  * Covers: REQ-SESSION-FILE
  */
 #include "harness.h"
@@ -14,7 +14,7 @@ typedef struct moment {
     double ms;
     uint64_t put, written, lost;
     bool failing;
-    const char *says; /* NULL: no message */
+    const char *says; /* expected message; NULL if there must be none */
 } moment;
 
 static void assert_says(const moment *moments, size_t count)
@@ -74,7 +74,7 @@ static void a_disk_that_stays_full(void **state)
     ASSERT_SAYS(m);
 }
 
-/* A writer that is blocked in a write cannot report this itself. */
+/* A writer that is blocked in a write call cannot report the problem itself. */
 static void a_recorder_that_stands_still(void **state)
 {
     (void)state;

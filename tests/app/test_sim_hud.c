@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the HUD for frames of all sizes and pixel densities: all of it is within the frame,
- * nothing overlaps, no text exceeds its panel, and no letter is too small to be read. Frames of
- * common sizes show every element.
+ * Tests the HUD for frames of all sizes and pixel densities: all elements are within the frame, no elements
+ * overlap, no text exceeds its panel, and no letter is too small to be read. Frames of common sizes show
+ * every element.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -140,7 +140,7 @@ static void all_of_it_at_usual_sizes(void **state)
     }
 }
 
-/* Draws the HUD with these facts on a grey frame. */
+/* Draws the HUD with the values *f on a grey frame. */
 static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
 {
     for (int i = 0; i < width * height; i++)
@@ -201,7 +201,8 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     hud = NULL;
 }
 
-/* Letters are larger on larger frames and on displays of higher density; a change of one pixel does not change them. */
+/* Letters are larger on larger frames and on displays with a higher pixel density. A change of the size by one pixel
+   must not change them. */
 static void letters_grow(void **state)
 {
     ost_error err = {0};
@@ -226,8 +227,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Blending must give the same result for a pixel, whatever the number of pixels blended at once
- * and whatever the alignment of the first pixel. No other pixel may change.
+ * Blending a pixel must give the same result for any number of pixels in one call and for any alignment of
+ * the first pixel. No other pixel may change.
  */
 static void every_pixel_is_mixed_alone(void **state)
 {
@@ -251,7 +252,7 @@ static void every_pixel_is_mixed_alone(void **state)
     }
 }
 
-/* A letter has the same pixels at every position; the part outside the frame is not drawn. */
+/* A letter must have the same pixels at every position. Its part outside the frame is not drawn. */
 static void letters_are_the_same_anywhere(void **state)
 {
     enum { W = 120, H = 24 };

@@ -35,7 +35,8 @@ static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surfa
     ost_mesh_free(&mesh);
 }
 
-/* Random voxels contain all 256 neighbourhoods and their combinations; all fill densities are tested. */
+/* Random voxels of every fill density are tested. They contain all 256 neighbourhoods of a corner and their
+   combinations. */
 static void noise_is_closed(void **state)
 {
     (void)state;
@@ -55,7 +56,7 @@ static void noise_is_closed(void **state)
     }
 }
 
-/* For a ball given by distances, the volume within the surface equals the ball's to within one percent. */
+/* The surface of a ball, given by distances, must enclose the volume of the ball to within one percent. */
 static void ball_has_its_volume(void **state)
 {
     (void)state;

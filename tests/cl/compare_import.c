@@ -37,7 +37,7 @@ static bool before(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Adds the report of a batch to a total, as shared.h defines it. */
+/* Adds the report of a batch to a total, by the rules in shared.h. */
 static void add_report(ost_scatter_report *to, const ost_cl_scatter_report *part, const ost_sample *samples,
                        size_t count, int64_t first_line)
 {
@@ -97,8 +97,8 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
 }
 
 /*
- * Returns a coordinate that is on the lattice, off it by a random amount, outside the grid, or beyond the range of
- * lengths.
+ * Returns a random coordinate: on the lattice, a random distance from the lattice, outside the grid, or
+ * beyond the range of lengths.
  */
 static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int32_t n, bool clean)
 {
@@ -253,20 +253,20 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
 
 typedef struct pool {
     ost_cl_bone bone;
-    size_t chunks, used, voxels; /* voxels: number of voxels in a chunk */
+    size_t chunks, used, voxels; /* voxels is the number of voxels in a chunk */
     uint32_t *slots, *words;
     int16_t *density;
 } pool;
 
 typedef struct slab {
     int32_t z0, z1, first, weights;
-    int16_t *voxels; /* owned, as is layers */
+    int16_t *voxels; /* owned, like the array `layers` */
     int32_t *layers;
     size_t count, layer_count;
 } slab;
 
-/* Makes a slab of slices z0 <= k < z1 of a grid. If first >= 0, a slice that equals the previous one is not stored
-   again: the slab has a list of slices, which begins at element first. */
+/* Makes a slab of slices z0 <= k < z1 of a grid. If first >= 0, the slab has a list of slices, which begins at
+   element first; a slice that equals the previous slice is then stored only once. */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
     slab s = {.z0 = z0,
@@ -332,7 +332,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    /* where kind is not 0, about this many of 21 voxels are active */
+    /* in voxels of a kind other than 0, about `solid` of 21 voxels are active */
     const int solid = (int)rng_range(rng, 0, 20);
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {

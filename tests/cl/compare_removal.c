@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares ost_remove and ost_remove_blocks with the reference. Each event is a collision, then
- * a removal, then the same removal again. The reports, summed over blocks, and every density
- * and occupancy word are compared. Poses, tools and boxes are random; some lie exactly on voxel
- * borders.
+ * Compares ost_remove and ost_remove_blocks with the reference. Each event is a collision, then a removal,
+ * then the same removal again. The test compares the reports, summed over blocks, and every density and
+ * occupancy word. Poses, tools and boxes are random; some lie exactly on voxel borders.
  */
 #include "cl/machine.h"
 
@@ -27,7 +26,7 @@ static void *zeros(size_t count, size_t size)
     return p;
 }
 
-/* Makes a pool with its slots in random order, because the slots of a device need not be in the order of the chunks. */
+/* Makes a pool whose slots are in random order, because the slots of a device need not have the order of the chunks. */
 static bone_pool pool_of(const ost_chunk_grid *grid, test_rng *rng)
 {
     bone_pool p = {.grid = grid, .voxels = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size};
@@ -67,7 +66,7 @@ static int32_t clamped(int32_t v, int32_t most)
     return v < 0 ? 0 : v > most ? most : v;
 }
 
-/* Blocks and entries of an event, as shared.h defines them. */
+/* The blocks and entries of an event, in the form that shared.h defines. */
 typedef struct plan {
     ost_cl_event event;
     ost_cl_block *blocks;
@@ -142,7 +141,7 @@ static void plan_free(plan *e)
 
 /* Cells and windows of a tool, computed by the kernels. */
 typedef struct tool_tables {
-    uint8_t *cells[2]; /* cells[0] is the result */
+    uint8_t *cells[2]; /* cells[0] contains the result; cells[1] is scratch memory */
     uint8_t *windows;
     size_t bytes; /* size of `windows` in bytes */
     bool touches;
@@ -300,7 +299,7 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 
 static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
 {
-    /* edge of a tool voxel in thousandths of a bone voxel's edge */
+    /* edges of tool voxels in thousandths of the edge of a bone voxel */
     static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63};
     ost_error err = {0};
     const ost_pm s = 470 * UM;

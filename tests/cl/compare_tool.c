@@ -28,7 +28,8 @@ static ost_snapped_mesh soup(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Makes a closed mesh, possibly self-intersecting: tetrahedra between any four points, oriented outward or inward. */
+/* Makes a closed mesh of tetrahedra between any four points, oriented outward or inward. The mesh may intersect
+   itself. */
 static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
 {
     const size_t count = (size_t)rng_range(rng, 1, 5);
@@ -45,7 +46,7 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves all coordinates to the ends of their range; the number of fraction bits is unchanged. */
+/* Moves all coordinates to the ends of their range, without changing the number of fraction bits. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
@@ -60,7 +61,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
                           uint8_t *classes, uint32_t *leaks)
 {
     const ost_dims d = mesh->grid.dims;
-    const int32_t cut = (int32_t)rng_range(rng, 0, d.z); /* one slab or two */
+    /* z index at which the mesh is divided into slabs; 0 or d.z gives a single slab */
+    const int32_t cut = (int32_t)rng_range(rng, 0, d.z);
     ost_cl_vox vox = {.dims = {d.x, d.y, d.z},
                       .fraction = mesh->fraction_bits,
                       .triangles = (uint32_t)mesh->triangle_count,
@@ -85,8 +87,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles, in its own order.
-   counts: numbers of solid voxels, cutting voxels and leaking rows. */
+/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles in a random order. counts
+   receives the numbers of solid voxels, cutting voxels and leaking rows. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
                            bool over, uint8_t *classes, uint64_t counts[3])
 {
@@ -111,7 +113,8 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    of_tile[2] = over ? counts[2] : 99; /* if `over` is true, the kernel adds to this count, else it overwrites it */
+    /* if `over` is true, the kernel adds to the count; otherwise it must overwrite the value 99 */
+    of_tile[2] = over ? counts[2] : 99;
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
         for (size_t i = 0; i < n; i++)
@@ -203,7 +206,7 @@ static int class_at(const uint8_t *classes, const int32_t d[3], int32_t x, int32
     return classes[x + d[0] * (y + d[1] * z)];
 }
 
-/* Computes the reach by its definition, shell by shell. */
+/* Computes the reach by its definition, by testing one shell of voxels after another. */
 static int reach_at(const uint8_t *classes, const int32_t d[3], int32_t x, int32_t y, int32_t z)
 {
     const int own = class_at(classes, d, x, y, z);

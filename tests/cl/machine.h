@@ -65,7 +65,7 @@ static inline kernel_arg number_arg(int64_t number)
     return (kernel_arg){.number = (uint32_t)number};
 }
 
-/* BUFFER makes an argument from `count` elements at p, ONE makes an argument from one struct at p. */
+/* BUFFER makes an argument from an array of `count` elements, ONE makes an argument from one struct. */
 #define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
 #define ONE(p) BUFFER(p, 1)
 
@@ -73,8 +73,9 @@ typedef struct machine machine;
 struct machine {
     char name[200];
     int rows;   /* value of OST_ROWS; 256 selects ost_remove_blocks */
-    bool small; /* use small scenes, because a simulator is slow */
-    bool brief; /* the device ends long loops, so only the kernel set for GPUs is compared (cl/fingerprint.c) */
+    bool small; /* true if scenes must be small, because a simulator is slow */
+    /* true if the device ends long loops; only the kernel set for GPUs is then compared (cl/fingerprint.c) */
+    bool brief;
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };
 
@@ -83,16 +84,16 @@ struct machine {
                 sizeof((const kernel_arg[]){__VA_ARGS__}) / sizeof(kernel_arg),                       \
                 (const size_t[3]){(size_t)(x), (size_t)(y), (size_t)(z)})
 
-/* Makes a machine that runs the kernels compiled as C. Items run in an order derived from seed, with extra items beyond
-   the range. */
+/* Makes a machine that runs the kernels compiled as C, with this value of OST_ROWS. The seed determines the order of
+   the items and the number of additional items beyond the range. */
 machine *machine_as_c(uint64_t seed, int rows);
 
-/* Returns the number of iterations that a loop in one work item can run on this machine, at most OST_CL_TURNS.
+/* Returns the number of iterations, at most OST_CL_TURNS, that a loop in one work item can run on this machine.
    Fails the test if the loop's result is wrong. */
 uint32_t machine_turns(machine *m);
 
-/* Each function generates `rounds` scenes from rng, compares the machine with the reference and reports failures under
-   the machine's name. */
+/* Each of these functions generates `rounds` scenes from rng and compares the machine with the reference. Reports of
+   failures contain the machine's name. */
 void compare_scatter(machine *m, test_rng *rng, int rounds);
 void compare_cubic(machine *m, test_rng *rng, int rounds);
 void compare_chunks(machine *m, test_rng *rng, int rounds);

@@ -10,7 +10,8 @@
 
 #include "cl/machine.h"
 
-/* Makes a machine on the device. group: work-group size in the first dimension, or 0 if the device chooses it. */
+/* Makes a machine on the device. The parameter group is the work-group size in the first dimension, or 0 if the
+   device chooses the size. */
 machine *machine_on(cl_device_id device, int rows, size_t group);
 void machine_off(machine *m);
 

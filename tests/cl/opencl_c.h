@@ -27,16 +27,16 @@ static inline size_t get_global_id(uint dimension)
     return test_item[dimension];
 }
 
-/* These functions reinterpret the bits of their argument. AR-CC-1 defines the result of a narrowing conversion. */
+/* as_int and as_uint reinterpret the bits of their argument. AR-CC-1 defines the result of a narrowing conversion. */
 static inline int as_int(uint x) { return (int)x; }
 static inline uint as_uint(int x) { return (uint)x; }
 static inline long as_long(ulong x) { return (long)x; }
 static inline short as_short(ushort x) { return (short)x; }
 static inline signed char as_char(uchar x) { return (signed char)x; }
 
-/* Vectors use the vector extension of GCC and clang: operators are those of OpenCL C, and comparisons give 0 or -1. The
-   functions are always inlined. No sanitizer detects an overflow in a vector's element. Comments in the kernels prove
-   the bounds instead, and the comparisons include meshes and poses at the ends of the ranges. */
+/* Vectors use the vector extension of GCC and clang, in which operators work as in OpenCL C and comparisons give 0
+   or -1. The functions are always inlined. No sanitizer detects an overflow in an element of a vector. Instead,
+   comments in the kernels prove the bounds, and the comparisons include meshes and poses at the ends of the ranges. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef uchar uchar8 __attribute__((vector_size(8)));
 typedef short short16 __attribute__((vector_size(32)));

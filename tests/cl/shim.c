@@ -60,8 +60,8 @@ static bool refuses(enum shim_call call)
     {                                                                               \
         return refuses(SHIM_##name) ? codes[SHIM_##name] : ost_cl_loader.name arguments; \
     }
-/* Defines a function that may also create an event, which is its last parameter. The parameter `wait` is true if
-   the call returns only after all work is done. */
+/* Defines a shim for a function whose last parameter may receive an event. The parameter `wait` is true if the
+   function returns only after all work is done. */
 #define ENQUEUE(name, wait, parameters, arguments)                       \
     static cl_int name##_shim parameters                                 \
     {                                                                    \
@@ -78,7 +78,7 @@ static bool refuses(enum shim_call call)
         objects[kind].released += code == CL_SUCCESS;                  \
         return code;                                                   \
     }
-/* Defines a function that creates an object; its last parameter receives the error code. */
+/* Defines a shim for a function that creates an object and stores the error code in its last parameter. */
 #define OBJECT(type, name, kind, parameters, arguments)  \
     static type name##_shim parameters             \
     {                                              \
@@ -146,8 +146,8 @@ ENQUEUE(clEnqueueNDRangeKernel, false,
          const size_t *local, cl_uint count, const cl_event *after, cl_event *event),
         (queue, kernel, dims, offset, global, local, count, after, event))
 /*
- * Waits even if the call must fail, because a lost device must not access the host's memory
- * after the loss is reported.
+ * Waits even if the call will then report a failure, because a lost device must not access the host's
+ * memory after the loss is reported.
  */
 static cl_int clFinish_shim(cl_command_queue queue)
 {

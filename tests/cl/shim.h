@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The functions of the OpenCL loader with fault injection. The n-th call of a selected function
- * fails with an error code. On request, all later calls that use the queue fail too, as after
- * the loss of a device. Any driver can be used.
+ * Replaces the functions of the OpenCL loader by shims that inject faults, with any driver. The n-th call
+ * of a selected function fails with an error code. On request, all later calls that use the queue also
+ * fail, as after the loss of a device.
  */
 #ifndef OST_TESTS_CL_SHIM_H
 #define OST_TESTS_CL_SHIM_H
@@ -33,12 +33,12 @@ enum shim_call {
 extern const char *const shim_names[SHIM_COUNT];
 extern const ost_cl_api shim;
 
-/* Makes the n-th call from now on fail; n = 1 is the next call, n = 0 disables failures. If lost is true, all later
-   calls that use the queue fail too. */
+/* Makes the n-th of the following calls fail: n = 1 is the next call, and n = 0 disables failures. If lost is true,
+   all later calls that use the queue also fail. */
 void shim_fail(enum shim_call call, int n, bool lost);
 /*
- * Like shim_fail with lost = true, but only calls that wait report the loss. All other calls
- * return success without any effect.
+ * Has the effect of shim_fail with lost = true, with one difference: only calls that wait report the loss,
+ * and all other calls return success without any effect.
  */
 void shim_fail_late(enum shim_call call, int n);
 /* Returns true if the selected call has failed. */

@@ -109,7 +109,7 @@ static void any_call_may_fail(void **state)
         stage plain = make_stage(&p, ref, 0), failing = make_stage(&p, cl, (int32_t)rng_range(&rng, 1, 30));
         const int which = round % CALLS;
         const bool lost = rng_range(&rng, 0, 2) > 0;
-        /* Once all arrays have reached their final sizes, only copies of the bone create buffers. */
+        /* After the first ticks all arrays have their final sizes, so only copies of the bone create buffers. */
         shim_fail(calls[which], (int)rng_range(&rng, 1, which == CALLS - 1 ? 8 : 8 << rng_range(&rng, 0, 5)), lost);
         const char *other = round % 3 ? "cpu:threads=2" : "ref";
         bool moved = false;
@@ -137,7 +137,7 @@ static void any_call_may_fail(void **state)
         int16_t *expected = content(plain.bone, &p.g), *got = malloc(voxel_count(&p.g) * sizeof *got);
         assert_non_null(got);
         if (ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err) != OST_OK) {
-            assert_true(!moved && shim_failed()); /* the failure may occur as late as in this download */
+            assert_true(!moved && shim_failed()); /* the failure may also occur only in this download */
             go_on(&failing, other);
             late++;
             assert_ok(ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes every OpenCL call of a small session fail once, and once more with the device lost from
- * then on. Each time the following must hold:
+ * Runs a small session repeatedly. Each OpenCL call of the session fails in one run, and in a second run
+ * the device is also lost from this call on. In each run the following must hold:
  *
  *   - the status is not OST_OK, and the message names the device
  *   - there is no crash, and every OpenCL object is released
@@ -26,7 +26,7 @@ typedef struct session {
     ost_snapped_mesh mesh;
     ost_sample samples[50];
     ost_pose poses[EVENTS][4];
-    int16_t *after[EVENTS + 1]; /* voxels of the bone: [0] before the first event, [n] after n events */
+    int16_t *after[EVENTS + 1]; /* voxels of the bone: after[0] before the first event, after[n] after n events */
     ost_backend *ref;
     ost_tool *ref_tool;
 } session;
@@ -117,7 +117,7 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
-/* Checks that a grid whose upload failed is lost, since its content is unknown. */
+/* Checks that a grid is lost after a failed upload, because its content is unknown. */
 static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 {
     ost_error err = {0};
@@ -146,7 +146,7 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
     return status;
 }
 
-/* Runs all stages once; stops at the first failure. */
+/* Runs all stages once. Stops at the first failure. */
 static ost_status run_session(const session *s, ost_error *err)
 {
     const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
@@ -219,9 +219,9 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Returns the step between the numbers of the calls that are made to fail. The step is 1, but greater on a device where
-   all sessions together would take more than a minute (rusticl compiles anew in each). OST_TEST_LONG=1 selects every
-   call. */
+/* Returns the step between the numbers of the calls that fail. The step is 1, unless all sessions together would
+   take more than a minute on the device (rusticl compiles the kernels again in each session). With OST_TEST_LONG=1
+   it is always 1. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };
@@ -229,7 +229,7 @@ static int stride_of(const session *s)
     ost_error err = {0};
     const char *lengthy = getenv("OST_TEST_LONG");
     shim_fail(SHIM_clFinish, 0, false);
-    assert_ok(run_session(s, &err)); /* fills the cache */
+    assert_ok(run_session(s, &err)); /* fills the kernel cache */
     clock_gettime(CLOCK_MONOTONIC, &begin);
     assert_ok(run_session(s, &err));
     clock_gettime(CLOCK_MONOTONIC, &end);
@@ -240,8 +240,8 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Returns true for calls whose failure need not fail the session: queries, after which another device is chosen or the
-   cache is ignored, and the final wait when a backend is closed. */
+/* Returns true for calls whose failure does not have to fail the session. After a failed query, the backend chooses
+   another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
 static bool may_be_overcome(enum shim_call call)
 {
     return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||
@@ -293,8 +293,8 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
-/* The cells of a tool and the buffers of a bone are created once and reused. They must be created again if the launch
-   that fills them failed, and this was reported only later. */
+/* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills them failed
+   and the failure was reported only later, they must be created again. */
 static void late(void **state)
 {
     (void)state;

@@ -56,7 +56,7 @@ static long resident_kib(void)
 static bool size_tells(void)
 {
 #if defined __SANITIZE_ADDRESS__
-    return false; /* a sanitizer retains freed memory */
+    return false; /* not meaningful, because a sanitizer retains freed memory */
 #else
     return !getenv("OST_UNDER_VALGRIND") && resident_kib() > 0;
 #endif
@@ -75,13 +75,13 @@ static void opened_and_closed(void **state)
     assert_all_released();
     const enum shim_object needed[] = {SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER};
     for (size_t k = 0; k < sizeof needed / sizeof needed[0]; k++)
-        assert_true(shim_objects(needed[k]).created >= 5); /* the shim counts this kind */
+        assert_true(shim_objects(needed[k]).created >= 5); /* proves that the shim counts this type of object */
 }
 
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
-    ost_backend *backend[2]; /* [0] on the reference, [1] on the device */
+    ost_backend *backend[2]; /* backend[0] is the reference, backend[1] the device */
     ost_bone *bone[2];
     ost_tool *tool[2];
     ost_removal_report report[2];

@@ -109,8 +109,8 @@ static const void *answer;
 static size_t answer_size;
 
 /*
- * Answers one query of device information with the value of the test. All other queries are
- * answered by the device.
+ * Returns the value of the test for one query of device information. Passes all other queries to the
+ * device.
  */
 static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
@@ -151,7 +151,7 @@ static void refused_for_what_it_says(void **state)
     says(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
 }
 
-/* Reports an embedded profile, which has 64-bit integers only if the device reports the extension. */
+/* Reports an embedded profile. A device with this profile has 64-bit integers only if it reports the extension. */
 static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
@@ -217,7 +217,7 @@ static void spec_says_why(const ost_device_info *device, void *user)
     assert_non_null(strstr(device->reason, "has no device"));
 }
 
-/* The loader finds platforms, but these have no devices. */
+/* Tests a loader whose platforms have no devices. */
 static void no_device(void **state)
 {
     (void)state;
@@ -252,12 +252,12 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* this size selects the read of the fingerprint's results; word 6 of item 500 is changed */
+    flip_size = 100000; /* the size selects the read of the fingerprint's results; flip_at selects word 6 of item 500 */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* this size selects every read; the first one reads the layout, whose value 3 is changed */
+    flip_size = 1; /* the size selects every read; the first read is the layout, in which the value 3 is changed */
     flip_at = 12;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
@@ -281,8 +281,8 @@ static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool
 }
 
 /*
- * A device whose loops run long enough for the GPU kernel set is opened with that set; if they end even earlier, the
- * device is refused.
+ * If the loops of a device run long enough for the GPU kernel set, the device is opened with that set. If
+ * they end earlier, the device is refused.
  */
 static void ends_loops(void **state)
 {
@@ -302,7 +302,8 @@ static void ends_loops(void **state)
     ost_backend_close(backend);
     char named[256];
     snprintf(named, sizeof named, "%s%skernels=cpu", own_options(), own_options()[0] ? "," : "");
-    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE); /* a set that the user chose is not replaced */
+    /* a kernel set that the user chose is not replaced */
+    assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
@@ -335,8 +336,8 @@ static void both_sets(void **state)
         ost_backend_close(backend[i]);
 }
 
-/* An event with more poses than a device with limited loops allows is refused before anything changes; an event with
-   one pose less is performed. */
+/* An event with more poses than a device with limited loops allows must be refused before anything changes. An event
+   with one pose less must be performed. */
 static void too_many_poses(void **state)
 {
     (void)state;
@@ -348,7 +349,7 @@ static void too_many_poses(void **state)
     turns_given = TURNS;
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    turns_given = 0; /* from here on, reads return the device's own results */
+    turns_given = 0; /* from here on, reads return the results of the device */
 
     const ost_pm s = OST_PM_PER_MM / 2;
     const ost_geometry g = cubic_geometry(SIDE, SIDE, SIDE, s, (ost_pm3){0, 0, 0});
@@ -410,7 +411,7 @@ static void build_fails(void **state)
     ost_cl_api api = ost_cl_loader;
     char before[4096];
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this cache folder, not even as root */
+    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this cache folder, even as root */
     api.clCreateProgramWithSource = broken_source;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "clBuildProgram"));
@@ -460,7 +461,7 @@ static void write_all(const char *path, const unsigned char *bytes, size_t size)
     assert_int_equal(fclose(f), 0);
 }
 
-/* Opens the first suitable device; returns true if its program came from the cache. */
+/* Opens the first suitable device. Returns true if its program came from the cache. */
 static bool opened_from_cache(void)
 {
     ost_error err = {0};
@@ -491,7 +492,7 @@ static void cache_damage(void **state)
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
     assert_non_null(mkdtemp(folder));
     setenv("XDG_CACHE_HOME", folder, 1);
-    setenv("POCL_CACHE_DIR", before, 0); /* the cache of PoCL itself stays in its folder */
+    setenv("POCL_CACHE_DIR", before, 0); /* keeps the cache of PoCL in its folder */
 
     assert_false(opened_from_cache());
     assert_true(opened_from_cache());
@@ -503,8 +504,8 @@ static void cache_damage(void **state)
     assert_true(size > 80);
 
     /*
-     * Lengths to which the cache entry is truncated, and positions at which a byte is changed:
-     * in the header, the key, the checksum and the binary.
+     * The lengths to which the cache entry is truncated, and the positions at which a byte is changed. The
+     * positions are in the header, the key, the checksum and the binary.
      */
     const size_t cuts[] = {0, 1, 7, 79, 80, size / 2, size - 1},
                  flips[] = {0, 8, 15, 16, 47, 48, 79, 80, size / 2, size - 1};
@@ -557,7 +558,7 @@ static void cache_damage(void **state)
     assert_int_equal(system(command), 0);
 }
 
-/* A cache that other users could have written is neither read nor written. */
+/* A cache that other users may have written must be neither read nor written. */
 static void cache_of_others(void **state)
 {
     (void)state;
@@ -579,7 +580,7 @@ static void cache_of_others(void **state)
     assert_int_equal(info.st_mode & 0777, 0600);
     assert_true(opened_from_cache());
 
-    /* A folder that its group or others may write to is neither used nor changed. */
+    /* A cache folder to which its group or others may write must be neither used nor changed. */
     const mode_t open_modes[] = {0770, 0702};
     for (size_t i = 0; i < sizeof open_modes / sizeof open_modes[0]; i++) {
         assert_int_equal(chmod(folder, open_modes[i]), 0);
@@ -596,7 +597,7 @@ static void cache_of_others(void **state)
     assert_int_equal(info.st_mode & 0777, 0600);
     assert_true(opened_from_cache());
 
-    /* Symbolic links to a valid entry and to a valid folder are not followed. */
+    /* Symbolic links to a valid entry and to a valid folder must not be followed. */
     snprintf(moved, sizeof moved, "%s/moved", cache);
     assert_int_equal(rename(path, moved), 0);
     assert_int_equal(symlink(moved, path), 0);
@@ -638,7 +639,8 @@ static ost_digest key_now(void)
 }
 
 /*
- * The key changes with a driver's settings in the environment, but not with cache folders or other programs' variables.
+ * The key depends on the environment variables that are settings of a driver. It does not depend on cache
+ * folders or on variables of other programs.
  */
 static void key_has_settings(void **state)
 {

@@ -18,8 +18,8 @@ typedef struct pair {
 } pair;
 
 /*
- * Options of work groups. By default only some are tested, because an implementation may compile
- * every kernel again for each size. With OST_TEST_LONG=1 all of them are tested.
+ * The options of work groups that are tested. Without OST_TEST_LONG=1 only some of them are tested, because
+ * an implementation may compile every kernel again for each size.
  */
 static const char *const workgroups[] = {NULL, "workgroup=7,staging=1024,order=3", "workgroup=1,order=3",
                                          "workgroup=256,staging=20000"};
@@ -237,8 +237,8 @@ static void bones(void **state)
             }
             assert_same_bones(bone[0], bone[1], &g);
             /*
-             * Uploads that overwrite slices add, remove and change chunks, in complete layers of chunks and in parts of
-             * layers.
+             * Uploads overwrite slices. They add, remove and change chunks, in complete layers of chunks
+             * and in parts of layers.
              */
             for (int part = 0; part < 6; part++) {
                 const int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z - 1),
@@ -345,7 +345,8 @@ static void voxelizer(void **state)
     for (size_t w = 0; w < workgroup_count(); w++) {
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
-            const int32_t depth = round == 24 ? 200 : 24; /* long triangles, which are in the lists of many slices */
+            /* a great depth gives long triangles, which are in the lists of many slices */
+            const int32_t depth = round == 24 ? 200 : 24;
             const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
                                    (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
             ost_snapped_mesh mesh = make_closed(&rng, dims, (uint32_t)rng_range(&rng, 3, 8),
@@ -372,7 +373,7 @@ static void voxelizer(void **state)
 
 /* --------------------------------------------------------------- events */
 
-/* Makes a tool of balls or of random classes, so that many different values of reach occur. */
+/* Makes a tool from balls or random classes, so that many different values of reach occur. */
 static ost_tool_volume some_tool(test_rng *rng, ost_tool_geometry g)
 {
     ost_error err = {0};
@@ -453,7 +454,7 @@ static void removal(void **state)
     }
 }
 
-/* When everything is removed, all slots return to the pool and are reused. */
+/* When all voxels are removed, all slots return to the pool and are reused. */
 static void emptied(void **state)
 {
     (void)state;
@@ -498,7 +499,7 @@ static bool all_entered(void)
     return true;
 }
 
-/* Fails if any path of the kernel set was not entered, because that path was never compared. Must run last. */
+/* Fails if a path of the kernel set was not entered, because such a path was never compared. Must run last. */
 static void entered(void **state)
 {
     ost_error err = {0};

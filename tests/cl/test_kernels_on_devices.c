@@ -46,7 +46,7 @@ static const struct {
     int rows;
     size_t group;
 } ways[] = {{256, 1}, {1, 64}, {16, 16}, {4, 7}};
-/* SMALL_WAYS: the first ways, which are tested on a simulator: removal by blocks and by rows */
+/* SMALL_WAYS is the number of ways tested on a simulator, the first in the table: removal by blocks and by rows */
 enum { WAYS = sizeof ways / sizeof *ways, SMALL_WAYS = 2 };
 static machine *machines[DEVICES * WAYS];
 static int machine_count, rounds_given;
@@ -87,7 +87,7 @@ static void reach(void **state) { (void)state; on_devices("reach of cells", comp
 static void removal(void **state) { (void)state; on_devices("removal", compare_removal, 16); }
 static void fingerprint(void **state) { (void)state; on_devices("fingerprint", compare_fingerprint, 1); }
 
-/* The program that computes in floating point must build and run. Its results are printed but not checked. */
+/* The program with floating-point computations must build and run. Its results are printed but not checked. */
 static void floats(void **state)
 {
     (void)state;

@@ -57,7 +57,7 @@ static void halves_go_to_even(void **state)
     assert_int_equal(ost_ceil_div(-7, 2), -3);
 }
 
-/* A decimal with an integer value is recognized in any notation; the greatest is 2^64 - 1. */
+/* A decimal with an integer value up to 2^64 - 1 must be recognized in any notation. */
 static void integers_are_found_by_value(void **state)
 {
     (void)state;
@@ -172,8 +172,8 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
     /*
-     * 431/512 and 101843/512 are exact floats with nine decimal places; 0.4882812 lies near 249.99997/512, and 4.25 has
-     * three digits.
+     * The decimals of 431/512 and 101843/512 are exact and have nine decimal places. The decimal 0.4882812
+     * is near 249.99997/512, and 4.25 has three digits.
      */
     assert_true(ost_pm_from_float(0.841796875f, &value));
     assert_int_equal(value, 841796875);
@@ -318,7 +318,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* This is the greatest possible product, 1.8 * 10^37, divided by 10^37. */
+    /* the greatest possible product, 1.8 * 10^37, divided by 10^37 */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));

@@ -69,8 +69,9 @@ static void an_uneven_grid_has_its_root(void **state)
 }
 
 /*
- * Each field of the header has distinct bytes, none of them 0 where it could differ, so that a moved or missing field
- * is detected. The 128 bytes are built one by one from the table of AR-DIG-4, not from a C layout:
+ * Each field of the header has distinct bytes, which are not 0 wherever possible, so that a moved or
+ * missing field is detected. The 128 bytes are built one by one from the table of AR-DIG-4, not from a C
+ * layout:
  *   leaf i: 32 bytes of i + 1, i = 0..5; tree as above
  *   h = bytearray(128); h[0:8] = b"OSTEONG1"; h[8:12] = (2).to_bytes(4, "little"); h[12:16] = (3).to_bytes(4, "little")
  *   for i: h[16+4*i:20+4*i] = dims[i].to_bytes(4, "little"); h[32+8*i:40+8*i] = spacing[i].to_bytes(8, "little")

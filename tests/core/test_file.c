@@ -151,7 +151,8 @@ static void read_completely(void **state)
     }
 }
 
-/* A pipe is opened as a file of its bytes, from the start and more than once, up to the limit. */
+/* A pipe is opened as a file that contains its bytes. The file can be read from the start and more than once. Its
+   size is limited. */
 static void a_stream_is_a_file(void **state)
 {
     (void)state;
@@ -177,7 +178,7 @@ static void a_stream_is_a_file(void **state)
         assert_memory_equal(bytes, "four", 4);
         close(file.fd);
     }
-    /* Names of other files have no new meaning. */
+    /* The names of regular files must keep their meaning. */
     put("plain", "four");
     assert_ok(ost_file_spool(at("plain"), &err));
     assert_false(ost_file_is_stream(at("plain")));

@@ -58,7 +58,7 @@ static ost_i128 random_wide(test_rng *rng, int bits)
     return (high * 2 * ((ost_i128)1 << 63) | (ost_i128)rng_next(rng)) >> (127 - bits);
 }
 
-/* Tests dividends at and next to multiples and half multiples of the divisor, and random ones. */
+/* Tests random dividends, and dividends at and next to multiples and half multiples of the divisor. */
 static void the_divider_divides(void **state)
 {
     (void)state;

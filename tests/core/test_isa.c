@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the selection of an instruction set level on simulated machines. The bits are those of
- * Intel's and AMD's manuals, by leaf, register and number.
+ * Tests the selection of an instruction set level on simulated processors. The numbers of the CPUID bits
+ * are those of Intel's and AMD's manuals.
  */
 #include "harness.h"
 
@@ -50,7 +50,7 @@ static void machines_of_the_manuals(void **state)
                      ost_isa_name(machines[i].level));
 }
 
-/* A level must not be selected if the system does not save its registers, whatever the processor supports. */
+/* A level must not be selected if the system does not save its registers, even if the processor supports it. */
 static void unsaved_registers(void **state)
 {
     (void)state;

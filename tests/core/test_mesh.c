@@ -4,7 +4,7 @@
 
 #include <osteon/mesh.h>
 
-/* Makes a box of a x b x c mm with outward triangles; each vertex is stored once. */
+/* Makes a box of a x b x c mm with outward triangles. Each vertex is stored once. */
 static void make_box(ost_mesh *mesh, int64_t a, int64_t b, int64_t c)
 {
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},

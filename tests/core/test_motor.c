@@ -114,14 +114,15 @@ static void rows_become_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    /* at 200 rpm the interval has 3 parts, since U / 3 exceeds 2 U / 8 */
+    /* at 200 rpm the interval has 3 parts, because U / 3 is greater than 2 U / 8 */
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
-    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms are 7.4 * 10^9, less than U / 8 */
+    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms correspond to 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
-    path.ticks[3].lifted = true;                /* a lifted row is one tick, whatever the interval */
+    path.ticks[3].lifted = true;                /* a lifted row is one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
-    path.ticks[4].tool = 1;                     /* a row whose tool is not that of the previous row is also one tick */
-    path.ticks[5] = row(3137, 50, 70);          /* a row with its own speed, as from a session, is unchanged */
+    path.ticks[4].tool = 1;                     /* a row that follows a row with another tool is also one tick */
+    /* a row with its own speed, as in a path from a session, is unchanged */
+    path.ticks[5] = row(3137, 50, 70);
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
     assert_int_equal(path.count, 9);

@@ -20,10 +20,11 @@ static void doubles_are_quantised(void **state)
     assert_int_equal(pose.qw, 1 << 29);
     assert_int_equal(pose.qx, -(1 << 29));
     /*
-     * A double represents its shortest decimal (AR-POSE-2, AR-LEN-4), which is not a tie although the binary fraction
-     * is. In units of 2^-30: 1 + 2^-31 = 1.00000000046566128730… represents 1.0000000004656613, which is above 2^30 +
-     * 1/2; 1 - 2^-31 = 0.99999999953433871269… represents 0.9999999995343387, which is below 2^30 - 1/2; 1 + 3 * 2^-31
-     * = 1.00000000139698386191… represents 1.0000000013969839, which is above 2^30 + 3/2.
+     * A double represents its shortest decimal (AR-POSE-2, AR-LEN-4). The decimals here are not ties,
+     * although the binary fractions are. In units of 2^-30: 1 + 2^-31 = 1.00000000046566128730… represents
+     * 1.0000000004656613, which is above 2^30 + 1/2; 1 - 2^-31 = 0.99999999953433871269… represents
+     * 0.9999999995343387, which is below 2^30 - 1/2; 1 + 3 * 2^-31 = 1.00000000139698386191… represents
+     * 1.0000000013969839, which is above 2^30 + 3/2.
      */
     assert_ok(ost_pose_from_doubles((double[]){0, 0, 0}, (double[]){1 + 0x1p-31, 0, 0, 0}, &pose, &err));
     assert_int_equal(pose.qw, OST_Q30_ONE + 1);

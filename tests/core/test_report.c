@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that reports are summed correctly, that density classes are parsed, and that invalid
- * ones are refused.
+ * Tests that reports are summed correctly, that density classes are parsed, and that invalid density
+ * classes are refused.
  * Covers: AR-REM-6, AR-CLS-1, AR-CLS-2
  */
 #include "harness.h"
@@ -113,7 +113,7 @@ static void borders_begin_at_one(void **state)
     assert_int_equal(ost_density_classes_check(&c, &err), OST_ERR_USAGE);
 }
 
-/* Each documented limit is accepted. A value beyond a limit is refused without changing anything. */
+/* A value at a documented limit is accepted. A value beyond a limit is refused and changes nothing. */
 static void limits_of_classes_are_where_they_are_said(void **state)
 {
     (void)state;

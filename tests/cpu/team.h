@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens the reference and the CPU backend with every instruction set of this machine and
- * several thread counts. Removal events of any size are divided among the threads. Also
- * generates tools of several forms.
+ * Opens the reference and the CPU backend with every instruction set of this machine and several thread
+ * counts. Events of any size are divided among the threads. Also generates tools of several shapes.
  */
 #ifndef OST_TESTS_CPU_TEAM_H
 #define OST_TESTS_CPU_TEAM_H

@@ -45,7 +45,7 @@ static int16_t *random_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {
     int16_t *voxels = malloc((size_t)count * sizeof *voxels);
     assert_non_null(voxels);
-    /* The array consists of runs of zeros, of arbitrary values, and of values near the threshold. */
+    /* The array consists of runs of three types: zeros, arbitrary values, and values near the threshold. */
     int kind = 0;
     for (int64_t i = 0, left = 0; i < count; i++, left--) {
         if (left == 0) {
@@ -105,7 +105,8 @@ static void assert_equal_bones(const ost_bone *a, const ost_bone *b)
     free(vb);
 }
 
-/* Checks that chunks made from a grid equal chunks uploaded as its slices, including padding and occupancy. */
+/* Checks that chunks made from a grid equal chunks made by uploading the grid's slices, including padding and
+   occupancy. */
 static void assert_equal_chunks(const ost_bone *made, const ost_grid *cube)
 {
     ost_error err = {0};
@@ -172,8 +173,8 @@ static void rect_to_cubic_to_chunks(void **state)
             ost_bone_free(bone[b]);
             assert_ok(ost_cubic_to_chunks(again[b], n, threshold, &bone[b], &err));
             /*
-             * A slice may be larger than the array of random voxels; it is sufficient that some
-             * slices are written.
+             * If a slice is larger than the array of random voxels, no slice is written. It is sufficient
+             * that slices are written in some rounds.
              */
             int64_t slice = (int64_t)ost_grid_geometry(again[b])->dims.x * ost_grid_geometry(again[b])->dims.y;
             if (slice <= ost_dims_count(g.dims))
@@ -210,9 +211,9 @@ static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
 }
 
 /*
- * Tests the linear rule along z alone, along two axes and along three. Spacings are nearly
- * equal or far apart, some grids have one voxel along an axis, and few voxels are active, so
- * that chunks that may be skipped are next to chunks that may not.
+ * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or
+ * very different, and some grids have one voxel along an axis. Few voxels are active, so that some chunks
+ * may be skipped and adjacent chunks may not.
  */
 static void interpolated_to_chunks(void **state)
 {
@@ -281,7 +282,7 @@ static void slabs_over_slabs(void **state)
         for (int i = 0; i < 6; i++) {
             int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
             int16_t *voxels = random_voxels(&rng, slice * count + 1, threshold);
-            if (i == 4) /* empties the bone again */
+            if (i == 4) /* an upload of zeros empties the bone again */
                 memset(voxels, 0, (size_t)(slice * count) * sizeof *voxels);
             for (int b = 0; b < 2; b++)
                 assert_ok(ost_bone_upload(bone[b], z0, count, voxels, &err));
@@ -331,8 +332,8 @@ static void samples_to_rect(void **state)
                 for (int a = 0; a < 3; a++) {
                     p[a] = origin[a] + rng_range(&rng, wild ? -1 : 0, dims[a] - !wild) * s[a];
                     /*
-                     * Most offsets are 0; the others are 1/8, 1/4, 3/8 or 1/2 of a voxel. All
-                     * vary by one picometre to either side.
+                     * Most offsets are 0. The other offsets are 1/8, 1/4, 3/8 or 1/2 of a voxel. A random
+                     * amount of up to one picometre is added to or subtracted from each offset.
                      */
                     const int eighths[] = {0, 0, 0, 1, 1, wild ? 4 : 2, wild ? 3 : 1};
                     p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) +
@@ -367,7 +368,7 @@ static void samples_to_rect(void **state)
     ost_backend_close(ref);
 }
 
-/* A block keeps its content while it is in use, whatever the order of allocating, freeing and trimming. */
+/* A block must keep its content while it is in use, for any order of allocating, freeing and trimming. */
 static void blocks_keep_their_content(void **state)
 {
     (void)state;

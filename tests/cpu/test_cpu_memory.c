@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the memory of a complete scapula as a bone of the CPU backend. Its active chunks
- * have as many densities as the thesis counts (Table 3.2: 202 chunks of 32^3, 13.2 MB).
- * Occupancy adds a sixteenth of this; tables and unused space may bring the excess to at most a
- * tenth.
+ * Measures the memory of a complete scapula as a bone of the CPU backend. The number of densities in its
+ * active chunks is the number in the thesis (Table 3.2: 202 chunks of 32^3, 13.2 MB). Occupancy adds a
+ * sixteenth of this size. The total of occupancy, tables and unused space may be at most a tenth of it.
  *
  * The memory is measured in two ways: as reported by the backend, chunk by chunk, and as the
  * growth of this process's anonymous memory, as reported by the system.
@@ -30,7 +29,7 @@ static int64_t resident(void)
     return kib < 0 ? -1 : kib * INT64_C(1024);
 }
 
-/* Returns false under sanitizers, valgrind and emulators, which store their own data in the same memory. */
+/* Returns false under sanitizers, valgrind and emulators, whose own data are part of the process's memory. */
 static bool alone_in_memory(void)
 {
 #if defined __SANITIZE_ADDRESS__
@@ -67,7 +66,7 @@ static void a_scapula_is_small(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_SCAPULA, NULL, &ct, &err));
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &small, &err));
-    /* This starts the threads and loads all code, so that neither is included in the measurement. */
+    /* Starts the threads and loads all code, so that the measurement includes neither. */
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
     ost_bone_free(bone_of(backend, &small));
     ost_backend_close(backend);
@@ -97,7 +96,7 @@ static void a_scapula_is_small(void **state)
     ost_volume_free(&ct);
 }
 
-/* A bone that is uploaded slice by slice, without a grid, needs as little memory as a bone made from a grid. */
+/* A bone that is uploaded slice by slice, without a grid, must not need more memory than a bone made from a grid. */
 static void an_uploaded_bone_too(void **state)
 {
     (void)state;
@@ -108,7 +107,7 @@ static void an_uploaded_bone_too(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
-    ct.geometry.spacing.z = ct.geometry.spacing.x; /* a bone needs equal spacings, so the phantom is flattened */
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* the phantom is flattened, because a bone needs equal spacings */
     for (int n = 16; n <= 64; n *= 2) {
         assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
         assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the thresholds from which the CPU backend uses several threads (src/cpu/share.h). With
- * grain=1 the smallest grids enter every path, on as many threads as requested, and the results
- * equal the reference's. Without this option they enter no path except the upload; an event of
- * 2^22 voxels enters the shared removal.
+ * Tests the thresholds from which the CPU backend uses several threads (src/cpu/share.h). With the option
+ * grain=1, even the smallest grids enter every path of the backend on the requested number of threads, and
+ * the results equal the reference's. Without this option, small grids enter only the path of the upload,
+ * and an event of 2^22 voxels enters the path of the shared removal.
  * Covers: REQ-CPU-PATHS
  */
 #include "ref/scene.h"
@@ -127,7 +127,7 @@ static void no_order_changes_a_bone(void **state)
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
-    /* The grid has 27 leaves, 125 chunks and 2 layers of 5 rows of chunks, which is enough for 7 threads. */
+    /* The grid has 27 leaves, 125 chunks and 2 layers of 5 rows of chunks, which is sufficient work for 7 threads. */
     static const int teams[] = {1, 2, 3, 7};
     seen none, all;
     const ost_digest expected = run_all("ref", SIDE, 16, &none);
@@ -149,7 +149,8 @@ static void the_smallest_grain_enters_every_path(void **state)
     }
 }
 
-/* An upload is shared among threads from 8 slices on, so the 40 slices here are shared. All other work is too small. */
+/* An upload of at least 8 slices is divided among threads, so the upload of 40 slices is divided. All other work is
+   too small. */
 static void thresholds_hold_without_it(void **state)
 {
     (void)state;
@@ -161,12 +162,12 @@ static void thresholds_hold_without_it(void **state)
             fail_msg("'%s' was entered", small.name[i]);
 }
 
-/* Each item of a team's work is processed once; empty work has no items. */
+/* Each item of a team's work must be processed exactly once. Empty work has no items. */
 static void a_team_takes_each_item_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
-    /* Each value of `way` stands for one order of the work: in sequence, in blocks, or one of 16 further orders. */
+    /* Each value of `way` selects one order of the work items: in sequence, in blocks, or one of 16 further orders. */
     for (int way = 0; way < 18; way++)
         for (int64_t count = 0; count <= ITEMS; count++)
             for (int64_t block = 0; block <= 8; block++) {
@@ -174,7 +175,7 @@ static void a_team_takes_each_item_once(void **state)
                 int taken[ITEMS + 1] = {0};
                 ost_cpu_sharing_init(&sharing, way > 0, way > 1 ? (uint64_t)way : 0);
                 ost_team team = ost_team_of(&sharing, way > 1 ? 3 : 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
-                if (way > 1) /* the three members of the team run one after another */
+                if (way > 1) /* the three members of the team are called one after another */
                     for (int m = 0; m < 3; m++) {
                         ost_member me = {.next = m, .stride = 3};
                         for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)

@@ -11,7 +11,8 @@
 
 /* ---------------------------------------------------------------- scenes */
 
-/* Returns a random pose on or near the bone. One in three is rotated by quarter turns, so that voxels coincide. */
+/* Returns a random pose on or near the bone. A third of the poses are rotated by quarter turns, so that voxels
+   coincide. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -38,8 +39,8 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 }
 
 /*
- * Returns the box of an event: the complete grid in two of three cases, else a random box,
- * which may exclude a part of the tool.
+ * Returns the box of an event. In two of three cases it is the complete grid, otherwise a random box that
+ * may exclude a part of the tool.
  */
 static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 {
@@ -166,7 +167,7 @@ static void several_poses(void **state)
         same_event(*state, &rng, 6);
 }
 
-/* Moves a tool through one bone, so that each result depends on the state that earlier events left. */
+/* Moves a tool through one bone in several events, so that each result depends on the state after earlier events. */
 static void a_sequence(void **state)
 {
     const team *t = *state;

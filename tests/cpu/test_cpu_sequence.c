@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares each tick of a removal with the reference, for every instruction set of this machine
- * and several thread counts: after each tick the report and every voxel must be equal. These
- * tests examine the state that an event leaves in the bone and in the backend: slow and fast
- * motion, stops, reversals, rotation in place, sweeps, collisions in between, alternating tools
- * and bones, and bones that are uploaded again. They also test blocks of 16^3 voxels that the
- * tool's grid just overlaps or just misses.
+ * Compares each tick of a removal with the reference, for every instruction set of this machine and several
+ * thread counts: after each tick the report and every voxel must be equal. These tests examine the state of
+ * the bone and the backend after each event. They include slow and fast motion, stops, reversals, rotation
+ * in place, sweeps, collisions in between, alternating tools and bones, and bones that are uploaded again.
+ * They also test blocks of 16^3 voxels at the limit between overlapping the tool's grid and missing it.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-LAW-1, AR-LAW-2
  */
 #include "cpu/team.h"
@@ -80,7 +79,7 @@ static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
     return pose;
 }
 
-/* Motion of a tool during some ticks: displacement and change of the quaternion per tick. */
+/* A tool's motion during some ticks: displacement and change of the quaternion per tick. */
 typedef struct motion {
     ost_pm3 way;
     int32_t turn[3];
@@ -96,7 +95,7 @@ static motion some_motion(test_rng *rng)
     return m;
 }
 
-/* Returns the pose one tick later. The rotation stops if the quaternion would be too far from unit length. */
+/* Returns the pose one tick later. The rotation stops if the length of the quaternion would differ too much from 1. */
 static ost_pose moved(const ost_pose *from, const motion *m)
 {
     ost_pose to = *from;
@@ -217,9 +216,9 @@ static void random_sequences(void **state)
 }
 
 /*
- * Tests a solid tool that fills its grid, with voxels as large as the bone's, rotated by
- * quarter turns or not at all. It moves along one axis from beyond one side of a block to
- * beyond the other, in steps of one voxel, more or less by one picometre.
+ * Tests a solid tool that fills its grid, with voxels as large as the bone's, rotated by quarter turns or
+ * not at all. The tool moves along one axis from one side of a block to the opposite side. It starts and
+ * ends outside the block, and each step is one voxel plus or minus one picometre.
  */
 static void borders_of_blocks(void **state)
 {

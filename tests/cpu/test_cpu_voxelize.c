@@ -17,7 +17,7 @@
 
 /* --------------------------------------------------------------- compare */
 
-/* Compares the filled bits of one mesh or two with the expected classes. */
+/* Compares the filled bits of one or two meshes with the expected classes. */
 static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cutting,
                          const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
                          const char *what)
@@ -49,8 +49,8 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
 }
 
 /*
- * Compares one backend with the expected grid. If `tiny` is true, tiles have only a few rows,
- * and all threads are used for meshes of any size.
+ * Compares one backend with the expected grid. If `tiny` is true, tiles have only a few rows, and meshes of
+ * any size use all threads.
  */
 static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cutting,
                         const ost_snapped_mesh *noncutting, ost_fill_rule rule, const uint8_t *expected,
@@ -89,7 +89,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     ost_backend_close(backend);
 }
 
-/* Compares all combinations of options if `all`, else all instruction sets with one thread. */
+/* Compares all combinations of options if `all` is true, otherwise all instruction sets with one thread. */
 static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool all, const char *what)
 {
     static const char *const voxelizers[] = {"triangles", "embree"};
@@ -109,12 +109,13 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                     if (!ost_isa_available((ost_isa)isa))
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
-                        /* skipped, because opening an Embree device takes longer than voxelizing these grids */
+                        /* not tested, because opening an Embree device takes longer than voxelizing these grids */
                         continue;
                     snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa),
                              threads[t], voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
-                        continue; /* built without Embree; "triangles" is always available, see `options` below */
+                        continue; /* the build has no Embree; "triangles" is always available, see the test
+                                     `options` below */
                     ost_backend_close(backend);
                     compare_one(spec, threads[t] > 1 || tiny_too++ % 2, cutting, noncutting, (ost_fill_rule)rule,
                                 expected, &report, what);
@@ -126,8 +127,7 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 /* ---------------------------------------------------------------- meshes */
 
 /*
- * Returns the number of random meshes: a third of n, with a new seed in each run, or n with
- * OST_TEST_LONG=1.
+ * Returns the number of random meshes to test: n with OST_TEST_LONG=1, otherwise a third of n.
  */
 static int rounds(int n)
 {
@@ -167,7 +167,7 @@ static ost_snapped_mesh make_soup(test_rng *rng, ost_dims dims, size_t vertices,
     return mesh;
 }
 
-/* Returns a tube about a (p, q) torus knot, within a grid of these dimensions. */
+/* Returns a tube about a (p, q) torus knot. The tube lies within a grid of these dimensions. */
 static ost_snapped_mesh make_knot(ost_dims dims, uint32_t along, uint32_t around, double p, double q)
 {
     ost_snapped_mesh mesh = make_snapped(dims, (size_t)along * around, 2 * (size_t)along * around);
@@ -240,7 +240,8 @@ static void closed_meshes_that_cross_themselves(void **state)
     }
 }
 
-/* Many triangles cross a row at the same centre, so bits are toggled several times and counts far exceed one. */
+/* Many triangles cross a row at the same centre. Bits are therefore toggled several times, and counts are far
+   greater than one. */
 static void piles_of_triangles(void **state)
 {
     (void)state;
@@ -299,7 +300,8 @@ static void nested_boxes(void **state)
     }
 }
 
-/* Tests grids of several tiles with triangles within one tile, across some, and across all. */
+/* Tests grids of several tiles. Some triangles lie within one tile, some extend over several tiles, and some over
+   all tiles. */
 static void shapes_over_many_tiles(void **state)
 {
     (void)state;
@@ -329,7 +331,7 @@ static void triangles_smaller_than_a_voxel(void **state)
     ost_snapped_mesh_free(&knot);
 }
 
-/* Two shells are less than a voxel apart, so that their crossings lie at the same centre. */
+/* Two shells are less than a voxel apart, so that their crossings belong to the same voxel centre. */
 static void shells_closer_than_a_voxel(void **state)
 {
     (void)state;
@@ -372,7 +374,7 @@ static void every_lattice(void **state)
     }
 }
 
-/* Tests the greatest coordinates along each axis, and one large slice. */
+/* Tests the greatest coordinates along each axis, and a large slice. */
 static void the_greatest_grids(void **state)
 {
     (void)state;

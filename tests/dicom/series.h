@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A DICOM series that make_series writes, and the faults that it makes on purpose. Every member is set by a word
- * KEY=VALUE of the command line; series.cpp contains the table of keys.
+ * Describes a DICOM series that the program make_series writes, with its deliberate faults. Every member is
+ * set by a word KEY=VALUE of the command line; series.cpp contains the table of keys.
  *
  * Voxel (i, j, k) is column i of row j of slice k. Its centre is at
  *
@@ -11,8 +11,9 @@
  *
  *   values[0] + (13 i + 1009 j + 30011 k + 7 i j k) mod (values[1] - values[0] + 1)
  *
- * A test computes both from this text. Slice k is stored in the file prefix + (1741 k + 5) mod 4096, which is also its
- * instance number, so that neither the names nor the instance numbers are in the order of the positions.
+ * Tests compute the expected positions and values from this text. Slice k is stored in the file prefix +
+ * (1741 k + 5) mod 4096, which is also its instance number, so that neither the names nor the instance
+ * numbers are in the order of the positions.
  */
 #ifndef OST_TESTS_DICOM_SERIES_H
 #define OST_TESTS_DICOM_SERIES_H
@@ -23,7 +24,7 @@
 
 enum { EVERY_SLICE = -1 };
 
-/* A change of one slice, or of every slice: the text after "KEY=K:". */
+/* A change of one slice or of every slice. The text is the part after "KEY=K:". */
 struct change {
     std::string key;
     int slice;
@@ -32,28 +33,30 @@ struct change {
 
 struct series {
     int dims[3] = {8, 6, 5};
-    double spacing[3] = {0.5, 0.5, 0.5}; /* mm; between columns, between rows, between slices */
+    double spacing[3] = {0.5, 0.5, 0.5}; /* in mm, between columns, rows and slices */
     double origin[3] = {-10.25, 20.5, -30};
-    double rows[3] = {1, 0, 0}, columns[3] = {0, 1, 0}; /* directions of a row and of a column, LPS */
-    double tilt = 0;                     /* mm along `columns` from slice to slice */
-    double thickness = 0;                /* mm; 0: spacing[2] */
-    int bits = 12, allocated = 16, high = 0; /* BitsStored, BitsAllocated, HighBit; high 0: bits - 1 */
-    bool is_signed = false, junk = false;    /* junk: the bits of a pixel that are not stored are inverted */
+    double rows[3] = {1, 0, 0}, columns[3] = {0, 1, 0}; /* directions of a row and of a column, in LPS */
+    double tilt = 0;                     /* displacement along `columns` from slice to slice, in mm */
+    double thickness = 0;                /* in mm; 0 means spacing[2] */
+    int bits = 12, allocated = 16, high = 0; /* BitsStored, BitsAllocated and HighBit; high = 0 means bits - 1 */
+    bool is_signed = false, junk = false;    /* junk: if true, those bits of a pixel that are not stored are inverted */
     int values[2] = {0, 3000};
     int smooth = 0;                      /* if not 0, the stored value is values[0] + smooth * (i + j + k) */
-    std::vector<std::string> slope = {"1"}, intercept = {"-1024"}; /* slice k uses number k mod size */
-    std::vector<int> padding;            /* value of column 0; a second number is the range limit, stored in column 1 */
+    std::vector<std::string> slope = {"1"}, intercept = {"-1024"}; /* slice k uses element k mod size of each list */
+    /* value of column 0; a second number is the padding range limit, which is stored in column 1 */
+    std::vector<int> padding;
     std::string syntax = "explicit";
-    int fragment = 0;                    /* kB of a fragment of a compressed frame; 0: one fragment */
+    int fragment = 0;                    /* size of a fragment of a compressed frame in kB; 0 means one fragment */
     bool offsets = true;                 /* write the basic offset table */
     bool multiframe = false;             /* one enhanced CT file instead of one file per slice */
-    int number = 1, study = 1, patient = 1, frame = 1; /* series number and UIDs; frame: frame of reference */
+    /* series number, and parts of the UIDs of study, patient and frame of reference */
+    int number = 1, study = 1, patient = 1, frame = 1;
     std::string description = "bone", modality = "CT", kernel = "B60s", prefix = "IM";
     std::string photometric = "MONOCHROME2";
     std::vector<change> changes;
 };
 
-/* A slice as it is written: its index, its position, and the name of its file. */
+/* A slice in the form in which it is written: its index, its position, and the name of its file. */
 struct slice {
     int index;
     double position[3];
@@ -63,16 +66,16 @@ struct slice {
     int size[2]; /* columns and rows */
 };
 
-/* Reads the words after the folder. Returns false with a message if one is wrong. */
+/* Reads the command line's words after the folder. Returns false with a message if a word is wrong. */
 bool read_words(int count, char *const *words, series *out, std::string *error);
 
 /* Returns the slices after the changes drop, double, move and size, in the order of their files. */
 std::vector<slice> plan_slices(const series &s);
 
-/* Returns the pixels of a slice, 8 or 16 bits each in the order of the host, which is little-endian. */
+/* Returns the pixels of a slice with 8 or 16 bits each, in the byte order of the host, which is little-endian. */
 std::vector<uint8_t> make_pixels(const series &s, const slice &at);
 
-/* Writes a length in mm as a decimal string of at most six decimals. */
+/* Converts a length in mm to a decimal string with at most six decimal places. */
 std::string decimal(double mm);
 
 #endif

@@ -2,23 +2,24 @@
 /*
  * Fault injection: a library for LD_PRELOAD that makes calls of the process fail.
  *
- *   OST_FAIL_ALLOC=K   the K-th of malloc, calloc, realloc, posix_memalign, aligned_alloc,
- *                      memalign, strdup and all functions of libc that allocate by these
- *   OST_FAIL_OPEN=K    the K-th of open, openat, creat, fopen, opendir and their variants
- *   OST_FAIL_READ=K    the K-th of read and pread
- *   OST_FAIL_FROM=1    the K-th call and all later ones of that kind fail
+ *   OST_FAIL_ALLOC=K   the K-th call of malloc, calloc, realloc, posix_memalign, aligned_alloc, memalign,
+ *                      strdup or a libc function that allocates memory with them
+ *   OST_FAIL_OPEN=K    the K-th call of open, openat, creat, fopen, opendir or a variant of them
+ *   OST_FAIL_READ=K    the K-th call of read or pread
+ *   OST_FAIL_FROM=1    the K-th call and all later calls of the same type fail
  *   OST_FAIL_ERRNO=N   errno of a failed open or read (default EMFILE and EIO)
- *   OST_FAIL_IN=TEXT   only processes with the argument TEXT count and fail; with !TEXT only those
- *                      without it
+ *   OST_FAIL_IN=TEXT   calls are counted and fail only in processes with the argument TEXT, or for !TEXT
+ *                      only in processes without it
  *   OST_FAIL_PATH=TEXT only opens of paths that contain TEXT are counted
  *   OST_FAIL_EXCEPT=A:B  calls made by a file whose name contains A or B are not counted
  *   OST_FAIL_REPORT=FILE  at exit a process appends the numbers of counted calls to FILE, as "alloc N",
  *                      "open N" and "read N"
  *   OST_FAIL_TRACE=1   the stack of the failed call is printed on standard error
  *
- * Calls of all threads are counted together. K begins at 1; with 0 no call fails. Allocations by C++ code (operator
- * new) are never counted, because an exception thrown through C code ends the process. The counts continue in a child
- * that a fork makes, and restart in a program that is executed: the K-th call of each process fails.
+ * Calls of all threads are counted together. K begins at 1; with 0 no call fails. Allocations by C++ code
+ * (operator new) are never counted, because an exception thrown through C code ends the process. The counts
+ * continue in a child process after fork and restart at an exec call, so the K-th call of each program
+ * fails.
  */
 /* The functions below are redefined, so the headers of libc must not redirect them. */
 #undef _FORTIFY_SOURCE
@@ -50,7 +51,7 @@ static bool ready, from, trace;
 static int chosen_errno;
 static char except[TEXT], only_path[TEXT], report_path[TEXT];
 
-/* Return addresses already classified, each stored as address * 2 + excepted. */
+/* Return addresses that have already been classified, each stored as address * 2 + excepted. */
 static atomic_uintptr_t cache[CACHE];
 
 /* -------------------------------------------------------- the real functions */
@@ -110,7 +111,7 @@ static void copy_setting(char to[TEXT], const char *variable)
     snprintf(to, TEXT, "%s", value ? value : "");
 }
 
-/* Returns true if the setting OST_FAIL_IN selects a process with these arguments, so that its calls are counted. */
+/* Returns true if OST_FAIL_IN selects a process with these arguments, so that the calls of the process are counted. */
 static bool process_counts(int argc, char **argv)
 {
     const char *wanted = getenv("OST_FAIL_IN");
@@ -177,8 +178,8 @@ static bool module_holds(void *address, const char *name)
 }
 
 /*
- * Returns true if the address is in libc or in the loader. The loader allocates the thread-local
- * storage of new threads.
+ * Returns true if the address is in libc or in the loader. The loader must be included because it allocates
+ * the thread-local storage of new threads.
  */
 static bool is_of_libc(void *address)
 {
@@ -186,8 +187,8 @@ static bool is_of_libc(void *address)
 }
 
 /*
- * Returns the first address on the stack that is neither in this library nor in libc. Functions
- * of libc, for example strdup and fopen, allocate memory themselves.
+ * Returns the first address on the stack that is neither in this library nor in libc. libc is skipped
+ * because some of its functions, for example strdup and fopen, allocate memory.
  */
 static void *outside_libc(void *caller)
 {

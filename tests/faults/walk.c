@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * walk: runs a command repeatedly; in each run, a different call of the command fails.
+ * The program walk runs a command repeatedly. In each run, a different call of the command fails.
  *
  *   walk [--kind alloc|open|read] [--runs N] [--seed S] [--only K] [--in TEXT] [--loose TEXT[:TEXT...]]
  *        [--loose-output] LIBRARY COMMAND ARGUMENT...
@@ -43,7 +43,7 @@ enum { TEXT = 4096, FILES = 256, LIMIT_S = 120, SHOWN = 20 };
 
 typedef struct file_state {
     char *name;
-    uint64_t size, sum; /* FNV-1a of the bytes */
+    uint64_t size, sum; /* FNV-1a hash of the bytes */
 } file_state;
 
 typedef struct folder_state {
@@ -162,7 +162,7 @@ static int run(long at, bool trace)
     return status;
 }
 
-/* Returns the number of calls in the process that made the most, or -1 if there is no report. */
+/* Returns the number of calls in the process that made the most calls, or -1 if there is no report. */
 static long counted(void)
 {
     char word[16];
@@ -210,8 +210,8 @@ static bool is_loose(const char *name)
     return false;
 }
 
-/* Compares the folder with the expected files. Unless `complete`, some of them may be absent. Returns a description of
-   the first difference, or NULL. */
+/* Compares the folder with the expected files. If `complete` is false, some of them may be absent. Returns a
+   description of the first difference, or NULL. */
 static const char *compare(const folder_state *expected, bool complete, char text[TEXT])
 {
     folder_state now = {.count = 0};

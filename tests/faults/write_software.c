@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * write_software: writes a bundle's lists of software into the current folder, so that walk
- * (walk.c) can make each of the allocations fail. If an allocation of Jansson fails, the
- * program ends, as osteon does.
+ * The program write_software writes a bundle's lists of software into the current folder. The program walk
+ * (walk.c) makes each of its allocations fail. If an allocation of Jansson fails, the program ends, like
+ * the command osteon.
  *
  * Exit status: 0 if both files were written, otherwise 2 with a line on standard error.
  */
@@ -23,7 +23,7 @@ static ost_status write_file(void *user, const char *name, const void *bytes, si
     return written ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be written", name);
 }
 
-/* Returns a text of LONG characters. It is so long that the output streams must grow several times during writing. */
+/* Returns a text of LONG characters, which is so long that the output streams must grow several times. */
 static const char *long_text(void)
 {
     enum { LONG = 20000 };

@@ -12,9 +12,10 @@
 #define MM OST_PM_PER_MM
 #define PI 3.14159265358979323846
 
-enum { REFERENCE_HU = 1705 }; /* HU of bone of 1.95 g/cm3 with the default parameters, to within 1e-4 */
+enum { REFERENCE_HU = 1705 }; /* HU of bone with 1.95 g/cm3 for the default parameters, to within 1e-4 */
 
-/* Makes a bone whose lowest `solid_layers` layers have one density. The centre of the grid's first voxel is at 0. */
+/* Makes a bone whose lowest `solid_layers` layers have the density `hu`. The centre of the grid's first voxel is at
+   the origin. */
 static inline ost_bone *half_space(ost_backend *backend, int32_t nx, int32_t nz, ost_pm s, int32_t solid_layers,
                                    int16_t hu)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares forces with closed forms: a sphere in a plane, planar and hemispherical reaming.
- * Also tests the shell of a spherical tool, a tool that does not cut, and a backend's samples
- * of single voxels.
+ * Compares forces with closed forms: a sphere in a plane, planar and hemispherical reaming. Also tests the
+ * shell of a spherical tool, a tool that does not cut, and the densities of single voxels that a backend
+ * returns.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -15,8 +15,8 @@ static ost_pose at_mm(double x, double y, double z)
 }
 
 /*
- * Fills `points` with points of equal area on the part of a sphere with z below `top` radii,
- * spaced by the golden angle. The centre of the sphere is the origin.
+ * Fills `points` with points on the part of a sphere with z below `top` radii. The points represent equal
+ * areas and are spaced by the golden angle. The centre of the sphere is the origin.
  */
 static void sphere_points(double radius, double top)
 {
@@ -67,10 +67,10 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /*
- * A sphere of radius R is pressed in to a depth h. The pressure at a point is k times the depth
- * of the point along its normal, and the sum over the cap is pi k R h^2. With a layer of
- * thickness L, the sphere that touches the bone has the radius R + L, but the areas are those of
- * R. The force is therefore multiplied by R^2 / (R + L)^2.
+ * A sphere of radius R is pressed into the bone to a depth h. With stiffness k, the pressure at a point is
+ * k times the depth of the point along its normal, and the sum over the spherical cap is pi k R h^2. With a
+ * layer of thickness L, the radius of contact is R + L, whereas the areas are computed for the radius R.
+ * The force is therefore multiplied by R^2 / (R + L)^2.
  */
 static void a_sphere_in_a_plane(void **state)
 {
@@ -107,7 +107,7 @@ static void a_sphere_in_a_plane(void **state)
     ost_bone_free(bone);
 }
 
-/* The summed stiffness of all points never exceeds the coupling's. */
+/* The sum of the stiffness of all points must never exceed the coupling's stiffness. */
 static void stiffness_is_bounded(void **state)
 {
     skip_without_samples(*state);
@@ -134,9 +134,10 @@ static double speed_of(const ost_pose *before, const ost_force_result *after)
 }
 
 /*
- * A disc is pressed in at speed v. The pressure is p = u v / (mu w r), so F = 2 pi u v (R - r0
- * / 2) / (mu w), where the speed at r0 = 1 mm is used within r0. The power is u v times the
- * area.
+ * A rotating disc of radius R is pressed into the bone at speed v. With u as the cutting energy per volume,
+ * mu as the ratio of tangential to normal force, and w as the angular speed, the pressure at radius r is p
+ * = u v / (mu w r). Within r0 = 1 mm the cutting speed at r0 is used, so the force is F = 2 pi u v (R - r0
+ * / 2) / (mu w). The power is u v times the area.
  */
 static void planar_reaming(void **state)
 {
@@ -159,8 +160,8 @@ static void planar_reaming(void **state)
     assert_near("energy of reference bone", u, 30e6, 1e-3);
     ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     /*
-     * The tool starts on the surface. The device pulls it down by 5 mm, and the speed of the
-     * tool must follow the formula.
+     * The tool starts on the surface. The device pulls the tool down by 5 mm. The tool's speed must agree
+     * with the formula.
      */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;
@@ -174,7 +175,7 @@ static void planar_reaming(void **state)
                 2 * PI * u * v * (radius - r0 / 2) / (params.cutting_ratio * params.speed), 0.01);
     assert_near("planar reaming, W", r.power_w, u * v * PI * radius * radius, 0.01);
     assert_near("planar reaming, N m", r.cutting_nm, u * v * PI * radius * radius / params.speed, 0.01);
-    /* The scaled force acts on the hand. It points upward and has no lateral part. */
+    /* The scaled force acts on the hand. It points upward and has no lateral component. */
     assert_near("felt, N", r.force_n[2], params.scale * r.axial_n, 1e-3);
     assert_true(fabs(r.force_n[0]) < 1e-6 * r.axial_n && r.off_axis_n < 1e-6 * r.axial_n);
 
@@ -252,7 +253,7 @@ static void what_does_not_cut_stops(void **state)
     ost_bone_free(bone);
 }
 
-/* A device that passes a plate of 1 mm within one tick does not move the tool through it. */
+/* A device that passes through a plate of 1 mm within one tick must not move the tool through the plate. */
 static void nothing_is_tunnelled_through(void **state)
 {
     skip_without_samples(*state);

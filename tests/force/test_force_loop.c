@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that the force loop is stable. The simulated device, in a light, normal or firm grip,
- * presses the built-in peg or reamer into bone or drags it along, with and without a rotating tool
- * and with and without friction in the device. No combination may oscillate: the RMS deviation of
- * the speed from its own mean must stay below 10 mm/s. A limit cycle exceeds this bound. Without
- * force the same operation passes through the bone, and a stiffness that is eight times too high
- * oscillates.
+ * Tests that the force loop is stable. The simulated device is held in a light, normal or firm grip. It
+ * presses the built-in peg or reamer into bone or drags it along the bone, with and without rotation of the
+ * tool, and with and without friction in the device. No combination may oscillate: the RMS deviation of the
+ * speed from its own mean must stay below 10 mm/s. A limit cycle exceeds this bound. Without force the same
+ * operation passes through the bone, and a stiffness that is eight times too high oscillates.
  *
  * OST_TEST_LONG=1 adds the burr, the instant law, and all grips without friction.
  *
@@ -48,7 +47,7 @@ static ost_tool *builtin_tool(ost_backend *backend, ost_tool_kind kind)
     return tool;
 }
 
-/* Makes a block of bone, 60 x 60 x 20 mm with 0.5 mm voxels of 800 HU, with its upper face at z = 0. */
+/* Makes a block of bone, 60 x 60 x 20 mm in size, with 0.5 mm voxels of 800 HU. Its upper face is at z = 0. */
 static ost_bone *block(ost_backend *backend)
 {
     const ost_geometry g = cubic_geometry(120, 120, 40, MM / 2,
@@ -62,7 +61,8 @@ static ost_bone *block(ost_backend *backend)
     return bone;
 }
 
-/* Returns a path from 3 mm above the bone to 5 mm inside. The tool is then held there or dragged 6 mm along x. */
+/* Returns a path from 3 mm above the bone to 5 mm inside the bone. At its end the tool is held still or dragged 6 mm
+   along x. */
 static ost_path plan(double lowest_mm, bool drag)
 {
     ost_error err = {0};

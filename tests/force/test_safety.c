@@ -17,7 +17,7 @@ static ost_pose at_mm(double z)
     return (ost_pose){.t = {0, 0, (ost_pm)(z * 1e9)}, .qw = OST_Q30_ONE};
 }
 
-/* All rules off. */
+/* Returns parameters that disable all rules. */
 static ost_safety_params open_params(void)
 {
     return (ost_safety_params){.max_force_n = 1e6,
@@ -61,7 +61,7 @@ static void no_number_is_a_fault(void **state)
         assert_true(f > 0.9);
         assert_int_equal(give(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
         assert_true(f == 0);
-        /* After the fault the force increases gradually. */
+        /* After a fault the force must increase gradually. */
         assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
         assert_true(f > 0 && f < 0.01);
     }
@@ -105,8 +105,8 @@ static void force_changes_slowly(void **state)
 }
 
 /*
- * Like the force, the torque may change by at most a tenth of its limit per tick. For the force
- * this is 0.3 N of 3 N, for the torque 10 mN m of 0.1 N m.
+ * Like the force, the torque may change by at most a tenth of its limit per tick. For a force limit of 3 N
+ * this is 0.3 N; for a torque limit of 0.1 N m it is 10 mN m.
  */
 static void torque_changes_slowly(void **state)
 {
@@ -227,8 +227,8 @@ static void a_passive_wall_is_left_alone(void **state)
     for (int i = 0; i < 1000; i++) {
         const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
         /*
-         * The force is that of the spring in the middle of the step from z to next, which gives
-         * exactly the spring's energy, plus that of a damper.
+         * The force is the sum of a spring force and a damping force. The spring force is that in the
+         * middle of the step from z to next, so that its work equals the spring's energy exactly.
          */
         give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }

@@ -31,13 +31,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 /* Writes seed number `index` to bytes (at most capacity) and returns its size, or 0 if there are no more seeds. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
-/* Words of the format for mutations; the last entry is NULL. */
+/* Words of the file format that mutations insert. The last entry is NULL. */
 extern const char *const fuzz_words[];
 
 /*
- * Writes the input to a file of this name in a scratch folder and returns its path. The folder
- * is removed when the program exits normally. After a crash it still contains the last input,
- * whose path replay has printed.
+ * Writes the input to a file of this name in a scratch folder and returns its path. The folder is removed
+ * when the program exits normally. After a crash the folder still contains the last input; replay.c prints
+ * its path.
  */
 const char *fuzz_file(const char *name, const uint8_t *data, size_t size);
 /* Returns the path of the scratch folder, for further files. */
@@ -53,8 +53,8 @@ const char *fuzz_folder(void);
     } while (0)
 
 /*
- * Checks that after a failure the error is one printable line that names the file, and that after a success it is
- * empty.
+ * Checks an error after a call: it must be empty after a success, and one printable line with the file's
+ * name after a failure.
  */
 #define fuzz_require_error(status, err, path)                                                                \
     do {                                                                                                     \

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Arbitrary bytes as the answers of osteon-dicom, the process that parses DICOM files. The library must refuse them
- * with an error of one line, or read a volume that is unchanged after it has been written as NRRD and read again.
+ * Reads arbitrary bytes as the answers of osteon-dicom, the process that parses DICOM files. The library
+ * must refuse the answers with an error of one line, or read a volume that is unchanged after it has been
+ * written as NRRD and read again.
  *
  *   input: 2 bytes, the size of the first answer | the answer to the request SCAN | the answer to the request READ
  *
- * This program is itself the process: under the name osteon-dicom, a constructor answers the request and ends before
- * main. The files of the scanned folder are empty, since no other code reads them.
+ * The fuzz target also acts as this process: if it is run under the name osteon-dicom, a constructor
+ * answers the request and exits before main. The files of the scanned folder are empty, since no other code
+ * reads them.
  */
 #include "fuzz.h"
 
@@ -27,7 +29,8 @@ const char *const fuzz_words[] = {"0.5", "-0.25", "1e300", "nan", "100000", "0.0
 
 /* ---------------------------------------------------------------- process */
 
-/* Copies the part of the input that answers the request on standard input. The input is next to the program. */
+/* Writes the part of the input that answers the request on standard input. The input is in a file next to the
+   program. */
 static void answer(void)
 {
     ost_dicom_request request = {0};
@@ -119,7 +122,8 @@ static void put_pixels(bytes *out)
     put_message(out, OST_DICOM_END, 0, NULL, 0);
 }
 
-/* A file for each slice; a file with all slices; and slices that are uneven, tilted and damaged. */
+/* Makes three types of seeds: answers for one file per slice, for a file with all slices, and for slices that are
+   uneven, tilted or damaged. */
 size_t fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {
     static const char *const even[FILES] = {"1", "0.5", "1.5"}, *const uneven[FILES] = {"0", "0.5", "1.6"};

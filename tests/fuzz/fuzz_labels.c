@@ -44,7 +44,7 @@ static void put(uint8_t *at, uint32_t bits, size_t size)
         at[i] = (uint8_t)(bits >> 8 * i);
 }
 
-/* A label map of 2 x 2 x 2 uint8 in NIfTI with a table of labels in an extension. */
+/* Makes a NIfTI label map of 2 x 2 x 2 uint8 voxels with a table of labels in an extension. */
 static size_t nifti_seed(uint8_t *bytes, size_t capacity)
 {
     static const char table[] = "<LabelTable><Label Key=\"3\"><![CDATA[scapula]]></Label></LabelTable>";
@@ -54,11 +54,11 @@ static size_t nifti_seed(uint8_t *bytes, size_t capacity)
     put(bytes, 348, 4);
     for (size_t a = 0; a < 4; a++) {
         put(bytes + 40 + 2 * a, a ? 2 : 3, 2);
-        put(bytes + 76 + 4 * a, 0x3f800000, 4); /* spacings of 1 */
+        put(bytes + 76 + 4 * a, 0x3f800000, 4); /* spacing of 1 mm */
     }
     put(bytes + 70, 2, 2);
     put(bytes + 72, 8, 2);
-    put(bytes + 108, 0x43d80000, 4); /* the voxels begin at 432 */
+    put(bytes + 108, 0x43d80000, 4); /* 432, the offset of the voxels */
     bytes[123] = 2;                  /* mm */
     memcpy(bytes + 344, "n+1", 4);
     bytes[348] = 1;

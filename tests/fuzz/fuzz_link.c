@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Decodes arbitrary bytes as packets of the link. They are either rejected or give a packet
- * that is encoded to the same bytes again. Without the key, no packet is accepted.
+ * Decodes arbitrary bytes as packets of the link. The bytes must be rejected, or give a packet that is
+ * encoded to the same bytes again. If an HMAC key is required, packets that do not match the key must be
+ * rejected.
  */
 #include "fuzz.h"
 
@@ -29,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 const char *const fuzz_words[] = {"OSTL", "\x01\x02", "\x01\x03", "\xff\xff\xff\xff", "\x40", NULL};
 
-/* Makes packets of each type; those followed by an HMAC do not match the key. */
+/* Makes packets of each type. The packets followed by an HMAC do not match the key. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index >= 6 || capacity < LINK_STATE_BYTES)

@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         ost_geometry g;
         ost_error err = {0};
         ost_volume v, back;
-        /* A grid is not read if it is too large to be tested in a short time. */
+        /* A volume is not read if its grid is too large to be tested in a short time. */
         if (ost_volume_read_header(path, &g, NULL, NULL, &err) == OST_OK && ost_dims_count(g.dims) > 1 << 22)
             continue;
         memset(&err, 0, sizeof err);

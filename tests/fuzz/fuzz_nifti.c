@@ -18,7 +18,8 @@ const char *const fuzz_words[] = {"n+1",
                                   "osteon origin_mm: 0 0 0\n",
                                   NULL};
 
-/* Stores `size` little-endian bytes. Callers take the offsets from the description of the format. */
+/* Stores the lowest `size` bytes of `bits` in little-endian order. Callers use the offsets in the description of the
+   format. */
 static void put(uint8_t *at, uint64_t bits, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -51,7 +52,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
         put(bytes + 168, 544, 8);
         memcpy(bytes + 4, "n+2\0\r\n\032\n", 8);
     } else {
-        put(bytes + 108, index == 2 ? 0x43c00000 : 0x43b00000, 4); /* 384 or 352 */
+        put(bytes + 108, index == 2 ? 0x43c00000 : 0x43b00000, 4); /* offset of the voxels: 384 or 352 */
         memcpy(bytes + 344, index == 3 ? "ni1" : "n+1", 4);
     }
     if (index == 1) {

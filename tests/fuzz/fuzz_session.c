@@ -70,7 +70,7 @@ static void look(const uint8_t *data, size_t size)
     const ost_session_summary *sum = ost_session_summary_of(session);
     const uint64_t records = count_records(session, &ticks);
     fuzz_require(count_records(session, &again) == records && again == ticks);
-    /* The summary counts records of unknown kinds; the reader skips them. */
+    /* The summary also counts records of unknown types, which the reader skips. */
     fuzz_require(ticks == sum->ticks && records <= sum->records && sum->complete_ticks <= ticks);
     fuzz_require(sum->damaged_bytes + sum->cut_bytes <= size && sum->file_bytes == size);
     fuzz_require(strlen(ost_session_missing(session, missing)) < OST_SESSION_MISSING);

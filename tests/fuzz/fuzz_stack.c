@@ -44,7 +44,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                         .stack_spacing = {1000000, 1000000, 1000000}};
     ost_error err = {0};
     ost_volume v, back;
-    /* Another kind of file may be any size; a stack is limited by its file. */
+    /* A file of another type may declare any size. A stack is limited by the size of its file. */
     ost_file_kind kind;
     if (ost_file_kind_find(path, &kind, &err) != OST_OK || kind != OST_FILE_STACK)
         return 0;

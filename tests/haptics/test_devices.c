@@ -38,7 +38,7 @@ static void the_list(void **state)
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first six devices are always available; each of the others gives a reason if it is not available. */
+        /* The first six devices are always available. Each other device gives a reason if it is not available. */
         assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }
@@ -145,7 +145,7 @@ static double read_x_mm(ost_haptic *device)
     return ost_pm_to_mm(s.pose.t.x);
 }
 
-/* Applies a constant force to a hand at rest. In both directions F = k x, to within the friction. */
+/* Applies a constant force to a hand at rest. In both directions, F = k x must hold to within the friction. */
 static void a_force_meets_the_hands_spring(void **state)
 {
     (void)state;
@@ -167,7 +167,7 @@ static void a_force_meets_the_hands_spring(void **state)
             assert_true(sign * x > 0);
             /* Friction holds the device at rest. */
             assert_true(read_x_mm(device) == x);
-            /* A force beyond the limit of the motors is clamped; one that is not finite counts as zero. */
+            /* A force beyond the limit of the motors is clamped. A force that is not finite counts as zero. */
             for (int i = 0; i < 2000; i++) {
                 ost_haptic_write(device, &(ost_wrench){{sign * 1e9, 0, 0}, {0}});
                 x = read_x_mm(device);
@@ -198,8 +198,8 @@ static void what_sticks_sticks(void **state)
 }
 
 /*
- * The device follows a hand at 50 mm/s with the lag caused by viscosity and friction: (0.2 v +
- * 0.26) / k.
+ * The device follows a hand that moves at v = 50 mm/s. Viscosity and friction cause the lag (0.2 v + 0.26)
+ * / k.
  */
 static void it_follows_the_hand(void **state)
 {
@@ -243,9 +243,9 @@ static double unrest(const char *spec, double k)
 }
 
 /*
- * The closed loop can oscillate. Friction brings it to rest at least up to 2 f / (encoder step)
- * = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction, stability
- * depends on the damping of the hand, so a light grip oscillates first. A range of two encoder
+ * The closed loop can oscillate. With a friction force f, it comes to rest at least up to a stiffness of 2
+ * f / (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction,
+ * stability depends on the damping of the hand, so a light grip oscillates first. A range of two encoder
  * steps counts as rest.
  */
 static void stiff_walls_swing_and_soft_ones_rest(void **state)
@@ -257,8 +257,8 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
     /*
-     * The default stiffness that the literature recommends for such a device is 300 N/m for a
-     * light grip and 400 N/m for a normal grip.
+     * For such a device, the literature recommends a stiffness of 300 N/m for a light grip and 400 N/m for
+     * a normal grip.
      */
     const double rest_mm = 0.111, swing = 0.3;
     assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
@@ -294,7 +294,8 @@ static void the_same_seed_is_the_same_hand(void **state)
     ost_path_free(&path);
 }
 
-/* Every hand-held device has a button for the motor; a device with two buttons also has one for the next tool. */
+/* Every hand-held device must have a button for the motor. A device with two buttons must also have a button for the
+   next tool. */
 static void buttons_have_a_table(void **state)
 {
     (void)state;

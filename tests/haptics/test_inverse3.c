@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests Haply's Inverse3 with a stand-in for the vendor's service: a WebSocket on loopback that
- * records each message and answers it with a state. On request it fails: it sends garbage,
- * closes the connection, ends the file, sends nothing, or sends a frame without end. No test
- * depends on time, because timeouts are long.
+ * Tests Haply's Inverse3 with a stand-in for the vendor's service: a WebSocket on loopback that records
+ * each message and answers it with a state. On request the stand-in sends garbage, closes the connection,
+ * ends the stream, sends nothing, or sends a frame without end. No test depends on time, because timeouts
+ * are long.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -31,12 +31,12 @@ typedef struct service {
     int listening, port;
     pthread_t thread;
     fault fault;
-    int fault_at;            /* number of the answer that contains the fault, counted from 1 */
+    int fault_at;            /* number of the faulty answer, counted from 1 */
     bool wired;              /* true if the service offers a wired grip, which is rotated */
-    _Atomic int x_um;        /* position of the cursor */
+    _Atomic int x_um;        /* position of the cursor along x in micrometres */
     _Atomic bool stop;
     _Atomic int answers;
-    pthread_mutex_t lock;    /* protects the following members */
+    pthread_mutex_t lock;    /* protects the members below */
     char first[TEXT], last[TEXT];
 } service;
 
@@ -81,7 +81,7 @@ static bool shake_hands(service *s, int fd)
     return write(fd, answer, strlen(answer)) == (ssize_t)strlen(answer);
 }
 
-/* Reads and unmasks a text from the client. Returns false when the connection is over. */
+/* Reads and unmasks a text from the client. Returns false after the end of the connection. */
 static bool read_text(service *s, int fd, char text[TEXT])
 {
     uint8_t head[2], more[2], mask[4];
@@ -104,8 +104,8 @@ static bool read_text(service *s, int fd, char text[TEXT])
 static void write_text(int fd, const char *text)
 {
     /*
-     * Sends the complete message in one call. If it were sent in two parts, the second part
-     * would wait until the first is acknowledged.
+     * Sends the complete message in one call. If it were sent in two parts, the second part would be
+     * delayed until the first part is acknowledged.
      */
     char frame[TEXT + 4];
     const size_t size = strlen(text), head = size < 126 ? 2 : 4;
@@ -138,7 +138,7 @@ static void put_state(const service *s, char text[TEXT])
             x, 2 * x, 3 * x);
 }
 
-/* Answers one message. Returns false when the connection is over. */
+/* Answers one message. Returns false after the end of the connection. */
 static bool answer(service *s, int fd)
 {
     static const uint8_t endless[10] = {0x81, 127, 0, 0, 1, 0, 0, 0, 0, 0}, closing[4] = {0x88, 2, 0x03, 0xe8};
@@ -158,7 +158,7 @@ static bool answer(service *s, int fd)
     case CLOSE: return write(fd, closing, sizeof closing) < 0;
     case SILENCE: return true;
     case HUGE_FRAME: return write(fd, endless, sizeof endless) > 0 && write(fd, text, strlen(text)) > 0;
-    case LONG_MESSAGE: /* sends many fragments, none of them the last */
+    case LONG_MESSAGE: /* sends many fragments without a last one */
         memset(long_text, ' ', sizeof long_text);
         for (int i = 0; i < 60; i++) {
             const uint8_t head[4] = {i ? 0x00 : 0x01, 126, sizeof long_text >> 8, sizeof long_text & 0xff};
@@ -241,8 +241,8 @@ static void need(void)
 }
 
 /*
- * Reads every millisecond until the answer is `wanted`. For OST_HAPTIC_FRESH, also waits until
- * the tool is at x.
+ * Reads the device every millisecond until the answer is `wanted`. If `wanted` is OST_HAPTIC_FRESH, also
+ * waits until the tool is at x.
  */
 static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_haptic_state *state)
 {
@@ -274,8 +274,8 @@ static bool try_move(service *s, ost_haptic *device, int from_um, int to_um, ost
         const int begun = atomic_load(&s->answers);
         ost_haptic_state hand = {0};
         /*
-         * The second answer from now on contains the new position. The service sends the third
-         * answer after the driver has received the second one.
+         * The second answer after this point contains the new position. The service sends the third answer
+         * only after the driver has received the second answer.
          */
         for (int k = 0; k < ANSWER_MS && (atomic_load(&s->answers) < begun + 3 || hand.pose.qw == 0); k++) {
             const ost_haptic_answer got = ost_haptic_read(device, &hand);
@@ -328,7 +328,8 @@ static void poses_in_and_forces_out(void **state)
     assert_true(hand.pose.t.y == 20 * MM && hand.pose.t.z == 30 * MM && hand.pose.qw == OST_Q30_ONE);
     assert_int_equal(hand.tool, -1);
     assert_int_equal(hand.buttons, 1 | 1 << 2);
-    /* The cursor moves 1 mm to the right, 2 mm away and 3 mm up. At scale 2 these are the tool's x, -z and y. */
+    /* The cursor moves 1 mm to the right, 2 mm away and 3 mm up. At scale 2, the tool moves by twice these distances
+       along its x, -z and y axes. */
     ost_pose from, to;
     move(s, device, 1000, 2000, &from, &to);
     assert_true(llabs(to.t.x - from.t.x - 2 * MM) < 1000 && llabs(to.t.z - from.t.z + 4 * MM) < 1000 &&
@@ -354,8 +355,8 @@ static void the_grip_turns_the_tool(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     /*
-     * Selects the second device. When the grip is first tracked, it is already rotated about the
-     * service's z axis, which is up. Later rotations are relative to this orientation.
+     * Selects the second device. When the grip is first tracked, it is already rotated about the service's
+     * z axis, which points up. Later rotations of the tool are relative to this orientation.
      */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
@@ -377,8 +378,8 @@ static void the_grip_turns_the_tool(void **state)
 }
 
 /*
- * Replaces the function of the C library. If wake_late is set, a thread that waits continues
- * only 100 ms after it was woken.
+ * The function below replaces the function of the C library. If wake_late is set, a waiting thread
+ * continues only 100 ms after it is woken.
  */
 static bool wake_late;
 
@@ -398,7 +399,7 @@ static void a_service_that_fails(void **state)
     need();
     static const struct {
         fault what;
-        const char *says; /* message if the fault occurs before the first state */
+        const char *says; /* expected message if the fault occurs before the first state */
     } cases[] = {
         {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "offers no device"},
         {LONG_MESSAGE, "too long"},       {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
@@ -407,7 +408,7 @@ static void a_service_that_fails(void **state)
     ost_haptic *device;
     ost_haptic_state hand = {0};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* If the first answer is faulty, the device cannot be opened, and the error states the reason. */
+        /* If the first answer is faulty, the device cannot be opened, and the error line states the reason. */
         service *s = begin_service(cases[i].what, 1, false);
         assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
@@ -422,8 +423,8 @@ static void a_service_that_fails(void **state)
         end_service(s);
     }
     /*
-     * If the fault occurs after the first state but before ost_haptic_open continues, the device is opened and then
-     * lost.
+     * If the fault occurs after the first state and before ost_haptic_open continues, the device is opened
+     * and then lost.
      */
     service *s = begin_service(CLOSE, 2, false);
     wake_late = true;
@@ -448,7 +449,7 @@ static void silence(void **state)
     service *s = begin_service(SILENCE, 5, false);
     assert_ok(open_at(s, "", &device, &err));
     await(device, OST_HAPTIC_FRESH, 10 * MM, &hand);
-    /* The last pose is used for four ticks, then tracking is lost, and after half a second the device is lost. */
+    /* The last pose is used for four ticks. Then tracking is lost, and after half a second the device is lost. */
     int without = 0, tracking_lost = 0;
     ost_haptic_answer got;
     while ((got = ost_haptic_read(device, &hand)) != OST_HAPTIC_LOST) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with
- * Python's struct and hmac from the table in docs/reference/devices.md. Also tests packets that
- * must be refused, keys, sequence numbers, and the plane from which a bridge computes its
- * force, in a closed loop with a delay.
+ * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's
+ * struct and hmac from the table in docs/reference/devices.md. Also tests packets that must be refused,
+ * keys and sequence numbers. A closed loop with a delay tests the plane from which a bridge computes its
+ * force.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -73,7 +73,8 @@ static void bytes_are_as_documented(void **state)
         assert_string_equal(text, hex[i]);
         link_packet back;
         assert_int_equal(link_unseal(key, bytes, sizes[i], &back), LINK_GOOD);
-        /* Compares the encodings, because padding between the members of a struct is undefined. */
+        /* The encodings are compared instead of the structs, because padding between the members of a struct is
+           undefined. */
         uint8_t again[LINK_STATE_BYTES] = {0}, first[LINK_STATE_BYTES] = {0};
         assert_int_equal(link_encode(&back, again), link_encode(&p, first));
         assert_memory_equal(again, first, sizeof first);
@@ -101,8 +102,8 @@ static void nothing_else_passes(void **state)
             assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
-         * These packets are signed correctly but invalid: their pose is not a rotation or is
-         * beyond 8 m, their flag or type is unknown, or their tool number is invalid.
+         * These packets are signed correctly but have invalid contents: a pose that is not a rotation or is
+         * beyond 8 m, an unknown flag or type, or an invalid tool number.
          */
         link_packet bad = p;
         bad.pose.qw = 0;
@@ -172,7 +173,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    /* a packet that is 64 behind the newest is treated as repeated */
+    /* a packet that is 64 numbers behind the newest is treated as repeated */
     assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
@@ -184,14 +185,14 @@ static void which_numbers_came(void **state)
 static void a_plane_presses_and_never_pulls(void **state)
 {
     (void)state;
-    /* The state is 2 N along +z at z = 1 mm, with 300 N/m and 0.5 N s/m. */
+    /* The state contains a force of 2 N along +z at z = 1 mm, a stiffness of 300 N/m and a damping of 0.5 N s/m. */
     link_packet s = golden(LINK_STATE);
     double f[3];
     s.pose.t = (ost_pm3){0, 0, OST_PM_PER_MM};
     memcpy(s.force_un, (int32_t[3]){0, 0, 2000000}, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && fabs(f[2] - 2) < 1e-12);
-    /* The device is 2 mm deeper than in the previous call and displaced along the plane. */
+    /* The device is 2 mm deeper than in the state and displaced along the plane. */
     bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
     /* the device moves inward at 0.2 m/s */
@@ -237,7 +238,7 @@ static double swing_with(int delay, bool plane)
         speed += 0.27 * (now - speed);
         last = z;
         begun = true;
-        /* The state that is computed for this pose is used `delay` ticks later. */
+        /* The state for this pose is computed now and used `delay` ticks later. */
         link_packet *s = &states[i % LATE_MOST];
         *s = (link_packet){.type = LINK_STATE, .pose = hand.pose, .stiffness = 300000, .damping = 500};
         s->force_un[2] = z < 0 ? (int32_t)(-300 * z * 1e6) : 0;

@@ -143,8 +143,8 @@ static void check_motion(const char *file)
         assert_true(fabs(length_of(moved) - way) < 2e-6 * 0.1 + 1e-9);
         assert_true(fabs(angle_between(&s.pose, &base) - turned) < 1e-5);
         /*
-         * The direction of the motion is the body's, in the body's frame at the first tracked
-         * row, rotated by the tool's start pose. It is the same after the drop-outs.
+         * The expected direction is the direction of the body's motion in the body's frame at the first
+         * tracked row, rotated by the tool's start pose. It must be the same after the drop-outs.
          */
         double at[3], q[4];
         body_at(row_time(20), at, q);
@@ -209,16 +209,15 @@ static void with_longer_gaps_allowed(void **state)
     while ((answer = ost_haptic_read(device, &s)) != OST_HAPTIC_ENDED)
         tracking_lost += answer == OST_HAPTIC_NOT_TRACKED;
     /*
-     * The poses of missing rows are interpolated. Poses are not interpolated across rows that
-     * declare lost tracking.
+     * The device interpolates across missing rows, but not across rows that declare lost tracking.
      */
     assert_int_equal(tracking_lost, 70 + 353 + 35);
     ost_haptic_close(device);
 }
 
 /*
- * A hand that is recorded at 1 kHz moves by 20 mm between two rows. Between these rows it counts
- * as not tracked, unless jumps of this size are allowed. The positions are in millimetres.
+ * In a recording at 1 kHz, the hand moves by 20 mm between two rows. Between these rows it counts as not
+ * tracked, unless an option allows jumps of this size. The positions are in millimetres.
  */
 static void a_jump_is_a_gap(void **state)
 {
@@ -370,8 +369,8 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
     assert_true(totals.removed_voxels > 20);
 
     /*
-     * Replaying the session must give the same bone. The session records a drop-out as an
-     * interval without ticks and a note at its end.
+     * Replaying the session must give the same bone. In the session, a drop-out is an interval without
+     * ticks, with a note at its end.
      */
     ost_session *session;
     assert_ok(ost_session_open(session_name, &session, &err));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the `mouse` device. A distant target is approached in steps that the operation's pose
- * guard allows, until it is reached. A tool that is selected or lifted moves to its new pose at
- * once. The pedal is a button. If two threads use the device, no partial state is read.
+ * Tests the `mouse` device. The device approaches a distant target in steps that the operation's pose guard
+ * allows, until it reaches the target. A tool that is selected or lifted moves to its new pose at once. The
+ * pedal is a button. If two threads use the device, no partial state is read.
  * Covers: REQ-MOUSE
  */
 #include <math.h>
@@ -119,7 +119,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     home.lifted = true;
     ost_mouse_input_put(input, &home);
     home.lifted = false;
-    ost_mouse_input_put(input, &home); /* the state is set to lifted and back to not lifted before the next read */
+    ost_mouse_input_put(input, &home); /* the state changes to lifted and back to not lifted before the next read */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);

@@ -101,7 +101,7 @@ static void a_script_is_its_path(void **state)
     free_fixture(&by_device);
 }
 
-/* The bone must equal that of the same path without the faulty rows. */
+/* The bone must equal the bone after the same path without the faulty rows. */
 static void what_is_no_hands_is_left_out(void **state)
 {
     ost_error err = {0};
@@ -167,8 +167,8 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 }
 
 /*
- * Pressing a tool of rigid points into bone gives a force. A pose that jumps is a fault: the
- * force becomes zero, and increases gradually afterwards.
+ * Pressing a tool of rigid points into bone must give a force. If a pose jumps, which is a fault, the force
+ * must become zero and then increase gradually.
  */
 typedef struct felt {
     ost_operation *operation;
@@ -202,8 +202,8 @@ static void a_fault_lets_the_hand_alone(void **state)
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
     /*
-     * Tool 1 exists for the force model but not in the world. Its force is computed, but must
-     * not be written to the device.
+     * Tool 1 exists in the force model, but not in the world. Its force is computed and must not be written
+     * to the device.
      */
     for (size_t i = 360; i < 370; i++) {
         path.ticks[i].tool = 1;
@@ -235,8 +235,8 @@ static void a_fault_lets_the_hand_alone(void **state)
 }
 
 /*
- * Every tick is rehearsed, some ticks more than once. Forces and bone must equal those of an
- * operation without rehearsals.
+ * Every tick is rehearsed at least once. The forces and the bone must equal those of an operation without
+ * rehearsals.
  */
 static void a_rehearsal_leaves_no_trace(void **state)
 {
@@ -342,8 +342,8 @@ static void a_session_of_it_does_it_again(void **state)
 }
 
 /*
- * A disk in memory. By locking `held`, the test blocks the writer in the middle of a write; by
- * setting `full`, it simulates a full disk.
+ * A disk in memory. If the test locks `held`, the writer is blocked in the middle of a write. If the test
+ * sets `full`, the disk is full.
  */
 typedef struct disk {
     unsigned char bytes[1 << 17];
@@ -378,10 +378,10 @@ static int disk_sync(void *user)
 }
 
 /*
- * Tests a blocked disk, a blocked disk with a small buffer, and a full disk. Every tick must be
- * executed with the same result, and the recorder must report the records that were not
- * written. A tick that waited for the disk would wait for ever, because the disk is released
- * only after the operation; the alarm then ends the test.
+ * Tests a blocked disk, a blocked disk with a small buffer, and a full disk. Every tick must be executed
+ * with the same result, and the recorder must report the records that were not written. If a tick waited
+ * for the disk, it would wait until the alarm ends the test, because the disk is released only after the
+ * operation.
  */
 static void it_does_not_wait_for_its_recorder(void **state)
 {
@@ -428,7 +428,7 @@ static void it_does_not_wait_for_its_recorder(void **state)
             assert_non_null(strstr(err.text, "the disk is full; 0 records are in the file, 200 are not"));
         else if (!cases[c].all)
             assert_non_null(strstr(err.text, "were lost: the disk was too slow"));
-        /* Unless the disk is full, the file must contain two headers and all records that fit. */
+        /* If the disk is not full, the file must contain two headers and all records that the recorder accepted. */
         assert_int_equal(d.size > (now.put + 1) * SESSION_RECORD, !cases[c].full);
         ost_session_header_free(header);
         pthread_mutex_destroy(&d.held);
@@ -460,8 +460,8 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
 }
 
 /*
- * With the motor off, a tool in bone removes nothing. With the motor on, its ticks equal those
- * of ost_motor_path. A tick that is too late counts as one with the motor off.
+ * With the motor off, a tool in bone removes nothing. With the motor on, the ticks equal those of
+ * ost_motor_path. A tick that is too late counts as a tick with the motor off.
  */
 static void a_motor_belongs_to_the_operation(void **state)
 {
@@ -539,16 +539,16 @@ static void buttons_do_what_their_table_says(void **state)
         TICK(0);
         assert_int_equal(s.tool, 0);
         TICK(tool);
-        TICK(tool); /* the button or key is still held, so nothing more happens */
+        TICK(tool); /* the button or key is still pressed, so the tool is not changed again */
         assert_int_equal(s.tool, 1);
         TICK(0);
         TICK(tool);
         assert_int_equal(s.tool, 0);
         assert_int_equal(s.pose.t.x, -10 * MM);
         /*
-         * While the clutch is held, the device moves 60 mm through the bone and beyond. Without
-         * the clutch, its steps would be jumps. The tool stays in place and continues from there
-         * when the clutch is released.
+         * While the clutch is held, the device moves 60 mm, through the bone and beyond. Without the
+         * clutch, the steps would be jumps. The tool stays in place and continues from there when the
+         * clutch is released.
          */
         for (int i = 0; i < 10; i++, x += 6 * MM)
             TICK(clutch);

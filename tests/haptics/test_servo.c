@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the servo loop with devices made for these tests: devices without samples, lost ones,
- * late ones, and ones with their own clock. No test compares times. The tests check counts, and
- * that a tick that is certain to have been too long is detected.
+ * Tests the servo loop with devices made for these tests: devices without samples, lost devices, late
+ * devices, and devices with their own clock. No test compares times. The tests check counts, and whether a
+ * tick is detected that is certain to be too long.
  * Covers: REQ-SERVO
  */
 #include "harness.h"
@@ -16,8 +16,9 @@
 #include "haptics/thread_time.h"
 
 /*
- * A device that returns given answers, one letter per read. Every further read returns the answer
- * of the last letter. F: fresh, S: no sample, U: not tracked, E: ended, any other letter: lost.
+ * A device that returns given answers, one letter per read. Every further read returns the answer of the
+ * last letter. The letters are F (fresh), S (no sample), U (not tracked) and E (ended); any other letter
+ * means lost.
  */
 static struct haptic_instance {
     const char *answers;
@@ -60,7 +61,8 @@ static void fake_write(haptic_instance *f, const ost_wrench *wrench)
     f->last = *wrench;
 }
 
-/* A device with its own thread, which calls `beat` until it returns false. fake_run waits for the thread. */
+/* A device with its own thread, which calls `beat` until `beat` returns false. The function fake_run waits for the
+   thread. */
 typedef struct own_clock {
     haptic_beat *beat;
     void *user;
@@ -121,9 +123,9 @@ static const haptic_driver absent = {.name = "absent", .usable = never, .open = 
 
 typedef struct seen {
     uint64_t ticks, declared, tracking_lost, done, missed;
-    uint64_t stop_at;  /* the loop is stopped at this tick; 0: never */
+    uint64_t stop_at;  /* the tick at which the loop is stopped; 0 means never */
     uint64_t sleep_at; /* this tick takes 12 ms */
-    uint64_t rehearsals, rehearsed; /* number of rehearsals; number of ticks that a rehearsal preceded */
+    uint64_t rehearsals, rehearsed; /* number of rehearsals, and number of ticks with a rehearsal before them */
     uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
@@ -173,7 +175,7 @@ static seen run_with(const haptic_driver *driver, const char *answers, const ost
     assert_int_equal(report.exec.count, s.ticks);
     assert_int_equal(report.wake.count, s.ticks);
     assert_int_equal(report.completion.count, s.ticks);
-    /* Whatever the reason for the loop's end, the last force is zero. */
+    /* For every reason of the loop's end, the last force must be zero. */
     assert_true(fake.last.force_n[0] == 0);
     assert_int_equal(fake.writes, (int)s.ticks + 1);
     ost_haptic_close(device);
@@ -202,7 +204,7 @@ static void a_silent_device_gets_no_force(void **state)
     (void)state;
     alarm(60); /* ends the test if the servo loop does not end, for example without its watchdog */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
-    /* For up to four ticks without a sample the last pose is used; a fifth in a row ends the loop. */
+    /* For up to four ticks without a sample, the last pose is used. A fifth tick in a row ends the loop. */
     seen s = run_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
     assert_int_equal(s.ticks, 12);
     assert_int_equal(s.declared, 8);
@@ -231,7 +233,7 @@ static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
     assert_int_equal(report.tracking_lost, 11);
     assert_int_equal(report.without_sample, 8);
     assert_int_equal(report.end, OST_SERVO_DEVICE_ENDED);
-    /* A device may be untracked at the start: time advances, and ticks are marked as having no pose. */
+    /* If a device is not tracked at the start, time advances and the ticks are marked as having no pose. */
     s = run_with(&polled, "U", &hundred, (seen){0});
     assert_int_equal(s.tracking_lost, 100);
     assert_int_equal(s.last.pose.qw, 0);
@@ -269,7 +271,7 @@ static void who_is_to_blame(void **state)
                       coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
     assert_int_equal(thread_time_between(&from, &taken), 100);
     assert_int_equal(thread_time_between(&from, &waited), 4000);
-    /* the processor time may exceed the wall time, since they come from different clocks */
+    /* a processor time above the wall time is possible, because the times come from different clocks */
     assert_int_equal(thread_time_between(&from, &coarse), 4000);
     assert_int_equal(classify_missed_deadline(501, 0, 1000), MISSED_BY_WORK);
     /* if the cause is uncertain, the miss is attributed to the tick's work */
@@ -397,8 +399,8 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
 }
 
 /*
- * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does
- * not run on this core. After the loop, its thread may run on all other cores again.
+ * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does not run on
+ * this core. After the loop, the loop's thread may run on all other cores again.
  */
 static void the_loop_has_a_core_of_its_own(void **state)
 {

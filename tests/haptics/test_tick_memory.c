@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that a tick allocates no memory and makes no system calls except those for times. This
- * covers the loop, the operation, the step of the world and the recorder, with a tool in
- * contact that enters one chunk after another.
+ * Tests that a tick allocates no memory and makes no system calls except those for times. The tested tick
+ * includes the loop, the operation, the step of the world and the recorder. In its course the tool is in
+ * contact and enters one chunk after another.
  *
  * malloc and related functions are replaced by functions that count calls while a tick runs.
  * This requires glibc and no sanitizer; otherwise the test is skipped. System calls are

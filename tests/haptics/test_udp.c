@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the `udp` device and the bridge over loopback, on ports that the system selects: packets
- * that are accepted, packets that are dropped and counted, silence, poses that no hand can
- * reach, and two bridges at once. The tests wait for answers; none depends on time.
+ * Tests the `udp` device and the bridge over loopback, on ports that the system selects: packets that are
+ * accepted, packets that are dropped and counted, missing packets, poses that no hand can reach, and two
+ * bridges at once. The tests wait for answers and do not depend on times.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -214,8 +214,8 @@ static void what_is_dropped_is_counted(void **state)
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 300);
     /*
-     * Sends truncated packets, an empty packet, a state packet and a packet that is too long.
-     * Then sends noise, during which valid packets must still be accepted.
+     * Sends truncated packets, an empty packet, a state packet and a packet that is too long. Then sends
+     * random bytes and valid packets alternately. The valid packets must be accepted.
      */
     uint8_t bytes[2000];
     const size_t size = link_seal(key, &p, bytes);
@@ -236,7 +236,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* reads often enough that all packets fit in the buffer of the socket */
+        if (i % 50 == 0) { /* read often enough that all packets fit in the socket's buffer */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -261,8 +261,8 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
     for (int i = 0; i < 16; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     /*
-     * After 20 ticks of silence, the hand is 20 mm farther away. A hand can move this far in
-     * this time, so the tool follows, in steps that are too small to be jumps.
+     * After 20 ticks without a packet, the hand is 20 mm farther away. A hand can move this far in this
+     * time, so the tool follows the hand in steps that are too small to be jumps.
      */
     send_pose_packet(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -374,12 +374,12 @@ static void what_cannot_be_opened(void **state)
 
 /* --------------------------------------------------------------- the bridge */
 
-/* A simulation that answers the bridge as configured by the test. */
+/* A simulation whose answers to the bridge are configured by the test. */
 typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* poses with these numbers are not answered; a hello ends the silence */
+    int silent_from, silent_to; /* poses with numbers in this range are not answered; a hello ends the silence */
     int end_at;                 /* number of the pose at which the simulation reports its end */
     _Atomic bool stop;
     int poses, seen, let_go, jumps, hellos;
@@ -417,8 +417,8 @@ static void *stand_in_serves(void *user)
             if (p.flags & LINK_SEEN) {
                 const int64_t way = llabs(p.pose.t.z - last.t.z);
                 /*
-                 * While a hand holds the tool, the tool moves by at most 100 pm per ns. This also
-                 * applies while this thread waits for a processor.
+                 * While a hand holds the tool, the tool moves by at most 100 pm per ns. The limit also
+                 * applies to intervals in which this thread waits for a processor.
                  */
                 s->jumps += way > 2 * MM + (tracked ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;
@@ -545,7 +545,7 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
     assert_true(report.limps >= 1);
     assert_true(report.limp_ticks >= 100);
     /*
-     * While no states arrive, the bridge reports that the tool is not held. Afterwards the tool
+     * While the bridge receives no states, it reports that the tool is not held. Afterwards the tool
      * continues from its position, although the device has moved 40 mm.
      */
     assert_true(s->let_go >= 100);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls and
- * their order, and frames and forces computed by hand. Also tests the loop's results if a library
- * is absent or lacks a function, and if a device is absent, is unplugged, overheats, hangs or
- * returns NaN. Further tests are the limits that devices report, and an operation whose motor and
- * tools are switched by buttons of a device.
+ * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls and their
+ * order, and frames and forces computed by hand. Further tests check the results if a library is absent or
+ * lacks a function, and if a device is absent, is unplugged, overheats, hangs or returns NaN. They also
+ * check the limits that devices report, and an operation whose motor and tools are switched by buttons of a
+ * device.
  */
 #include "ref/scene.h"
 
@@ -114,9 +114,8 @@ static void dhd_frames_and_forces(void **state)
         assert_true(abs((&s.pose.qw)[i] - (&setup.start.qw)[i]) <= 2);
     assert_int_equal(s.tool, -1);
     /*
-     * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z).
-     * These directions are z, x and y of the tool. The tool's x is the bone's -z, the tool's y
-     * is the bone's y, and the tool's z is the bone's x.
+     * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z). These
+     * directions are the tool's z, x and y axes, which are the bone's x, -z and y axes.
      */
     note->position[0] = -0.001;
     note->position[1] = 0.002;
@@ -258,8 +257,8 @@ static void openhaptics_fails(void **state)
     assert_int_equal(s.ticks, 3);
     assert_true(note->force[0] == 0);
     /*
-     * The device is too warm from its first frame on: it returns poses, but outputs no force
-     * within the ticks of this run.
+     * The device is too warm from its first frame on. It returns poses and outputs no force during this
+     * run.
      */
     note = take_place(HD, "fake_hd", "fake_hd");
     note->warm_at = 1;
@@ -307,8 +306,8 @@ static void openhaptics_reports_its_limits(void **state)
         const ost_haptic_limits l = limits_of("openhaptics");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
         /*
-         * A negative force in a case stands for a parameter that the library does not have. The
-         * resulting error must not be attributed to the device.
+         * A negative force in a case represents a parameter that the library does not have. The resulting
+         * error must not be attributed to the device.
          */
         if (cases[i].usable)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
@@ -326,7 +325,7 @@ static void openhaptics_reports_its_limits(void **state)
 static void dhd_has_the_limits_of_its_type(void **state)
 {
     (void)state;
-    /* The types are those of the SDK (DHD_DEVICE_...), the limits those of the vendors' data sheets. */
+    /* The types are the DHD_DEVICE_... constants of the SDK. The limits are those of the vendors' data sheets. */
     static const struct {
         int type;
         double force, torque;
@@ -367,7 +366,8 @@ typedef struct course {
     ost_live_channel *live;
     ost_world *world;
     fake_note *note;
-    double *along, step; /* the device's coordinate that moves along the bone's x, and 0.1 mm in the device's unit */
+    /* along is the device's coordinate that moves along the bone's x; step is 0.1 mm in the device's unit */
+    double *along, step;
     int tick;
     uint64_t removed[TICKS];
     ost_live_state seen[TICKS];
@@ -403,8 +403,8 @@ static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench
 }
 
 /*
- * Moves through 40 mm of bone along x and presses the device's own buttons: motor off, on, off,
- * next tool, motor on.
+ * Moves through 40 mm of bone along x. The presses of the device's buttons have the actions motor off, on,
+ * off, next tool, motor on.
  */
 static void operate_by_buttons(const char *name, fake_note *note, double *along, double step)
 {
@@ -461,7 +461,7 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    /* coordinate to the right, in mm; it is the tool's x */
+    /* coordinate to the right, in mm, which is the tool's x */
     operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
     note = take_place(DHD, "fake_dhd", "fake_dhd");
     operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* coordinate to the right, in m */
@@ -496,7 +496,7 @@ static void spnav_moves_while_it_is_pushed(void **state)
     (void)state;
     fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
-    /* the tool's x is the bone's -z, the tool's y is the bone's y, the tool's z is the bone's x */
+    /* the tool's x, y and z axes are the bone's -z, y and x axes */
     const ost_haptic_setup setup = at_start();
     ost_error err = {0};
     ost_haptic *device;
@@ -556,7 +556,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_string_equal(note->calls, "oc");
     note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
-    /* Listing the devices does not affect the only connection. */
+    /* Listing the devices must not affect the connection, of which there can be only one. */
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "o");

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes CT texts by plain code that shares nothing with the library's writer: positions are
- * rounded half up, and densities follow a formula that gives neighbouring layers different
- * values.
+ * Makes CT texts. The code is independent of the library's writer: positions are rounded half up, and
+ * densities follow a formula that gives different values in neighbouring layers.
  */
 #ifndef OST_TESTS_CT_TEXT_H
 #define OST_TESTS_CT_TEXT_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Records of images as osteon-dicom sends them, for tests of the library's side without DCMTK. */
+/* Makes image records like those that osteon-dicom sends, so that the library can be tested without DCMTK. */
 #ifndef OST_TESTS_IO_DICOM_RECORDS_H
 #define OST_TESTS_IO_DICOM_RECORDS_H
 
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Returns an axial image of 4 x 3 pixels of 0.5 x 0.75 mm at (-10, 20, z) mm, of series 7. z is a decimal. */
+/* Returns an axial image of 4 x 3 pixels of 0.5 x 0.75 mm at (-10, 20, z) mm in series 7. z is a decimal. */
 static inline ost_dicom_record record_at(const char *z)
 {
     ost_dicom_record r;

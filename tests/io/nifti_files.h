@@ -14,7 +14,7 @@ typedef struct nifti_spec {
     int64_t dim[8];
     int datatype, bitpix;
     double pixdim[4];
-    double vox_offset; /* 0: the data follow the header directly */
+    double vox_offset; /* 0 means that the data follow the header directly */
     double slope, inter;
     int units;
     int qform_code, sform_code;

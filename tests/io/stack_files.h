@@ -12,11 +12,11 @@
 typedef struct tiff_page {
     uint32_t width, height;
     unsigned bits, format, compression, photometric, samples, orientation, tile;
-    unsigned resolution;     /* pixels per centimetre; 0: the page has no resolution tags */
+    unsigned resolution;     /* in pixels per centimetre; if 0, the page has no resolution tags */
     const char *description;
     const void *data;        /* the bytes of the strip in the file's byte order */
     size_t size;
-    uint32_t strip_bytes;    /* StripByteCounts; 0: size */
+    uint32_t strip_bytes;    /* value of the tag StripByteCounts; 0 means `size` */
 } tiff_page;
 
 /* Returns a page of one byte per pixel without compression. */
@@ -45,13 +45,13 @@ static inline void put_entry(bytes *b, bool big, unsigned tag, unsigned type, ui
 
 /*
  * Appends a TIFF file with these pages. The layout of each page is: strip, resolution, description,
- * directory, so every offset is known when it is written, apart from that of the next directory.
+ * directory. Therefore every offset except that of the next directory can be written immediately.
  */
 static inline void put_tiff(bytes *b, bool big, const tiff_page *pages, size_t count)
 {
     put_text(b, big ? "MM" : "II");
     put_bits(b, 42, 2, big);
-    size_t link = b->size; /* where the offset of the next directory is stored */
+    size_t link = b->size; /* position of the offset of the next directory */
     put_bits(b, 0, 4, big);
     for (size_t p = 0; p < count; p++) {
         const tiff_page *t = &pages[p];
@@ -129,7 +129,8 @@ static inline void put_chunk(bytes *b, const char *type, const void *data, size_
     put_bits(b, crc32(0, b->data + start, (uInt)(size + 4)), 4, true);
 }
 
-/* Appends a PNG; rows are the pixels in its byte order, row_bytes for each row, with filter 0. */
+/* Appends a PNG file. `rows` contains the pixels in the byte order of PNG, with row_bytes bytes per row. All rows
+   have filter 0. */
 static inline void put_png(bytes *b, uint32_t width, uint32_t height, unsigned bits, unsigned colour,
                            unsigned interlace, const unsigned char *rows, size_t row_bytes, size_t row_count)
 {

@@ -178,7 +178,7 @@ static void a_header_without_end(void **state)
     assert_refused(at("long.nrrd"), NULL, OST_ERR_INPUT, "longer than 4194304 bytes");
 }
 
-/* Every truncation of a file, and the file with one more byte, must be refused with its own error. */
+/* A file that is truncated at any byte, or has one more byte, must be refused with a specific error. */
 static void cut_everywhere(const char *name, const bytes *good)
 {
     static bytes cut;
@@ -420,8 +420,8 @@ static void nifti_fields(void **state)
 }
 
 /*
- * Extensions do not affect the result, so a broken chain of them is no error. Only the values
- * of osteon's own keys must be valid.
+ * Extensions do not affect the result, so a broken chain of extensions is no error. Only the values of
+ * osteon's own keys must be valid.
  */
 static void nifti_extensions(void **state)
 {
@@ -431,7 +431,7 @@ static void nifti_extensions(void **state)
     static const struct {
         int size, code;
         const char *text;
-        int metas; /* number of facts; -1: the file is refused */
+        int metas; /* expected number of facts; -1 if the file must be refused */
     } cases[] = {
         {32, 6, "osteon side: left\n", 1},
         {32, 4, "osteon side: left\n", 0},
@@ -465,7 +465,8 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        assert_int_equal(meta.count, cases[i].metas + 1); /* one more fact states that the orientation was assumed */
+        /* the additional fact states that the orientation was assumed */
+        assert_int_equal(meta.count, cases[i].metas + 1);
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));
         ost_volume_free(&v);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that the library survives any osteon-dicom: shell scripts take its place, which crash, hang,
- * flood, close their output, or send the messages that the test has written. Every failure is one
- * message that names the file, and leaves neither a process nor a descriptor.
+ * Tests that the library handles any behaviour of the program osteon-dicom. The program is replaced by
+ * shell scripts that crash, hang, send too much, close their output, or send messages that the test has
+ * written. After each failure there must be one message with the file's name, and neither a process nor a
+ * descriptor may remain.
  *
  * Covers: REQ-DICOM-CHILD
  */
@@ -99,10 +100,10 @@ static void limits(void **state)
 {
     (void)state;
     const char *preload = getenv("LD_PRELOAD");
-    if (!preload || !strstr(preload, "vgpreload")) /* valgrind does not lower the number of descriptors */
+    if (!preload || !strstr(preload, "vgpreload")) /* under valgrind the limit of descriptors is not lowered */
         refused("[ \"$(ulimit -n)\" = 64 ] && kill -USR1 $$", "signal 10");
     refused("[ \"$(ulimit -f)\" = 0 ] && [ \"$(ulimit -c)\" = 0 ] && kill -USR1 $$", "signal 10");
-    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s, and 2 s for its file */
+    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s for the scan and 2 s for its file */
     refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$",
             "signal 10");
     refused("[ \"$(ls /proc/self/fd | wc -l)\" -le 4 ] && kill -USR1 $$", "signal 10");
@@ -110,7 +111,7 @@ static void limits(void **state)
 
 /* ----------------------------------------------------------------- messages */
 
-/* Messages, which send_of writes to the file .answer for a script that sends them. */
+/* Messages for a script. The function send_of writes them to the file .answer, and the script sends this file. */
 typedef struct answer {
     unsigned char bytes[1 << 14];
     size_t size;
@@ -174,13 +175,13 @@ static void messages(void **state)
     a.size = 0;
     put(&a, OST_DICOM_FILE, 0, sizeof damaged, &damaged);
     refused(send_of(&a), ".answer: is a truncated or damaged DICOM file");
-    /* The first file has an answer, so the process failed on the second. */
+    /* The first file has an answer, so the process failed at the second file. */
     a.size = 0;
     put(&a, OST_DICOM_FILE, 0, sizeof ok, &ok);
     refused(send_of(&a), "program: the DICOM parser made no progress for 1 s");
 }
 
-/* A flood of valid messages ends at the limit of images. */
+/* A flood of valid messages must end at the limit of images. */
 static void flood(void **state)
 {
     (void)state;
@@ -210,7 +211,7 @@ static void make_stack(ost_dicom_scan *scan, ost_dicom_stack *stack)
     assert_ok(ost_dicom_stack_make(scan, 0, NULL, stack, &report, &err));
 }
 
-/* Reads the first slice, which the process of image 0 sends. */
+/* Reads the first slice from the process for image 0. */
 static ost_status read_with(const ost_dicom_stack *stack, const char *script, uint16_t cells[12])
 {
     const ost_dicom_launch launch = {.program = program, .seconds = 1};

@@ -3,8 +3,8 @@
  * Tests the library's side of the DICOM reader on records that the test makes: series, order, geometry,
  * faults, densities and resampling. Neither DCMTK nor osteon-dicom is needed.
  *
- * Expected values are written out by hand from the positions in the records. The file has more than 500 lines because
- * each fault needs a record and a message.
+ * Expected values are derived by hand from the positions in the records. The file has more than 500 lines
+ * because each fault needs a record and a message.
  *
  * Covers: AR-DCM-1, AR-DCM-2, AR-DCM-3, AR-DCM-4, AR-DCM-5, REQ-DICOM
  */
@@ -19,7 +19,7 @@
 enum { FILES = 64 };
 #define MM OST_PM_PER_MM
 
-/* A scan of records, each from a file of its own: "f0", "f1", ... */
+/* A scan of records. Each record is from a separate file: "f0", "f1", ... */
 static ost_dicom_scan scan;
 static ost_error err;
 
@@ -63,7 +63,7 @@ static ost_status make(const ost_volume_options *options, ost_dicom_stack *stack
     return status == OST_OK ? ost_dicom_stack_make(&scan, series, options, stack, report, &err) : status;
 }
 
-/* Fails unless the stack is refused with a message that contains the text. */
+/* Checks that the stack is refused with a message that contains the text. */
 static void refused(const char *text)
 {
     ost_dicom_stack stack;
@@ -161,7 +161,7 @@ static void order_and_geometry(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-/* Slices in a coronal plane: the normal (1,0,0) x (0,0,-1) points to +y, so the first slice has the least y. */
+/* Tests slices in a coronal plane. The normal (1,0,0) x (0,0,-1) points to +y, so the first slice has the lowest y. */
 static void coronal(void **state)
 {
     (void)state;
@@ -211,7 +211,8 @@ static void irregular(void **state)
     refused("f2: lies 0.3 mm off its position in an even stack of slices 1 mm apart");
 }
 
-/* Positions that a scanner rounded to 0.01 mm are even: slices 0.625 mm apart at 0, 0.63, 1.25, 1.88, 2.5. */
+/* Tests positions that a scanner rounded to 0.01 mm. They must be accepted as equidistant: slices 0.625 mm apart are
+   at 0, 0.63, 1.25, 1.88 and 2.5 mm. */
 static void rounded_positions(void **state)
 {
     (void)state;
@@ -240,7 +241,7 @@ static void doubled(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-/* Slices 1 mm apart along z that move 0.25 mm along y: atan(0.25) is 14.04 degrees. */
+/* Tests slices 1 mm apart along z, each moved by 0.25 mm along y. The tilt is atan(0.25) = 14.04 degrees. */
 static void tilted(void **state)
 {
     (void)state;
@@ -257,7 +258,8 @@ static void tilted(void **state)
     refused("tilted by 14.04 degrees (each lies 0.25 mm beside the one before it)");
     assert_ok(make(&untilt, &stack, &report));
     assert_true(stack.untilted);
-    /* The slices move by 1 mm in total. This is less than two rows of 0.75 mm, so two rows follow the last row. */
+    /* The slices move by 1 mm in total. This is between one and two rows of 0.75 mm, so two rows are added after the
+       last row. */
     assert_int_equal(stack.sizes[0], 4);
     assert_int_equal(stack.sizes[1], 5);
     assert_int_equal(stack.margin[1], 0);
@@ -267,7 +269,7 @@ static void tilted(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-/* Changes one image of five, expects the message, and restores the scan. */
+/* Changes one image of five, checks that the message is reported, and restores the scan. */
 static void with(ost_dicom_record changed, const char *message)
 {
     begin(NULL);
@@ -358,7 +360,7 @@ static void attributes(void **state)
     r = plain;
     r.result = OST_DICOM_RESULT_UNSUPPORTED;
     with(r, "f2: its pixels are compressed in a way that osteon does not read");
-    /* An image that is not a slice leaves a gap, which is found. */
+    /* An image that is not a slice leaves a gap between slices, which must be detected. */
     r = plain;
     r.flags |= OST_DICOM_IMAGE_LOCALIZER;
     with(r, "f3: lies 2 mm after f1");
@@ -418,7 +420,7 @@ static void densities(void **state)
     r.flags |= OST_DICOM_IMAGE_SIGNED;
     assert_int_equal(density_of(table, &r, 0x0fff), -1025); /* -1 in 12 bits */
     assert_int_equal(density_of(table, &r, 0x0800), -2048 - 1024);
-    r.high_bit = 15; /* the stored bits are the upper 12 */
+    r.high_bit = 15; /* the 12 stored bits are the upper bits */
     assert_int_equal(density_of(table, &r, 0x0010), 1 - 1024);
     assert_int_equal(density_of(table, &r, 0xfff7), -1 - 1024);
     r = record_at("0");
@@ -428,7 +430,7 @@ static void densities(void **state)
     assert_int_equal(density_of(table, &r, 3), 2);
     assert_int_equal(density_of(table, &r, 5), 2);
     assert_int_equal(table->rounded, 3);
-    /* 1.000000000001 * 2500 - 0.5 is above the tie 2499.5 by 2.5e-9. */
+    /* 1.000000000001 * 2500 - 0.5 is 2.5e-9 above the tie 2499.5. */
     snprintf(r.slope, sizeof r.slope, "1.000000000001");
     snprintf(r.intercept, sizeof r.intercept, "-0.5");
     assert_int_equal(density_of(table, &r, 2501), 2501);
@@ -437,7 +439,7 @@ static void densities(void **state)
     free(table);
 }
 
-/* Padding of 16 bits in an image of 12 bits, and a range of padding. */
+/* Tests 16-bit padding in an image of 12 bits, and a range of padding values. */
 static void padding(void **state)
 {
     (void)state;
@@ -500,7 +502,7 @@ static void mixing(void **state)
     assert_int_equal(out[1], 5);
 }
 
-/* A slice of 3 x 2 pixels moved by one and a half pixels along x, and by half a pixel along y. */
+/* Tests a slice of 3 x 2 pixels that is moved by one and a half pixels along x and by half a pixel along y. */
 static void shearing(void **state)
 {
     (void)state;

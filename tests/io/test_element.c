@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the conversion of file elements to densities. Plain floats are compared with the
- * compiler's rint in its default mode, which is another implementation of the same rule. Scaled
- * values are compared with long double wherever that is exact.
+ * Tests the conversion of file elements to densities. Floats without scaling are compared with rint in its
+ * default mode, which is another implementation of the same rule. Scaled values are compared with long
+ * double arithmetic wherever this arithmetic is exact.
  *
  * Covers: AR-FILE-4
  */

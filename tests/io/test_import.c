@@ -43,7 +43,7 @@ static const char *in_folder(const char *name)
 
 /* ---------------------------------------------------------- no layer is lost */
 
-/* Makes the rect grid of a text with only the two passes. */
+/* Makes the rect grid of a text by calling only the two passes of the reader. */
 static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **voxels, ost_scatter_report *report,
                           ost_error *err)
 {
@@ -76,8 +76,8 @@ static ost_status rect_of(const char *path, ost_geometry *geometry, int16_t **vo
 }
 
 /*
- * Tests spacings for which the import of the thesis leaves up to 29 % of the layers empty and
- * fills an equal number of layers twice.
+ * Tests spacings for which the import described in the thesis leaves up to 29 % of the layers empty and
+ * fills the same number of layers twice.
  */
 static void no_layer_is_empty_or_doubled(void **state)
 {
@@ -201,8 +201,8 @@ static void every_format_gives_the_same_grid(void **state)
 }
 
 /*
- * The rect grid of an import, whose slices arrive one by one, is the volume that ost_volume_read returns, for the 48
- * orders and directions of a file's axes.
+ * The import receives slices one by one. For each of the 48 orders and directions of a file's axes, its
+ * rect grid must equal the volume that ost_volume_read returns.
  */
 static void every_orientation_gives_the_grid_of_the_volume(void **state)
 {
@@ -306,7 +306,7 @@ static void the_result_tells_all(void **state)
         assert_true(result.stages[i].has_digest);
         assert_true(result.stages[i].time_ms >= 0);
     }
-    /* The samples are hashed here in a single call, as records of 32 bytes in the order of the file. */
+    /* The test hashes the samples in a single call, as records of 32 bytes in the order of the file. */
     struct {
         int64_t x, y, z;
         int32_t density;
@@ -337,7 +337,7 @@ static void the_result_tells_all(void **state)
     ost_bone_free(bone);
 }
 
-/* Returns the rule by which a file is resampled, and checks that the bone's header states this rule. */
+/* Returns the rule by which a file is resampled. Checks that the bone's header states this rule. */
 static ost_resample rule_of(const char *path, const ost_import_options *options, const char *fact)
 {
     ost_error err = {0};
@@ -349,7 +349,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
     return result.resample;
 }
 
-/* There are two labels, 200 and 300; their mean would be a third label. */
+/* The file has the labels 200 and 300. Their mean, which would be a third label, must not occur. */
 static void labels_take_the_nearest(void **state)
 {
     (void)state;
@@ -393,7 +393,7 @@ static void labels_take_the_nearest(void **state)
     assert_int_equal(rule_of(path, &linear, "linear"), OST_RESAMPLE_LINEAR);
 }
 
-/* If a bone is imported without changing its voxels, the facts about its CT must be preserved. */
+/* If a bone is imported without changes of its voxels, the facts about its CT must be preserved. */
 static void a_kept_bone_keeps_its_rule(void **state)
 {
     (void)state;
@@ -542,7 +542,8 @@ static void a_crop_is_a_part_of_the_whole(void **state)
     }
 }
 
-/* By AR-GRID-5 the complete grid must be valid too, in a text as in a volume. */
+/* By AR-GRID-5 the complete grid must be valid even if only a part of it is imported, from a text as well as from a
+   volume. */
 static void the_rest_of_a_crop_is_checked(void **state)
 {
     (void)state;
@@ -712,10 +713,10 @@ static int import_within_bounds(const char *spec, const char *path)
 }
 
 /*
- * The test imports 20 MB of text for a grid of 50^3 voxels, each given eight times. The peak
- * must be a few hundred kilobytes, for the grid and the buffers, whatever the size of the file.
- * The import runs in a new process for two reasons: this process has already used more memory,
- * and after a fork without exec OpenMP would wait for threads that exist only in the parent.
+ * The test imports 20 MB of text for a grid of 50^3 voxels, each given eight times. The peak must be a few
+ * hundred kilobytes, for the grid and the buffers, independently of the size of the file. The import runs
+ * in a new process for two reasons: this process has already used more memory, and after a fork without
+ * exec OpenMP would wait for threads that exist only in the parent.
  */
 static void memory_is_bounded_by_the_grid(void **state)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tests that the kind of a file is determined by its content, or by its name if the content is not conclusive. */
+/* Tests that the type of a file is determined by its content, or by its name if the content is not conclusive. */
 #include "harness.h"
 
 #include <zlib.h>
@@ -65,7 +65,8 @@ static void binary_signatures(void **state)
     char *folder = scratch_folder(), path[600];
     unsigned char dicom[132] = {0};
     memcpy(dicom + 128, "DICM", 4);
-    assert_int_equal(kind_of(folder, "a.nii", dicom, sizeof dicom), OST_FILE_DICOM); /* the name has no effect */
+    /* the content determines the type, so the name has no effect */
+    assert_int_equal(kind_of(folder, "a.nii", dicom, sizeof dicom), OST_FILE_DICOM);
     unsigned char header[540] = {348 & 255, 348 >> 8};
     memcpy(header + 344, "n+1", 4);
     assert_int_equal(kind_of(folder, "a.txt", header, 352), OST_FILE_NIFTI);
@@ -107,7 +108,7 @@ static void what_has_no_content(void **state)
     ost_error err = {0};
     ost_file_kind kind;
     assert_ok(ost_file_kind_find(folder, &kind, &err));
-    assert_int_equal(kind, OST_FILE_DICOM); /* a folder is searched only when it is read */
+    assert_int_equal(kind, OST_FILE_DICOM); /* the files of a folder are examined only when the folder is read */
     snprintf(path, sizeof path, "%s/absent.nrrd", folder);
     assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "No such file"));
@@ -118,7 +119,8 @@ static void what_has_no_content(void **state)
     scratch_remove(folder);
 }
 
-/* A format that osteon does not read is refused with its name and the program that converts it. */
+/* A format that osteon does not read must be refused. The error line contains the name of the format and of a
+   program that converts it. */
 static void foreign_formats(void **state)
 {
     static const struct {

@@ -48,7 +48,8 @@ static void put_json(bytes *b, const char *system, bool ras)
     }
 }
 
-/* Writes one row per point: `before`, label and coordinates (or coordinates and label), `after`. */
+/* Writes one row per point. A row consists of `before`, the label and the coordinates (or the coordinates and the
+   label), and `after`. */
 static void put_rows(bytes *b, bool ras, const char *before, const char *after, bool label_last, const char *end)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -82,7 +83,7 @@ static void assert_points(const char *name)
     ost_landmarks_free(&all);
 }
 
-/* A file that is written gives the same labels and, to the picometre, the same positions when it is read. */
+/* A file that osteon wrote must give the same labels and, to the picometre, the same positions when it is read. */
 static void what_is_written_is_read(void **state)
 {
     (void)state;

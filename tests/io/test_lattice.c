@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the lattice of a CT text: common spacings written with few and with many digits, and a
- * property test against a plain search.
+ * Tests the lattice of a CT text with common spacings, written with few and with many digits. A property
+ * test compares the lattice with a simple search.
  *
  * Covers: AR-CT-3, AR-CT-7
  */
@@ -70,7 +70,8 @@ static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
 static void spacings_of_the_field(void **state)
 {
     (void)state;
-    /* The true spacing is expected if the layers and their digits distinguish it from shorter decimals. */
+    /* The expected result is the true spacing if the layers and their digits distinguish the true spacing from
+       shorter decimals. */
     static const struct {
         ost_pm spacing, origin;
         int count, places;
@@ -144,7 +145,7 @@ static void layers_may_be_absent(void **state)
     assert_true(found == 488281250);
 }
 
-/* Trailing zeros are omitted: "0", "0.47", "0.94", "4.7". */
+/* Tests values without trailing zeros: "0", "0.47", "0.94", "4.7". */
 static void trailing_zeros_may_be_dropped(void **state)
 {
     (void)state;
@@ -155,7 +156,7 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2);
     assert_ok(find_one(&a, &found, &err));
     assert_true(found == 470000000);
-    /* With six significant digits, as printed by %g, values from 100 on have fewer places. */
+    /* With six significant digits, as printed by %g, values from 100 on have fewer decimal places. */
     fill(&a, 0, 488281250, 400, 6, NULL);
     for (size_t i = 0; i < a.axis.count; i++)
         a.value[i] = rounded((ost_pm)i * 488281250, unit_of(a.value[i] >= 100000000000  ? 3
@@ -237,7 +238,8 @@ static void what_cannot_be_found_is_asked_for(void **state)
         "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
         "(lines 31 and 32); give the spacing (--spacing)");
 
-    /* 1.3 mm without decimals gives 0 1 3 4 5 6 8 ..., which must not be read as 1 mm with absent layers. */
+    /* A spacing of 1.3 mm written without decimals gives 0 1 3 4 5 6 8 ... This must not be read as a spacing of 1
+       mm with absent layers. */
     fill(&a, 0, 1300000000, 50, 0, NULL);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "--spacing"));
@@ -255,8 +257,8 @@ static void what_cannot_be_found_is_asked_for(void **state)
 }
 
 /*
- * The plain search determines the feasible spacings from all pairs, then chooses one digit
- * after another. It is exact in 128 bits and shares nothing with the bisection in the library.
+ * A simple search: determines the feasible spacings from all pairs of layers, then chooses one digit after
+ * another. The search is exact in 128 bits and independent of the bisection in the library.
  */
 static ost_pm plain_search(const axis_text *a, int64_t u)
 {
@@ -282,7 +284,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* the feasible interval lies entirely on one side of the spacings tried */
+        if (best == 0) /* the complete feasible interval lies on one side of the spacings tried */
             best = first > near ? first : last;
         return best;
     }
@@ -290,9 +292,9 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
 }
 
 /*
- * The first eight layers are present. Each of them narrows the range of possible spacings. After
- * the eighth layer, the number of absent layers in a gap is unambiguous. With fewer layers, a
- * spacing near the least one is ambiguous and refused.
+ * The first eight layers are present. Each of them narrows the range of possible spacings. After the eighth
+ * layer, the number of absent layers in a gap is unambiguous. With fewer layers, a spacing near the lower
+ * end of the range is ambiguous and must be refused.
  */
 static uint64_t keep_mask;
 static bool by_mask(int i)

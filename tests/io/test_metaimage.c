@@ -9,7 +9,7 @@
 
 enum { NX = 4, NY = 3, NZ = 5, COUNT = NX * NY * NZ };
 
-/* Returns distinct small values that every type can hold. */
+/* Returns a value that is different for each n and small enough for every type. */
 static int density(int n)
 {
     return n * 2 + 1;
@@ -63,7 +63,7 @@ static void every_type_order_and_form(void **state)
     (void)state;
     for (size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
         for (int variant = 0; variant < 12; variant++) {
-            /* both byte orders; data after the header or in another file; raw, zlib or gzip */
+            /* the variants are both byte orders; data after the header or in another file; raw, zlib or gzip */
             const bool big = variant & 1, local = variant & 2;
             const int form = variant / 4;
             char header[400];
@@ -115,8 +115,9 @@ static ost_volume read_volume(const char *name, ost_volume_report *report)
 }
 
 /*
- * The rows of TransformMatrix are the directions of the axes. Here the file's x is posterior, its y
- * is right and its z is superior, so voxel (x, y, z) is at (10 - 0.7 y, 20 + 0.5 x, -3 + 1.25 z).
+ * The rows of TransformMatrix are the directions of the axes. In this test the file's x points to
+ * posterior, its y to right and its z to superior, so voxel (x, y, z) is at (10 - 0.7 y, 20 + 0.5 x, -3 +
+ * 1.25 z) in LPS.
  */
 static void rows_of_the_matrix_are_axes(void **state)
 {
@@ -198,7 +199,7 @@ static void data_in_several_files(void **state)
     }
 }
 
-/* Writes a file in which one line replaces the line with the same key, or is added, and which is otherwise right. */
+/* Writes a valid file in which one line replaces the line with the same key or, if there is none, is added. */
 static void write_changed(const char *line)
 {
     static const char *const right[] = {"ObjectType = Image\n",      "NDims = 3\n",  "DimSize = 2 2 2\n",

@@ -30,7 +30,7 @@ static void every_type_version_and_order(void **state)
 {
     (void)state;
     static const struct {
-        int code, bits, kind; /* kind of type: 0 integer, 1 float, 2 double */
+        int code, bits, kind; /* kind of the type: 0 integer, 1 float, 2 double */
         const char *name;
     } types[] = {{2, 8, 0, "uint8"},     {256, 8, 0, "int8"},    {4, 16, 0, "int16"},    {512, 16, 0, "uint16"},
                  {8, 32, 0, "int32"},    {768, 32, 0, "uint32"}, {1024, 64, 0, "int64"}, {1280, 64, 0, "uint64"},
@@ -132,7 +132,7 @@ static void sform_qform_or_pixdim(void **state)
 {
     (void)state;
     static const struct {
-        int sform, qform, expected; /* 1 sform, 2 qform, 3 only pixdim */
+        int sform, qform, expected; /* expected: 1 if sform is used, 2 if qform is used, 3 if only pixdim is used */
     } cases[] = {{1, 1, 1}, {2, 1, 1}, {1, 0, 1}, {0, 1, 2}, {4, 1, 2}, {3, 2, 2}, {4, 0, 1}, {0, 0, 3}};
     const ost_pm mm = OST_PM_PER_MM;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -151,8 +151,8 @@ static void sform_qform_or_pixdim(void **state)
             ost_volume_report report;
             ost_error err = {0};
             /*
-             * In these cases both forms, sform and qform, refer to the patient and disagree, so an
-             * option must select one. forms_that_disagree tests this option.
+             * In these cases both sform and qform refer to the patient and disagree, so an option must
+             * select one of them. The test forms_that_disagree tests this option.
              */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;
             const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
@@ -176,10 +176,9 @@ static void sform_qform_or_pixdim(void **state)
 }
 
 /*
- * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The sform and the qform are equal except for the
- * sform's z step and its origin, which is moved along R. The farthest corner moves by the sum of
- * both changes. If the corner moves by at most one voxel, the forms agree; if it moves farther,
- * an option must select a form.
+ * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The sform and the qform are equal except for the sform's z step
+ * and its origin, which is moved along R. The displacement of the farthest corner is the sum of both
+ * changes. The forms agree if it is at most one voxel; otherwise an option must select a form.
  */
 static void forms_that_disagree(void **state)
 {
@@ -281,7 +280,7 @@ static void without_forms(void **state)
 }
 
 /*
- * Reads quaternions of quarter turns, also with the rounding error of float32's sqrt(1/2). The
+ * Reads quaternions of quarter turns, with exact components and with sqrt(1/2) rounded to float32. The
  * spacing must be that of pixdim.
  */
 static void quarter_turns(void **state)
@@ -339,7 +338,7 @@ static void units_and_float32(void **state)
             for (int version = 1; version <= 2; version++) {
                 nifti_spec s = nifti_plain(version);
                 double unit = units == 1 ? 0.001 : units == 3 ? 1000 : 1;
-                s.units = units | 8; /* the upper bits hold the time unit, seconds */
+                s.units = units | 8; /* the upper bits contain the time unit, seconds */
                 s.sform_code = 1;
                 s.srow[0][0] = -spacings[i] * unit;
                 s.srow[1][1] = -spacings[i] * unit;

@@ -9,7 +9,7 @@
 
 enum { NX = 4, NY = 3, NZ = 5, COUNT = NX * NY * NZ };
 
-/* Returns distinct small values that every type can hold; int8 holds them with an offset. */
+/* Returns a value that is different for each n and small enough for every type; int8 stores it with an offset. */
 static int density(int n)
 {
     return n * 2 + 1;
@@ -79,7 +79,7 @@ static void every_type_order_and_encoding(void **state)
     static bytes file, raw;
     for (size_t t = 0; t < sizeof type_cases / sizeof type_cases[0]; t++) {
         for (int variant = 0; variant < 6; variant++) {
-            /* raw and gzip in both byte orders, text, and gzip in two members */
+            /* the variants are raw and gzip in both byte orders, text, and gzip in two members */
             bool big = variant & 1;
             const char *encoding = variant < 2    ? "raw"
                                    : variant < 4  ? (big ? "gz" : "gzip")
@@ -376,8 +376,8 @@ static void spaces_and_units(void **state)
     assert_string_equal(report.orientation, "LPS");
     assert_int_equal(v[1], 1);
     /*
-     * RAS with positive steps: x and y decrease in LPS, so the last voxel along each of these
-     * axes becomes the first.
+     * In RAS with positive steps, the LPS coordinates x and y decrease. The last voxel along each of these
+     * axes therefore becomes the first voxel.
      */
     read_grid("space: RAS\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n", &g, &report, v);
     assert_grid(&g, mm, 2 * mm, 3 * mm, -11 * mm, -22 * mm, 30 * mm);
@@ -415,8 +415,8 @@ static void spaces_and_units(void **state)
 }
 
 /*
- * If the space does not define patient axes, the orientation letters map the coordinates:
- * directions and origin are transformed together.
+ * If the space does not define patient axes, orientation letters map the coordinates. Directions and origin
+ * must be transformed together.
  */
 static void a_space_without_a_patient(void **state)
 {
@@ -440,8 +440,8 @@ static void a_space_without_a_patient(void **state)
         assert_string_equal(ost_meta_get(&v.meta, OST_META_ORIENTATION), "assumed LPS");
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, 10 * mm, 20 * mm, 30 * mm);
         /*
-         * The fact must be preserved when the volume is written and read again. An option must
-         * not override the fact.
+         * The fact that the orientation was assumed must be preserved when the volume is written and read
+         * again. An option must not override it.
          */
         assert_ok(ost_volume_write(at("again.nrrd"), &v, NULL, &err));
         ost_volume_free(&v);

@@ -58,9 +58,9 @@ static void all_48_ways(void **state)
 }
 
 /*
- * The axes are tilted by less than the limit. Every component of the grid's origin must be that
- * of the file's voxel that becomes the grid's first voxel. A volume that is stored backward
- * along an axis must give the same grid.
+ * The axes are tilted by less than the limit. The file's voxel that becomes the grid's first voxel must
+ * determine every component of the grid's origin. A volume that is stored backward along an axis must give
+ * the same grid.
  */
 static void tilted_axes_flip_about_their_ends(void **state)
 {
@@ -100,8 +100,8 @@ static void tilted_axes_flip_about_their_ends(void **state)
 }
 
 /*
- * An axis counts as straight if its tilt moves the farthest voxel by at most 1/8 of a voxel. One
- * picometre more makes it tilted. Short axes count as 65 voxels.
+ * An axis counts as straight if its tilt moves the farthest voxel by at most 1/8 of a voxel. One picometre
+ * more makes the axis tilted. An axis with fewer than 65 voxels is treated as if it had 65 voxels.
  */
 static void an_eighth_of_a_voxel_is_the_border(void **state)
 {

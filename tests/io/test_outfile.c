@@ -34,7 +34,7 @@ static void assert_content(const char *path, const char *text)
     free(content);
 }
 
-/* Runs a check for both ways of naming temporary files. */
+/* Runs a check with each of the two ways in which temporary files are named. */
 static void for_both_ways(void (*check)(const char *folder))
 {
     for (int named = 0; named < 2; named++) {
@@ -229,7 +229,7 @@ static void a_new_file_takes_a_free_name(const char *folder)
     assert_int_equal(ost_outfile_put_new(path, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
     assert_content(path, "one");
-    /* A symbolic link occupies the name, even if its target does not exist. */
+    /* A symbolic link occupies the name even if the link's target does not exist. */
     assert_int_equal(symlink("nowhere", link), 0);
     assert_int_equal(ost_outfile_put_new(link, "two", 3, &taken, &err), OST_ERR_IO);
     assert_true(taken);
@@ -246,7 +246,7 @@ static void test_a_new_file_takes_a_free_name(void **state)
     for_both_ways(a_new_file_takes_a_free_name);
 }
 
-/* Symbolic links under every temporary name that can be derived from process id and number must not interfere. */
+/* Symbolic links under all temporary names that can be derived from a process id and a number must have no effect. */
 static void hidden_names_cannot_be_guessed(void **state)
 {
     (void)state;
@@ -288,14 +288,14 @@ static void write_forever(const char *path)
     }
 }
 
-/* The child writes a file of the same name repeatedly. At any moment the file must be absent or complete. */
+/* A child process writes a file of the same name repeatedly. At any moment the file must be absent or complete. */
 static void killed_at_any_moment(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("killed_at_any_moment");
     static const int signals[] = {SIGKILL, SIGTERM};
     for (int round = 0; round < 40; round++) {
-        /* static, so that valgrind reports no leak for memory that is reachable in a killed child */
+        /* static, because the memory is then reachable in a killed child and valgrind reports no leak */
         static char *folder;
         char path[512];
         folder = scratch_folder();

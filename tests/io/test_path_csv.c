@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests paths as text: exact integers, writing and reading back, metres and gzip, rows without a
- * pose, gaps in time and space, and each kind of broken file.
+ * Tests paths in text files: exact integers, writing and reading again, metres and gzip, rows without a
+ * pose, gaps in time and space, and each type of broken file.
  *
  * Covers: AR-POSE-2, AR-PATH-1, AR-PATH-2, AR-PATH-3, AR-PATH-4, AR-PATH-5
  */
@@ -114,7 +114,7 @@ static void a_tools_number_and_the_longest_times(void **state)
     ost_path_free(&path);
 }
 
-/* Reads the same rows in metres, compressed, with additional columns, and written by hand. */
+/* Reads a path from a tracker in several forms: in metres, compressed, with additional columns, and written by hand. */
 static void a_trackers_file_is_a_path(void **state)
 {
     (void)state;
@@ -163,7 +163,7 @@ static void a_trackers_file_is_a_path(void **state)
     free(bytes);
 }
 
-/* Times (ms) and positions (mm) of rows, and the rows that must be lifted. */
+/* Times (ms) and positions (mm) of rows, and for each row whether it must be lifted. */
 typedef struct gap_case {
     const char *header;
     ost_path_options options;
@@ -176,23 +176,23 @@ static void rows_far_apart_are_a_gap(void **state)
 {
     (void)state;
     static const gap_case cases[] = {
-        /* The example of docs/spec/arithmetic.md: intervals of 3.5 ms, and one interval of 98 ms. */
+        /* the example of docs/spec/arithmetic.md, with intervals of 3.5 ms and one interval of 98 ms */
         {"", {0}, 6, {0, 3.5, 7, 10.5, 108.5, 112}, {0}, {[4] = true}},
-        /* If the usual interval is one second, an interval of ten seconds is not a gap, but a longer one is. */
+        /* With a usual interval of one second, an interval is a gap if it is longer than ten seconds. */
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000}, {0}, {false}},
         {"", {0}, 5, {0, 1000, 2000, 3000, 13000.001}, {0}, {[4] = true}},
         {"", {0}, 2, {0, 60000}, {0, 300}, {false}},
         /* An interval of at most 50 ms is never a gap. */
         {"", {0}, 5, {0, 1, 2, 52, 102.001}, {0}, {[4] = true}},
-        /* A gap in space is more than 5 mm and more than ten times the usual distance. */
+        /* A gap in space is a distance that is greater than 5 mm and greater than ten times the usual distance. */
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
         {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
-        /* The limits are given by options: for time only, for time and space, or no limit at all. */
+        /* Options set the limits: for time only, for time and space, or no limits. */
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        /* If the file has a `lifted` column, gaps are searched only if an option gives a limit. */
+        /* In a file with a `lifted` column, gaps are searched only if an option sets a limit. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n",
          {100000000, 0},

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares reading a scan in one pass with the two passes that read any text. Summary, digest,
- * geometry, grid, report and every error must be equal, whatever change is made to the text.
+ * Compares the reader that reads a scan in one pass with the reader that reads any text in two passes.
+ * Random changes are made to the texts. Summary, digest, geometry, grid, report and every error must be
+ * equal.
  *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-DIG-6
  */
@@ -51,13 +52,14 @@ static void put(text *t, const char *format, ...)
 typedef struct recipe {
     int dims[3];
     int order[3];       /* axes from the fastest to the slowest one */
-    int step[3];        /* step along each axis in 10^-places mm; negative: descending */
-    int thirds[3];      /* number of thirds of 10^-places mm added to step; positions are rounded when written */
+    int step[3];        /* step along each axis in 10^-places mm; negative if positions descend */
+    /* number of thirds of 10^-places mm that are added to step; positions are rounded when they are written */
+    int thirds[3];
     int64_t start[3];
     int places;
     const char *separator, *ending, *head;
-    bool widths;        /* densities and positions are padded to a fixed width */
-    bool trimmed;       /* positions have no trailing zeros, so their lengths and columns differ */
+    bool widths;        /* true if densities and positions are padded to a fixed width */
+    bool trimmed;       /* true if positions have no trailing zeros, so that their lengths and columns differ */
     bool last_newline;
 } recipe;
 
@@ -171,7 +173,8 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* Imports the text in two passes. `crop` is the part of the grid to read. If lo[0] < 0, the complete grid is read. */
+/* Imports the text in two passes. `crop` is the part of the grid to read; the complete grid is read if crop->lo[0] <
+   0. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};
@@ -269,9 +272,8 @@ static int next_turn(void)
 }
 
 /*
- * Reads the text in one pass and in two passes, compares the results, and imports the text. If
- * the two passes fail, the import must return the same error. Returns true if the text was
- * accepted as a scan.
+ * Reads the text in one pass and in two passes, compares the results, and imports the text. If reading in
+ * two passes fails, the import must return the same error. Returns true if the text was accepted as a scan.
  */
 static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng *rng)
 {
@@ -317,7 +319,7 @@ static recipe random_recipe(test_rng *rng, bool large)
     static const char *const heads[] = {"", "", "x y z density\n", "# made by a test\n\n# osteon side: left\n",
                                         "\xef\xbb\xbf# first\r\nX,Y,Z,HU\r\n"};
     recipe r = {
-        .places = (int)rng_range(rng, 1, 4), /* the least step is 4 um */
+        .places = (int)rng_range(rng, 1, 4), /* the smallest step is 4 um */
         .separator = separators[rng_range(rng, 0, 5)],
         .ending = rng_range(rng, 0, 3) ? "\n" : "\r\n",
         .head = heads[rng_range(rng, 0, 4)],
@@ -499,7 +501,7 @@ static void reading_can_be_cancelled(void **state)
         int calls = 0;
         const ost_text_raster_options options = {.threads = threads, .progress = cancel, .user = &calls};
         ost_status status = ost_text_raster_read(path, &options, &summary, &raster, &found, &err);
-        /* A thread that has no piece of the text does not call the progress function. */
+        /* A thread without a part of the text does not call the progress function. */
         if (calls > 0) {
             assert_int_equal(calls, 1);
             assert_int_equal(status, OST_ERR_CANCELLED);
@@ -512,7 +514,7 @@ static void reading_can_be_cancelled(void **state)
     unmake(&t);
 }
 
-/* Compares every SIMD variant with the one in C: lines, densities and end must be equal. */
+/* Compares every SIMD variant of the kernel with the scalar variant. Lines, densities and end must be equal. */
 static void kernels_agree(void **state)
 {
     (void)state;
@@ -536,7 +538,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* The bytes after the end are newlines or digits that could continue the text. */
+        /* The bytes after the end are newlines or digits, which a kernel could mistake for a part of the text. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', CAPACITY + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
@@ -553,7 +555,7 @@ static void kernels_agree(void **state)
             size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length,
                                      pattern.before.text, (int)lengths[i], columns[i].text, (int)pattern.after.length,
                                      pattern.after.text, density, pattern.carriage ? "\r" : "");
-            if (rng_range(&rng, 0, 15) == 0) /* replaces a byte by a random one, which may be equal */
+            if (rng_range(&rng, 0, 15) == 0) /* replaces a byte by a random byte, which may be the same */
                 text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] =
                     "0159.- /:\r"[rng_range(&rng, 0, 9)];
             if (rng_range(&rng, 0, 30) == 0) /* shortens a line, possibly to length 0 */

@@ -46,7 +46,7 @@ static int bytes_sync(void *user)
     return 0;
 }
 
-/* Returns a tick in which all fields differ. */
+/* Returns a tick whose fields all have different values. */
 static ost_record tick_record(uint64_t number)
 {
     const int n = (int)number;
@@ -80,7 +80,8 @@ static ost_record tick_record(uint64_t number)
 enum { BLOCKS = 4 };
 static const uint32_t block_records[BLOCKS] = {3, 1, 5, 2};
 
-/* Offsets of the blocks: two of the header, BLOCKS of records, and the end. */
+/* The bytes of a session and the offsets of its blocks: two blocks of the header, BLOCKS blocks of records, and the
+   end. */
 typedef struct sample {
     bytes b;
     size_t begin[BLOCKS + 3];
@@ -148,7 +149,7 @@ static ost_status open_bytes(const unsigned char *data, size_t size, ost_session
     return ost_session_open(path, out, err);
 }
 
-/* Checks that all ticks of the session are unchanged; returns their number. */
+/* Checks that all ticks of the session are unchanged. Returns their number. */
 static uint64_t check_ticks(ost_session *session)
 {
     ost_error err = {0};
@@ -207,7 +208,7 @@ static void what_is_put_is_read(void **state)
     ost_session_close(session);
 }
 
-/* In version 1 every block has this version number, and the two bytes for the motor in a tick are 0. */
+/* In version 1, every block contains this version number, and the two bytes of a tick for the motor are 0. */
 static void version_1_is_read(void **state)
 {
     (void)state;
@@ -258,7 +259,7 @@ static void bytes_are_as_documented(void **state)
     static sample s;
     make_sample(&s);
     assert_memory_equal(s.b.data, "\x89OSTSES\n\1\0\0\0", 12);
-    /* CRC-32 of "123456789" is 0xcbf43926, the standard check value. */
+    /* CRC-32 of "123456789" must be 0xcbf43926, the standard check value. */
     assert_int_equal(ost_session_crc("123456789", 9), 0xcbf43926);
 }
 
@@ -329,9 +330,8 @@ static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
 }
 
 /*
- * Bytes are inserted, removed or repeated, blocks are exchanged, and blocks of another session
- * are appended. The reader must never return more records than were written, and must keep their
- * order.
+ * The test inserts, removes or repeats bytes, exchanges blocks, and appends blocks of another session. The
+ * reader must never return more records than were written, and must not change their order.
  */
 static void noise_is_survived(void **state)
 {
@@ -355,7 +355,7 @@ static void noise_is_survived(void **state)
                 memmove(data + at + n, data + at, size - at);
                 size += n;
                 break;
-            case 2: /* overwrite bytes with random ones */
+            case 2: /* overwrite bytes with random bytes */
                 for (size_t i = at; i < at + take; i++)
                     data[i] = (unsigned char)rng_next(&rng);
                 break;
@@ -386,7 +386,7 @@ static void repair_keeps_what_is_whole(void **state)
     ost_error err = {0};
     static sample s;
     make_sample(&s);
-    s.b.data[s.begin[4] + 70] ^= 4; /* the third block of records, ticks 4 to 8 */
+    s.b.data[s.begin[4] + 70] ^= 4; /* this byte is in the third block of records, with ticks 4 to 8 */
     ost_session *session;
     assert_ok(open_bytes(s.b.data, s.b.size - 1, &session, &err));
     char out[4200], before[OST_SESSION_MISSING], after[OST_SESSION_MISSING];
@@ -477,13 +477,13 @@ static void a_table_for_others(void **state)
 
 /* -------------------------------------------------------------- recording */
 
-/* A disk that blocks while `held` is locked, and fails with an errno while `fails` is set. */
+/* A disk in memory. Writes block while `held` is locked, and fail with an errno while `fails` is set. */
 typedef struct disk {
     bytes b;
     pthread_mutex_t held;
     _Atomic int fails;
-    _Atomic bool half;  /* a failing write stores half of its bytes */
-    size_t capacity;    /* in bytes; 0: unlimited */
+    _Atomic bool half;  /* true if a failing write stores half of its bytes */
+    size_t capacity;    /* in bytes; 0 means unlimited */
     _Atomic int appends;
 } disk;
 
@@ -540,7 +540,8 @@ static void wait_until_written(ost_recorder *recorder, uint64_t records)
     } while (state.written < records);
 }
 
-/* A symbolic link with the recording's name must be neither followed nor replaced, whatever its target. */
+/* A symbolic link with the name of the recording must be neither followed nor replaced, even if its target does not
+   exist. */
 static void a_recording_follows_no_link(void **state)
 {
     (void)state;
@@ -594,7 +595,7 @@ static void a_recording_is_a_session(void **state)
     assert_true(ost_session_summary_of(session)->ended);
     assert_int_equal(ost_session_summary_of(session)->complete_ticks, 10000);
     ost_session_close(session);
-    /* The recorder must replace an existing file even by a shorter one. */
+    /* An existing file must be replaced completely, even if the new recording is shorter. */
     assert_ok(ost_recorder_open(path, header, NULL, &recorder, &err));
     assert_ok(ost_recorder_close(recorder, NULL, &err));
     assert_ok(ost_session_open(path, &session, &err));
@@ -616,7 +617,7 @@ static void a_full_ring_is_counted_and_said(void **state)
     pthread_mutex_lock(&d.held);
     const int appends = atomic_load(&d.appends);
     put_ticks(recorder, 0, 1, true);
-    /* Waits until the writer thread has taken the first block and is blocked in writing it. */
+    /* Waits until the writer thread has removed the first block from the buffer and is blocked in writing it. */
     while (atomic_load(&d.appends) == appends) {
         const struct timespec pause = {.tv_nsec = 1000000};
         nanosleep(&pause, NULL);
@@ -678,7 +679,8 @@ static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
     ost_session_close(session);
 }
 
-/* The waiting records exceed the free space of the disk. As many as fit must be stored, beginning with the first. */
+/* The disk has too little space for the waiting records. It must store as many records as possible, beginning with
+   the first record. */
 static void a_nearly_full_disk_takes_what_fits(void **state)
 {
     (void)state;

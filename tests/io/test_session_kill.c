@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Kills a process that records a tick every millisecond at random moments. Each time the session
- * must open, its ticks must be complete and without a gap, and there must be at least as many
- * ticks as the recorder had reported as written before the kill.
+ * Kills a process that records a tick every millisecond at random moments. After each kill it must be
+ * possible to open the session. Its ticks must be complete and without a gap, and their number must be at
+ * least the number that the recorder had reported as written before the kill.
  *
  *   child:  tick, put, store the number of ticks that the recorder has written  (shared memory)
  *   parent: sleeps, SIGKILL, reads
@@ -35,7 +35,7 @@ static int64_t now_ns(void)
     return t.tv_sec * INT64_C(1000000000) + t.tv_nsec;
 }
 
-/* Returns a tick whose fields, except for the time, follow from its number. */
+/* Returns a tick. All fields except the time are functions of the tick's number. */
 static ost_record record_of(uint64_t number)
 {
     return (ost_record){.kind = OST_RECORD_TICK,

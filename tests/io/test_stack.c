@@ -22,10 +22,10 @@ enum { HAS_PNG = 0 };
 enum { HAS_PNG = 1 };
 #endif
 
-/* 0.5 mm columns, 0.25 mm rows, 2 mm slices. */
+/* columns of 0.5 mm, rows of 0.25 mm, slices of 2 mm */
 static const ost_volume_options spaced = {.stack_spacing = {500000000, 250000000, 2000000000}};
 
-/* Returns the value of a pixel, which differs in every voxel and fits every type. */
+/* Returns the value of a pixel, which is different in each voxel and in the range of every type. */
 static int value(int x, int y, int z)
 {
     return 1 + x + NX * (y + NY * z);
@@ -83,7 +83,8 @@ static void tiff_types_and_forms(void **state)
     if (!HAS_TIFF)
         skip();
     for (size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
-        for (int variant = 0; variant < 4; variant++) { /* both byte orders; raw and deflate */
+        /* the variants are both byte orders, each raw and with deflate */
+        for (int variant = 0; variant < 4; variant++) {
             const bool big = variant & 1, deflate = variant & 2;
             tiff_page pages[NZ];
             for (int z = 0; z < NZ; z++) {
@@ -104,7 +105,8 @@ static void tiff_types_and_forms(void **state)
     }
 }
 
-/* A folder whose names count to 10 without leading zeros, with another number that does not vary. */
+/* Tests a folder of files whose names contain a number from 8 to 11 without leading zeros, and another number that
+   is constant. */
 static void folders_are_ordered_by_number(void **state)
 {
     static bytes raw;
@@ -126,7 +128,7 @@ static void folders_are_ordered_by_number(void **state)
     ost_file_kind kind;
     assert_ok(ost_file_kind_find(at("f"), &kind, &err));
     assert_int_equal(kind, OST_FILE_STACK);
-    /* Among other files, a pattern selects the slices. */
+    /* If a folder also contains other files, a pattern must select the slices. */
     write_file("f/scan.log", "x", 1);
     assert_ok(ost_file_kind_find(at("f"), &kind, &err));
     assert_int_equal(kind, OST_FILE_DICOM);
@@ -158,8 +160,8 @@ static void png_of_both_depths(void **state)
 }
 
 /*
- * With SAR, columns run to the head, rows to the front and slices to the right: voxel (x, y, z) of the
- * stack is at S 0.5 x, A 0.25 y, R 2 z, and the grid is 4 x 2 x 3 in LPS.
+ * With the orientation SAR, x points to superior, y to anterior, and z to right: voxel (x, y, z) of the
+ * stack is at S 0.5 x, A 0.25 y, R 2 z. The grid has 4 x 2 x 3 voxels in LPS.
  */
 static void orientation_is_stated(void **state)
 {
@@ -199,7 +201,7 @@ static void spacing_is_required(void **state)
     tiff_page page = tiff_plain(NX, NY, 8, pixels, SLICE);
     write_tiff("s.tif", false, &page, 1);
     assert_refused(at("s.tif"), NULL, OST_ERR_USAGE, "--spacing MM,MM,MM");
-    page.resolution = 500; /* 500 pixels per cm: 0.02 mm */
+    page.resolution = 500; /* 500 pixels per cm, or 0.02 mm per pixel */
     write_tiff("s.tif", false, &page, 1);
     assert_refused(at("s.tif"), NULL, OST_ERR_USAGE, "0.02 x 0.02 mm");
     assert_ok(ost_volume_read(at("s.tif"), &spaced, &v, &report, &err));
@@ -208,7 +210,8 @@ static void spacing_is_required(void **state)
     ost_volume_free(&v);
 }
 
-/* uint16 beyond int16 is refused with its place, or saturated; NaN is refused, or air. */
+/* Tests values that int16 cannot represent. A uint16 value beyond int16 is refused with its position, or saturated
+   by option. NaN is refused, or converted to the density of air by option. */
 static void values_beyond_int16(void **state)
 {
     static bytes raw;
@@ -243,7 +246,7 @@ static void values_beyond_int16(void **state)
     ost_volume_free(&v);
 }
 
-/* Writes a folder with one good slice per name and returns the folder's name. */
+/* Writes a folder with one valid slice per name and returns the path of the folder. */
 static const char *folder_of(const char *folder, const char *const *names, size_t count)
 {
     static const unsigned char pixels[SLICE] = {1, 2, 3, 4, 5, 6};
@@ -326,7 +329,7 @@ static void pages_that_are_refused(void **state)
     }
 }
 
-/* A later slice that differs is named. */
+/* If a slice differs from the earlier slices, the error line contains its name. */
 static void slices_that_differ(void **state)
 {
     static const unsigned char pixels[64] = {1, 2, 3};
@@ -373,7 +376,7 @@ static void pngs_that_are_refused(void **state)
         write_file("r.png", file.data, file.size);
         assert_refused(at("r.png"), &spaced, cases[c].status, cases[c].words);
     }
-    /* 16384 x 16384 pixels in a file of a few hundred bytes cannot be. */
+    /* a file of a few hundred bytes cannot contain 16384 x 16384 pixels */
     file.size = 0;
     put_png(&file, 16384, 16384, 16, 0, 0, pixels, 6, 2);
     write_file("bomb.png", file.data, file.size);
@@ -381,8 +384,9 @@ static void pngs_that_are_refused(void **state)
 }
 
 /*
- * Pages may share their pixels: 500 pages of 60 x 60 that all point to the same strip would need 1.8 MB
- * from a file of 60 kB. Pages that form a circle end.
+ * Pages of a TIFF may share their pixels. 500 pages of 60 x 60 pixels that refer to the same strip would
+ * need 1.8 MB of memory for a file of 60 kB, so they are refused. Reading also ends if the links between
+ * pages form a cycle.
  */
 static void bombs_of_pages(void **state)
 {
@@ -397,7 +401,7 @@ static void bombs_of_pages(void **state)
         pages[p].strip_bytes = sizeof pixels;
     }
     put_tiff(&file, false, pages, 300);
-    /* Every strip offset (tag 273) is set to 8, the first page's strip. */
+    /* Every strip offset (tag 273) is set to 8, the offset of the first page's strip. */
     for (size_t i = 8 + sizeof pixels; i + 12 < file.size; i++)
         if (memcmp(file.data + i, "\x11\1\4\0\1\0\0\0", 8) == 0)
             memcpy(file.data + i + 8, "\10\0\0\0", 4);
@@ -406,7 +410,8 @@ static void bombs_of_pages(void **state)
 
     file.size = 0;
     put_tiff(&file, false, pages, 1);
-    /* The directory follows the strip and an unused resolution; its link to the next one is the file's last field. */
+    /* The directory follows the strip and an unused resolution. Its link to the next directory is the last field of
+       the file. */
     memcpy(file.data + file.size - 4, file.data + 4, 4);
     write_file("circle.tif", file.data, file.size);
     ost_error err = {0};
@@ -415,7 +420,7 @@ static void bombs_of_pages(void **state)
     ost_volume_free(&v);
 }
 
-/* A valid file that is truncated at every byte is refused, and leaks nothing. */
+/* A valid file that is truncated at any byte must be refused without a memory leak. */
 static void truncated_files(void **state)
 {
     static bytes tiff, png;
@@ -431,7 +436,7 @@ static void truncated_files(void **state)
         const bytes *b = format ? &png : &tiff;
         if (format ? !HAS_PNG : !HAS_TIFF)
             continue;
-        /* The last field of the TIFF is the link to the next page; without it, the file is complete all the same. */
+        /* The last field of the TIFF is the link to the next page. A file that lacks only this field is accepted. */
         for (size_t size = 0; size < b->size - (format ? 0 : 4); size++) {
             ost_error err = {0};
             ost_volume v;

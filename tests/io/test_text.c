@@ -127,8 +127,8 @@ static void broken_texts_are_refused(void **state)
         {"1 2 3 \xe2\x88\x92"
          "4\n",
          ":1: column 4 (density) is '\xe2\x88\x92"
-         "4'"}, /* a typographic minus */
-        /* out of range */
+         "4'"}, /* the sign is a typographic minus */
+        /* values out of range */
         {"1 2 3 4\n8000.000000001 2 3 4\n",
          ":2: column 1 (x) is '8000.000000001'; expected a position within 8000 mm of 0"},
         {"1 -1e9 3 4\n", ":1: column 2 (y) is '-1e9'; expected a position"},
@@ -238,7 +238,7 @@ static void long_facts_are_refused(void **state)
             ost_text_summary summary;
             char text[512];
             int size = snprintf(text, sizeof text, "# osteon %s: 1 1 1.%0*d\n1 1 1 4\n", keys[k], digits, 0);
-            /* 4, 2 and `digits` are the lengths of "1 1 ", of "1." and of the zeros */
+            /* the lengths are 4 for "1 1 ", 2 for "1." and `digits` for the zeros */
             bool fits = 4 + 2 + digits <= 200;
             assert_ok(ost_text_source_open(&source, scratch_write(folder, "ct.txt", text, (size_t)size), &err));
             ost_status status = ost_text_scan(&source, (ost_pm3){0, 0, 0}, NULL, NULL, NULL, &summary, &err);

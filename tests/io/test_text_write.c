@@ -15,7 +15,7 @@
 #include "io/text/write.h"
 #include "io/scratch_group.h"
 
-/* Returns options for a text with so many decimals. They are valid until the next call. */
+/* Returns options for a text with the given number of decimal places. The options are valid until the next call. */
 static const ost_write_options *with_decimals(int decimals)
 {
     static ost_write_options options;
@@ -41,7 +41,8 @@ static void the_bytes(void **state)
         .geometry = {{2, 2, 2}, {470000000, 500000000, 1000000000}, {-470000000, -1000000000, 7999000000000}},
         .voxels = voxels,
     };
-    assert_ok(ost_meta_set(&volume.meta, "dims", "5 5 5", &err)); /* keys of the grid itself, never written as facts */
+    /* "dims" and "spacing_mm" are properties of the grid and must not be written as facts */
+    assert_ok(ost_meta_set(&volume.meta, "dims", "5 5 5", &err));
     assert_ok(ost_meta_set(&volume.meta, "spacing_mm", "3 3 3", &err));
     assert_ok(ost_meta_set(&volume.meta, OST_META_SIDE, " left ", &err));
     assert_ok(ost_meta_set(&volume.meta, "origin_mm", "3 3 3", &err));
@@ -60,7 +61,7 @@ static void the_bytes(void **state)
                               "-0.47 -0.50 8000.00 -100\n"
                               "0.00 -0.50 8000.00 9\n");
     free(text);
-    /* One decimal: values are rounded half to even, and zero has no minus sign. */
+    /* With one decimal place, values are rounded half to even, and zero has no minus sign. */
     volume.geometry = (ost_geometry){{2, 1, 1}, {450000000, 500000000, 1000000000}, {-450000000, -20000000, 350000000}};
     assert_ok(ost_text_write_volume(path, &volume, with_decimals(1), &err));
     text = scratch_read(path, NULL);
@@ -125,8 +126,8 @@ static void what_is_written_reads_back(void **state)
 }
 
 /*
- * Without lines for empty voxels, the text gives the box of the other voxels: the expected grid is cropped here by
- * a search of the least and greatest indices.
+ * If the text has no lines for empty voxels, the import gives the bounding box of the other voxels. The
+ * expected grid is cropped to the lowest and highest indices of these voxels.
  */
 static void without_empty_voxels(void **state)
 {

@@ -41,7 +41,8 @@ static char *read_all(const char *path, size_t *size)
     return data;
 }
 
-/* Every format must preserve the thesis' spacings and offsets, and writing twice must give the same file. */
+/* Every format must preserve the spacings and offsets of the thesis, and writing a volume twice must give equal
+   files. */
 static void every_format_keeps_the_volume(void **state)
 {
     (void)state;
@@ -129,7 +130,8 @@ static void facts_keep_their_order(void **state)
     ost_volume_free(&v);
 }
 
-/* If a NRRD contains a key twice, the last value is stored in the first position. Spaces around a value are removed. */
+/* If a NRRD file contains a key twice, the last value is stored at the position of the first. Spaces around a value
+   are removed. */
 static void facts_of_a_nrrd(void **state)
 {
     (void)state;
@@ -366,8 +368,8 @@ static void tools(void **state)
 }
 
 /*
- * The tool has voxels of 1 um + 1 pm, so the corner, which contains half a voxel, needs ten
- * decimal places. The expected text is computed by hand.
+ * The tool's voxels have a size of 1 um + 1 pm. The origin, which is half a voxel from the corner,
+ * therefore needs ten decimal places. The expected text is computed by hand.
  */
 static void a_tool_of_an_odd_voxel(void **state)
 {
@@ -451,7 +453,7 @@ static void bones_come_down_in_slabs(void **state)
     ost_backend *backend;
     ost_bone *bone;
     ost_volume v, back;
-    /* More than one slab of 8 MiB: 1200 x 900 x 9 int16 is 19 MB. */
+    /* The volume is greater than one slab of 8 MiB: 1200 x 900 x 9 int16 are 19 MB. */
     const ost_geometry g = {
         .dims = {1200, 900, 9}, .spacing = {pm("0.47"), pm("0.47"), pm("0.47")}, .origin = {pm("-57.34"), 0, 0}};
     test_rng rng = rng_seeded("bones");
@@ -482,7 +484,7 @@ static void bones_come_down_in_slabs(void **state)
 typedef struct watcher {
     const char *stage;
     double last;
-    int calls, cancel_at; /* cancel_at: number of the call that cancels; 0: none */
+    int calls, cancel_at; /* cancel_at is the number of the call that cancels; 0 if none does */
 } watcher;
 
 static bool watch(void *user, const char *stage, double share)
@@ -495,8 +497,9 @@ static bool watch(void *user, const char *stage, double share)
 }
 
 /*
- * Reading reports every slice, here 9, and writing every 2^20 voxels, of which the volume has 9.3 times as many. A
- * cancelled call returns OST_ERR_CANCELLED; it leaves no file, and no voxels.
+ * Reading reports progress for each of the 9 slices. Writing reports it for every 2^20 voxels and for the
+ * remainder, which is 10 times for this volume. A cancelled call must return OST_ERR_CANCELLED and leave
+ * neither a file nor voxels.
  */
 static void progress_is_reported_and_can_cancel(void **state)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the live state of a changing bone. A viewer reads the state at random speed. In the end,
- * the surface of the viewer must be bit-identical to a surface made from the bone itself. A state
- * must be complete and never older than the previous one. After an interrupted call of
- * ost_live_take nothing may be lost.
+ * Tests the live state of a changing bone. A viewer reads the state at random speed. In the end, the
+ * surface of the viewer must be bit-identical to a surface made from the bone itself. A state must be
+ * complete and never older than the previous state. An interrupted call of ost_live_take must not lose
+ * changes.
  * Covers: REQ-LIVE
  */
 #include <pthread.h>
@@ -187,7 +187,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         assert_true(ost_geometry_equal(ost_live_geometry(l.live), &g));
         pthread_t thread;
         assert_int_equal(pthread_create(&thread, NULL, work, &l), 0);
-        /* fewer rounds for the reference, which is slow; the other backends are fast enough to overtake the viewer */
+        /* the reference is slow and gets fewer rounds; the other backends are fast enough to overtake the viewer */
         const int rounds = strcmp(test_backend, "ref") == 0 ? 60 : 400;
         for (int i = 1; i <= rounds; i++) {
             const ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0}, (ost_pm3){n * MM, 100 * MM, 70 * MM});

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes meshes for tests on the lattice. Their coordinates are arbitrary, but many lie on voxel
+ * Makes meshes for tests on the lattice. Their coordinates are random, and many vertices lie on voxel
  * centres, where the ownership of a centre is hardest to determine.
  */
 #ifndef OST_TESTS_MESH_MAKE_H
@@ -14,7 +14,8 @@
 
 enum { MAKE_F = 10, MAKE_ONE = 1 << MAKE_F, MAKE_HALF = MAKE_ONE / 2 };
 
-/* Returns an empty snapped mesh with memory for these counts. Its voxels are 1 mm wide and its corner is at 0. */
+/* Returns an empty snapped mesh with memory for the given numbers of vertices and triangles. Its voxels are 1 mm
+   wide, and the corner of its grid is at the origin. */
 static inline ost_snapped_mesh make_snapped(ost_dims dims, size_t vertices, size_t triangles)
 {
     ost_snapped_mesh m = {.grid = {.dims = dims, .voxel = OST_PM_PER_MM}, .fraction_bits = MAKE_F};
@@ -103,8 +104,8 @@ static inline void make_inside_out(ost_snapped_mesh *m, size_t t)
 }
 
 /*
- * Returns the grid that the backend of the test group computes; the caller frees it. noncutting
- * and report may be NULL.
+ * Returns the grid that the test group's backend computes from two meshes. The caller frees the grid.
+ * noncutting and report may be NULL.
  */
 static inline uint8_t *make_grid_of_two(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                         ost_fill_rule rule, ost_voxelize_report *report)

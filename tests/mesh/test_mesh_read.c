@@ -14,7 +14,7 @@
 
 #include "config.h"
 
-/* A file that is built piece by piece. */
+/* A file that a test builds piece by piece. */
 typedef struct bytes {
     size_t size;
     uint8_t at[1 << 16];
@@ -270,7 +270,7 @@ static void units_are_believed_or_guessed(void **state)
     (void)state;
     static bytes b;
     static const struct {
-        const char *scale; /* the mesh is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
+        const char *scale; /* scale of the mesh, which is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
         int64_t pm;       /* 0: refused */
         const char *says; /* text that the error must contain, if the file is refused */
@@ -279,7 +279,8 @@ static void units_are_believed_or_guessed(void **state)
         {"10", OST_UNIT_CM, 100000000000, NULL},
         {"0.5", OST_UNIT_M, 500000000000, NULL},
         {"1", OST_UNIT_INCH, 25400000000, NULL},
-        {"0.1", OST_UNIT_INCH, 2540000038, NULL},   /* float32 stores 0.1 as 0.100000001490116...; times 25.4 */
+        /* float32 stores 0.1 as 0.100000001490116..., which is multiplied by 25.4 */
+        {"0.1", OST_UNIT_INCH, 2540000038, NULL},
         {"0.1", OST_UNIT_MM, 100000001, NULL},      /* 100000001.49 */
         {"0.1", OST_UNIT_UM, 100000, NULL},
         {"0.5", OST_UNIT_UM, 500000, NULL},

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests how a tool's grid is computed from the bounds of its mesh and how vertices are moved to
- * the lattice. The tests include the thesis' numbers, ties, limits, and a mesh moved by an integer
- * number of voxels.
+ * Tests the computation of a tool's grid from the bounds of its mesh, and the snapping of vertices to the
+ * lattice. The tests include the numbers of the thesis, ties, limits, and a mesh that is moved by an
+ * integer number of voxels.
  *
  * Covers: AR-TOOL-1, AR-TOOL-2, AR-TOOL-3, AR-MESH-3, AR-MESH-4, AR-DIG-7
  */
@@ -10,11 +10,11 @@
 
 static ost_pm mm(double value)
 {
-    /* rounds to the nearest nanometre; intended for literals */
+    /* rounds to the nearest nanometre; used for literals */
     return (ost_pm)(value * 1e6 + (value < 0 ? -0.5 : 0.5)) * 1000;
 }
 
-/* docs/spec/arithmetic.md, AR-TOOL-2, computes these numbers by hand. */
+/* The expected numbers are computed by hand in docs/spec/arithmetic.md, AR-TOOL-2. */
 static void the_reamer_has_the_thesis_grids(void **state)
 {
     (void)state;
@@ -41,8 +41,8 @@ static void the_reamer_has_the_thesis_grids(void **state)
 }
 
 /*
- * On each side, a tool's grid must have a margin of one or two void voxels, wherever the mesh
- * lies. The grid must contain every point of the mesh's bounds.
+ * For any position of the mesh, a tool's grid must have a margin of one or two empty voxels on each side.
+ * The grid must contain every point of the mesh's bounds.
  */
 static void every_grid_has_its_margin(void **state)
 {
@@ -157,8 +157,8 @@ static void fraction_bits_fit_the_grid(void **state)
 }
 
 /*
- * A triangle whose vertices coincide or lie on a line has no area and is dropped, even if this
- * happens only by rounding to the lattice.
+ * A triangle without area, whose vertices coincide or lie on a line, must be dropped. This also applies to
+ * triangles that lose their area by rounding to the lattice.
  */
 static void what_has_no_area_is_dropped(void **state)
 {
@@ -187,9 +187,9 @@ static void what_has_no_area_is_dropped(void **state)
 }
 
 /*
- * If a mesh is moved by an integer number of voxels, its solid voxels must move by the same
- * number, even if points of the mesh lie on surfaces of voxels. Only the bounds of the grid may
- * differ, where a bound is a tie.
+ * If a mesh is moved by an integer number of voxels, its solid voxels must move by the same number, even if
+ * points of the mesh lie on surfaces of voxels. Only the bounds of the grid may differ, and only if the
+ * rounding of a bound is a tie.
  */
 static void a_whole_voxel_shift_moves_the_grid(void **state)
 {
@@ -245,7 +245,7 @@ static void a_whole_voxel_shift_moves_the_grid(void **state)
     }
 }
 
-/* The bytes of AR-DIG-7 written out by hand for a mesh of one triangle. */
+/* The bytes of AR-DIG-7 for a mesh of one triangle, written by hand. */
 static void the_digest_is_of_these_bytes(void **state)
 {
     (void)state;
@@ -257,7 +257,7 @@ static void the_digest_is_of_these_bytes(void **state)
         0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0,
         10, 0, 0, 0,                                                                 /* f */
         3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,      /* vertices, triangles, dropped */
-        0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* 1024 2048 1 */
+        0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* first vertex: 1024 2048 1 */
         2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7, 0, 0, 0,      /* the other two vertices */
         /* the vertex numbers of the triangle: 2 0 1 */
         2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the parametric tools. Their meshes must be closed, have outward normals and the right
- * size, and give the thesis' grids even after rounding to an STL's float32. A rotating reamer
- * must sweep the right shape.
+ * Tests the parametric tools. Their meshes must be closed, and have outward normals and the right size.
+ * They must give the grids of the thesis, even after their coordinates are rounded to float32 as in an STL
+ * file. A rotating reamer must sweep the right shape.
  *
  * Covers: REQ-VOLUME, AR-TOOL-2
  */
@@ -32,7 +32,7 @@ static void assert_bounds(const ost_mesh *mesh, ost_pm3 min, ost_pm3 max)
     assert_memory_equal(&hi, &max, sizeof hi);
 }
 
-/* Rounds coordinates as an STL stores them. */
+/* Rounds coordinates to float32, as an STL file stores them. */
 static void round_to_float(ost_mesh *mesh)
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
@@ -56,8 +56,8 @@ static ost_snapped_mesh snap(const ost_mesh *mesh, ost_pm voxel)
 }
 
 /*
- * Returns the number of voxels that are touched by the bounding box of any triangle. Only in
- * these voxels can the count of solid voxels differ from the volume.
+ * Returns the number of voxels that overlap the bounding box of at least one triangle. The count of solid
+ * voxels can deviate from the volume only because of these voxels.
  */
 static int64_t surface_voxels(const ost_snapped_mesh *mesh)
 {
@@ -133,8 +133,9 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
     ost_mesh_free(&mesh);
     make(OST_TOOL_BURR, &(ost_tool_options){.segments = 1024}, &mesh);
     /*
-     * The volume of a sphere of radius 3 and of a shaft of radius 1, minus the cap of the sphere
-     * within the shaft. The shaft begins where its side meets the sphere, and ends at 26.
+     * The expected volume is that of a sphere of radius 3 and a shaft of radius 1, minus the cap of the
+     * sphere within the shaft. The shaft begins at the height where its side meets the sphere, and ends at
+     * 26.
      */
     const double pi = 3.14159265358979, root = 3 + sqrt(8.0), cap = 6 - root;
     const double volume = pi * 4 / 3 * 27 - pi * cap * cap * (9 - cap) / 3 + pi * (26 - root);
@@ -180,9 +181,9 @@ static void heads_and_shafts_are_the_tool(void **state)
 }
 
 /*
- * At each distance from the axis, a rotating tool sweeps the space down to the lowest point of
- * the mesh at that distance. No vertex of the reamer may lie below the sphere of radius 27 mm
- * around (0, 0, 27). On every ring, all the way round, some vertices must lie on the sphere.
+ * At each distance from the axis, a rotating tool sweeps the space down to the lowest point of the mesh at
+ * that distance. No vertex of the reamer may lie below the sphere of radius 27 mm around (0, 0, 27). On
+ * every ring, some vertices must lie on the sphere, distributed over the complete circumference.
  */
 static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
 {
@@ -198,7 +199,8 @@ static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
         if (z <= dome + 1e-8)
             crests[(int)(r * 2 + 0.001)]++;
     }
-    for (int half_mm = 2; half_mm < 36; half_mm++) /* a ring is 18/28 mm wide, so one of two adjacent bins has a ring */
+    /* a ring is 18/28 mm wide, so at least one of two adjacent bins contains a ring */
+    for (int half_mm = 2; half_mm < 36; half_mm++)
         assert_true(crests[half_mm] + crests[half_mm + 1] >= 24);
     ost_mesh_free(&mesh);
 }

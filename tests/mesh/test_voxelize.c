@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the voxelizer with an oracle that implements AR-VOX differently, and checks invariants
- * of voxelization.
+ * Compares the voxelizer with an oracle, which is a different implementation of AR-VOX, and checks
+ * invariants of voxelization.
  *
- * The oracle classifies one voxel at a time and has no rules for ties. It scales coordinates by
- * 2^50 and displaces the row by (2^22, 1) in (y, z), computing with 128 bits. This displacement
- * is real, but small enough to change no other sign. A 3 x 3 determinant gives the side of the
- * triangle's plane on which the centre lies.
+ * The oracle classifies one voxel at a time and has no rules for ties. It scales coordinates by 2^50 and
+ * displaces the row by (2^22, 1) in (y, z), computing with 128 bits. The displacement resolves ties and is
+ * small enough to change no other sign. A 3 x 3 determinant gives the side of the triangle's plane on which
+ * the centre lies.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */
@@ -46,8 +46,8 @@ static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const in
 }
 
 /*
- * Sums the signs of the triangles that cross the row of p at or before p (with `all`: anywhere),
- * and counts these triangles.
+ * Counts the triangles that cross the row of p at or before p, or at any position if `all` is true. Also
+ * sums the signs of these triangles.
  */
 static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
 {
@@ -204,7 +204,7 @@ static void the_widest_lattice_is_exact(void **state)
 
 /* ------------------------------------------------------------- invariants */
 
-/* Returns true if p lies on a triangle or its border. */
+/* Returns true if p lies within a triangle or on the border of a triangle. */
 static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
 {
     for (size_t t = 0; t < mesh->triangle_count; t++) {
@@ -213,7 +213,8 @@ static bool on_surface(const ost_snapped_mesh *mesh, const int64_t p[3])
         if (plane(v[0], v[1], v[2], p) != 0)
             continue;
         bool positive = false, negative = false;
-        for (int axis = 0; axis < 3; axis++) /* p is inside if and only if it is inside in all three projections */
+        /* p is inside the triangle if and only if it is inside in all three projections */
+        for (int axis = 0; axis < 3; axis++)
             for (int e = 0; e < 3; e++) {
                 const int32_t *a = v[e], *b = v[(e + 1) % 3];
                 const int u = (axis + 1) % 3, w = (axis + 2) % 3;
@@ -318,8 +319,8 @@ static void the_grid_moves_with_the_mesh(void **state)
 }
 
 /*
- * Two tetrahedra on both sides of a shared face form a bipyramid. The union of their grids must
- * be the bipyramid's grid, and each centre on the shared face belongs to only one of them.
+ * Two tetrahedra with a shared face form a bipyramid. The union of their grids must be the grid of the
+ * bipyramid, and each centre on the shared face must belong to only one tetrahedron.
  */
 static void two_closed_halves_make_the_whole(void **state)
 {
@@ -412,11 +413,12 @@ static void shells_nest(void **state)
     ost_snapped_mesh mesh = make_snapped((ost_dims){8, 7, 6}, 16, 24);
     make_box(&mesh, lo3, hi3);
     make_box(&mesh, lo, hi);
-    free(make_grid(&mesh, OST_FILL_WINDING, &report)); /* both have outward normals: the winding number is 2 inside */
+    /* both boxes have outward normals, so the winding number is 2 in the inner box */
+    free(make_grid(&mesh, OST_FILL_WINDING, &report));
     assert_int_equal(report.solid_voxels, outer);
     free(make_grid(&mesh, OST_FILL_PARITY, &report));
     assert_int_equal(report.solid_voxels, outer - inner);
-    make_inside_out(&mesh, 12); /* a cavity: the winding number is 0 inside */
+    make_inside_out(&mesh, 12); /* the inner box becomes a cavity with winding number 0 */
     free(make_grid(&mesh, OST_FILL_WINDING, &report));
     assert_int_equal(report.solid_voxels, outer - inner);
     free(make_grid(&mesh, OST_FILL_PARITY, &report));
@@ -425,8 +427,8 @@ static void shells_nest(void **state)
 }
 
 /*
- * One of the two triangles of the face x = hi is missing. The mesh is not closed in the rows that
- * would cross this triangle, so these rows stay void. The other rows are filled.
+ * One of the two triangles of the face x = hi is missing. In the rows that would cross this triangle the
+ * mesh is not closed, so these rows stay empty. The other rows are filled.
  */
 static void a_hole_leaks_and_is_not_filled(void **state)
 {
@@ -463,7 +465,7 @@ static void cutting_wins_over_not_cutting(void **state)
     assert_int_equal(grid[5 + 9 * (1 + 7 * 1)], OST_TOOL_CUTTING);
     assert_int_equal(grid[7 + 9 * (1 + 7 * 1)], OST_TOOL_NONCUTTING);
     assert_int_equal(grid[8 + 9 * (1 + 7 * 1)], OST_TOOL_VOID);
-    shaft.triangle_count = 10; /* removes a face of the shaft, whose rows stay void; the head is complete */
+    shaft.triangle_count = 10; /* a face of the shaft is removed, so its rows stay empty; the head is complete */
     free(grid);
     free(make_grid_of_two(&head, &shaft, OST_FILL_WINDING, &report));
     assert_int_equal(report.leaking_rows, 5 * 4);

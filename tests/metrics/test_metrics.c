@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the metrics of a bone with known cuts. The bone is a block with a flat face. A sphere is
- * reamed into it along a tilted axis, and a hole is drilled along another axis; the poses of the
- * tools are given too. Also tests landmarks, a rim and a tool's path, each against a closed form.
+ * Tests the metrics of a bone with known cuts. The bone is a block with a flat face. A sphere is reamed
+ * into the face along a tilted axis, and a hole is drilled along another axis. The input includes the poses
+ * of the tools. Further tests compare the results for landmarks, a rim and a tool's path with closed forms.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -15,8 +15,8 @@
 #define PI 3.14159265358979323846
 
 /*
- * The bone is a right shoulder, and inward is +x. The face is the plane x = 0. The block is 40 mm
- * deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
+ * The bone is that of a right shoulder. The inward direction is +x. The face is the plane x = 0. The block
+ * is 40 mm deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
  */
 typedef struct cuts {
     /*
@@ -24,10 +24,10 @@ typedef struct cuts {
      * through the face's centre.
      */
     double radius, depth;
-    double back_deg, up_deg;    /* tilt of the sphere's outward axis toward the back (+y) or the head (+z) */
+    double back_deg, up_deg;    /* tilts of the sphere's outward axis, toward the back (+y) and toward the head (+z) */
     double entry_y, entry_z;    /* position where the sphere's axis passes through the face */
     double hole_radius, hole_depth, hole_y, hole_up_deg;
-    double planned;             /* planned depth; 0: equal to the depth that was cut */
+    double planned;             /* planned depth; 0 means that it equals the depth of the cut */
 } cuts;
 
 enum { NX = 88, N = 100 };
@@ -76,7 +76,8 @@ static ost_metrics_motion motion_of(const cuts *c)
     const double axis[2][3] = {{1 / size, -back / size, -up / size},
                                {cos(c->hole_up_deg * PI / 180), 0, -sin(c->hole_up_deg * PI / 180)}};
     const double entry[2][2] = {{c->entry_y, c->entry_z}, {c->hole_y, 0}};
-    /* The drill's tip is as deep along x as the hole. The reamer's tip moves along its axis by the depth. */
+    /* The drill's tip reaches the depth of the hole along x. The reamer's tip moves along the reamer's axis by the
+       depth of the cut. */
     const double deep[2] = {c->depth, c->hole_depth / axis[DRILL][0]};
     size_t count = 0;
     for (int tool = 0; tool < 2; tool++)
@@ -116,7 +117,8 @@ static ost_metrics measure(const cuts *c, ost_status expected)
         assert_true(fabs((double)(value) - (expected)) <= (bound));                               \
     } while (0)
 
-/* A spherical cap in a plane has the volume pi h^2 (R - h / 3); its mean depth is nearly half of its greatest depth. */
+/* Tests a spherical cap below a plane. Its volume is pi h^2 (R - h / 3), and its mean depth is nearly half of its
+   greatest depth. */
 static void a_straight_one(void **state)
 {
     (void)state;
@@ -127,7 +129,8 @@ static void a_straight_one(void **state)
     NEAR(m.floor_mm2, PI * rim - PI * 9, 0.1 * PI * rim); /* cuts shallower than half a voxel are not measured */
     NEAR(m.sphere_mm, 27, 1);
     NEAR(m.centre_depth_mm, 3, 0.25);
-    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3); /* the hole and the cells that touch it are excluded */
+    /* the hole and the cells adjacent to the hole are excluded */
+    NEAR(m.depth_max_mm, 3 - 3.75 * 3.75 / (2 * 27), 0.3);
     NEAR(m.depth_mean_mm, (cap - PI * 9 * 3) / (PI * rim - PI * 9), 0.2);
     assert_true(m.reamed);
     NEAR(m.tilt_deg, 0, 1e-6);
@@ -149,8 +152,8 @@ static void a_straight_one(void **state)
     assert_true(m.removed_by_class_mm3[0] > m.removed_by_class_mm3[2] && m.removed_by_class_mm3[1] > 0);
 }
 
-/* The measured tilt and the measured entry position must be those of the cut. An error of one must not affect the
-   other. */
+/* The measured tilt and the measured entry position must be those of the cut. A displacement must not affect the
+   measured tilt, nor a tilt the measured position. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
@@ -185,7 +188,7 @@ static void a_crooked_hole(void **state)
     NEAR(m.hole_entry_mm, 4, 0.1);
     NEAR(m.hole_depth_mm, 20, 0.01);
     assert_false(m.hole_breach);
-    /* The hole is first near the side of the block; then it breaks through the side. */
+    /* In the first case the hole is near the side of the block, in the second case it breaks through the side. */
     const cuts near_side = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 18};
     NEAR(measure(&near_side, OST_OK).hole_wall_mm, 2, 0.75);
     const cuts through = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 21};
@@ -205,7 +208,7 @@ static void too_deep(void **state)
     assert_ok(ost_metrics_make(&before, &after, 120, &classes, &plan, NULL, &m, &err));
     NEAR(m.over_max_mm, 2.5, 0.3);
     NEAR(m.over_percent, 100 * (2 * 27 * 1.5 - 1.5 * 1.5) / (2 * 27 * 5.5 - 5.5 * 5.5), 4);
-    /* The part of the cap deeper than the planned depth and the margin has a height of 1.5 mm. */
+    /* The part of the cap that is deeper than the planned depth plus the margin is a cap of height 1.5 mm. */
     NEAR(m.over_mm3, PI * 1.5 * 1.5 * (27 - 0.5), 0.12 * PI * 1.5 * 1.5 * 26.5);
     NEAR(m.centre_depth_mm, 5.5, 0.25);
     assert_int_equal(ost_metrics_make(&before, &before, 120, &classes, &plan, NULL, &m, &err), OST_ERR_INPUT);
@@ -214,9 +217,9 @@ static void too_deep(void **state)
 }
 
 /*
- * Over-reaming must grow with the depth. The part of a cap of height h that is deeper than plan
- * and margin is a cap of height h - 4 mm, and the volume of a cap is pi h^2 (R - h / 3). No depth
- * may make the cap count as a hole, and a drill's hole must add nothing to the over-reaming.
+ * Over-reaming must grow with the depth. The part of a cap of height h that is deeper than the planned
+ * depth plus the margin is a cap of height h - 4 mm, and the volume of a cap is pi h^2 (R - h / 3). The cap
+ * must not count as a hole at any depth, and a drilled hole must not increase the over-reaming.
  */
 static void the_deeper_the_worse(void **state)
 {
@@ -245,8 +248,8 @@ static void the_deeper_the_worse(void **state)
 }
 
 /*
- * Landmarks rotate the scapula's lateral axis by a known angle, which must be the planned face's
- * version or inclination.
+ * The landmarks define a lateral axis of the scapula that is rotated by a given angle. The version or
+ * inclination of the planned face must be this angle.
  */
 static void in_the_scapulas_frame(void **state)
 {
@@ -298,8 +301,8 @@ static void in_the_scapulas_frame(void **state)
 }
 
 /*
- * A tapering stump has an oval face of 26 x 34 mm, whose half axes shrink by 0.4 mm per
- * millimetre of depth. A sphere whose centre is off the stump's axis cuts it.
+ * Tests a tapering stump with an oval face of 26 x 34 mm. The half axes of its cross-section decrease by
+ * 0.4 mm per millimetre of depth. A sphere whose centre is not on the stump's axis cuts into the stump.
  */
 static void the_rim(void **state)
 {
@@ -351,7 +354,7 @@ static void the_rim(void **state)
     NEAR(m.width_before_mm, 2 * a, 0.75);
     NEAR(m.height_before_mm, 2 * b, 0.75);
     NEAR(m.width_after_mm, side[0] + side[1], 0.75);
-    /* Nothing is cut near the rim, so nothing is lowered. */
+    /* Nothing was cut near the rim, so the rim is not lowered. */
     ost_volume_free(&after);
     assert_ok(ost_volume_init(&after, &g, &err));
     for (int i = 0; i < 40 * SIZE * SIZE; i++) {
@@ -401,8 +404,8 @@ static void the_technique(void **state)
     assert_ok(ost_technique_make(m, ALL + 1, &plan, &t, &err));
     NEAR(t.seconds, ALL * 1e-3, 1e-9);
     /*
-     * The path is measured between positions that are 20 ms apart. If the direction reverses
-     * between two positions, up to the complete distance covered in these 20 ms is not measured.
+     * The path is measured between positions that are 20 ms apart. If the tool reverses its direction
+     * between two positions, the distance that it covers in these 20 ms is not measured completely.
      */
     NEAR(t.path_mm, 8 + 3 + 2 * 2 * PI * 5 + 2 + 13, 0.8);
     NEAR(t.contact_s, (ADVANCE + TURNS + PLUNGE) * 1e-3, 1e-9);
@@ -420,8 +423,8 @@ static void the_technique(void **state)
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
     /*
-     * The built-in paths approach at 20 mm/s in contact, along an axis on which no step is
-     * exact. Such an approach must not count as a plunge.
+     * The built-in paths advance at 20 mm/s in contact. The axis here is oblique, so that the steps are
+     * rounded. Such an approach must not count as a plunge.
      */
     const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
     for (int i = 0; i <= ALL; i++) {
@@ -445,9 +448,8 @@ static void the_technique(void **state)
         for (int a = 0; a < 3; a++)
             m[i].mm[a] = 0;
     /*
-     * The tool is lifted off the bone for some time in the middle. A lift of 0.3 s gives two
-     * contacts and one pass; a lift of 0.6 s gives two contacts and two passes. No force is
-     * recorded.
+     * The tool is lifted off the bone for some time in the middle. A lift of 0.3 s gives two contacts and
+     * one pass. A lift of 0.6 s gives two contacts and two passes. There is no force in the recording.
      */
     for (int lift = 300; lift <= 600; lift += 300) {
         for (int i = 0; i <= ALL; i++) {

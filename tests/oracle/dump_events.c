@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints the library's results for seeded cases, which check_events.py computes again in
- * fractions: sweeps, maps, and complete removal events on small grids. The program reads no
+ * Prints the library's results for seeded cases. check_events.py computes the results again with exact
+ * fractions. The cases are sweeps, maps, and complete removal events on small grids. The program reads no
  * input. A case is one line of key=value words, with values in picometres and Q30:
  *
  *   sweep  s= tool= a= b=               n= (0: refused) pose1= ... (three of them)
@@ -13,9 +13,9 @@
  * Densities and tool classes are functions of the voxel's number and the case's seed (`mix`
  * below), so that grids need not be printed.
  *
- * A third of the poses is random. The others are constructed to lie on borders: the 24 rotations
- * of a cube, by quaternions whose lengths differ from 1 by up to 1/1000, with translations at
- * multiples of half a voxel and of half a unit of 2^-20.
+ * A third of the poses is random. The other poses are constructed so that voxels lie on borders. Their
+ * rotations are the 24 rotations of a cube, given by quaternions whose lengths differ from 1 by up to
+ * 1/1000. Their translations are multiples of half a voxel and of half a unit of 2^-20.
  */
 #include <osteon/backend.h>
 
@@ -78,8 +78,8 @@ static void random_turn(int32_t q[4])
 static void cube_turn(int32_t q[4])
 {
     /*
-     * Magnitudes of components: 2^30 divided by 1, sqrt 2 and 2 (rows), each multiplied by 0.999
-     * (rounded up), 1, and 1.001 (rounded down).
+     * Magnitudes of components. The rows contain 2^30 divided by 1, sqrt 2 and 2. The columns contain these
+     * values multiplied by 0.999 (rounded up), by 1, and by 1.001 (rounded down).
      */
     static const int32_t magnitude[3][3] = {
         {1072668083, OST_Q30_ONE, 1074815565}, {758490875, 759250125, 760009375}, {536334042, 536870912, 537407782}};
@@ -99,8 +99,8 @@ static void cube_turn(int32_t q[4])
 }
 
 /*
- * Returns a pose around the position `around`. By `style`, the pose is at any position, at
- * multiples of half a tool voxel, or at multiples of half the unit 2^-20 of a tool voxel.
+ * Returns a pose around the position `around`. The parameter `style` selects any position, multiples of
+ * half a tool voxel, or multiples of half a unit of 2^-20 of a tool voxel.
  */
 static ost_pose make_pose(int style, ost_pm3 around, ost_pm spread, ost_pm tool_voxel)
 {
@@ -125,8 +125,8 @@ typedef struct sizes {
 } sizes;
 
 /*
- * Returns the voxel sizes of bone and tool. Their ratios are 1, 2, 16 and the thesis' ratio,
- * both for decimal and for binary sizes.
+ * Returns the voxel sizes of bone and tool. The ratios of these sizes are 1, 2, 16 and that of the thesis,
+ * with decimal and with binary sizes.
  */
 static sizes make_sizes(void)
 {
@@ -222,7 +222,7 @@ static void dump_sweep(void)
     default:
         b = moved(&a, s.bone * 3);
     }
-    if (ost_pose_check(&b, NULL) != OST_OK) /* beyond 8 m */
+    if (ost_pose_check(&b, NULL) != OST_OK) /* the pose is beyond 8 m */
         b = a;
     int n;
     if (ost_sweep_count(&a, &b, &tool, s.bone, &n, NULL) != OST_OK)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints the grid that the reader of CT texts finds in each file: one line "dims spacing origin"
- * of nine integers (voxels and picometres), or "refused " and the message. check_lattices.py
- * compares these lines with the pseudo-code of docs/spec/arithmetic.md.
+ * Prints the grid that the reader of CT texts finds in each file. The output for a file is one line "dims
+ * spacing origin" of nine integers (in voxels and picometres), or "refused " and the message.
+ * check_lattices.py compares these lines with the pseudo-code of docs/spec/arithmetic.md.
  *
  * Usage: dump_lattices FILE...
  */

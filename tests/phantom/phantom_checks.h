@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Measurements of generated bones, computed from the voxels alone. */
+/* Measurements of generated bones, computed only from the voxels. */
 #ifndef OST_TESTS_PHANTOM_CHECKS_H
 #define OST_TESTS_PHANTOM_CHECKS_H
 
@@ -100,7 +100,7 @@ static inline void read_vector(const ost_volume *v, const char *key, double out[
 }
 
 /*
- * Returns the density at a point of the patient in mm, interpolated between voxel centres.
+ * Returns the density at a point given in mm in patient coordinates, interpolated between voxel centres.
  * Outside the grid, returns the density of the nearest voxel.
  */
 static inline double density_at(const ost_volume *v, const double mm[3])

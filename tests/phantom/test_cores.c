@@ -37,7 +37,8 @@ static double mean_run(const ost_volume *v, bool active)
         for (int q = 0; q < n[c]; q += 3)
             for (int p = 0; p < n[b]; p += 3) {
                 int64_t at = p * step[b] + q * step[c];
-                int length = -1; /* -1: the length of the run is unknown, because no change has been found yet */
+                /* -1: the length of the run is unknown, because no change of activity has been found yet */
+                int length = -1;
                 bool was = v->voxels[at] >= ACTIVE_HU;
                 for (int i = 1; i < n[a]; i++) {
                     bool is = v->voxels[at + i * step[a]] >= ACTIVE_HU;
@@ -58,9 +59,9 @@ static double mean_run(const ost_volume *v, bool active)
 }
 
 /*
- * A line crosses a rod or plate obliquely, so its run is longer than the thickness, on average by
- * the factor pi/2 for a long cylinder and 2 for a plate. Therefore struts of 0.15-0.25 mm have
- * runs of 0.24-0.5 mm.
+ * A line usually crosses a rod or plate obliquely, so its run is longer than the thickness. On average, the
+ * factor is pi/2 for a long cylinder and 2 for a plate. Therefore struts of 0.15-0.25 mm have runs of
+ * 0.24-0.5 mm.
  */
 static void test_core_1(void **state)
 {

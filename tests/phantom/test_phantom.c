@@ -33,7 +33,8 @@ static void test_names(void **state)
     assert_string_equal(ost_phantom_name(OST_PHANTOM_COUNT), "unknown");
 }
 
-/* 256 * 0.47 = 120.32 mm, 234 * 0.47 = 109.98 mm, 201 mm; 314, 316, 360 times 0.032 are 10.048, 10.112, 11.52 mm. */
+/* Expected sizes of the scapula: 256 * 0.47 = 120.32 mm, 234 * 0.47 = 109.98 mm, and 201 mm. Expected sizes of a
+   core: 314, 316 and 360 voxels of 0.032 mm, which are 10.048, 10.112 and 11.52 mm. */
 static void test_spacing_and_scale_make_the_dims(void **state)
 {
     (void)state;
@@ -65,7 +66,7 @@ static void test_a_seed_makes_one_grid(void **state)
         ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5}
                                                  : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
         ost_volume a = make((ost_phantom_kind)kind, o);
-        o.seed = 1; /* 0 selects this seed */
+        o.seed = 1; /* the seed 0 selects this seed */
         ost_volume b = make((ost_phantom_kind)kind, o);
         o.seed = 2;
         ost_volume c = make((ost_phantom_kind)kind, o);
@@ -92,7 +93,8 @@ static void test_left_is_the_mirror_of_right(void **state)
     for (int64_t row = 0; row < (int64_t)d.y * d.z; row++)
         for (int i = 0; i < d.x; i++)
             assert_int_equal(left.voxels[row * d.x + i], right.voxels[row * d.x + d.x - 1 - i]);
-    /* The first voxel of one bone is the last voxel of the other, mirrored at the midline. */
+    /* The grids are mirrored at x = 0: the first voxel of the left bone is opposite to the last voxel of the right
+       bone. */
     assert_int_equal(left.geometry.origin.x, -(right.geometry.origin.x + (d.x - 1) * right.geometry.spacing.x));
     assert_int_equal(left.geometry.origin.y, right.geometry.origin.y);
     double at[2][3], axis[2][3];
@@ -109,8 +111,8 @@ static void test_left_is_the_mirror_of_right(void **state)
 }
 
 /*
- * In LPS+ a right glenoid lies at negative x. It faces the patient's right and slightly forward,
- * so inward is +x and +y.
+ * In LPS+ a right glenoid lies at negative x. The glenoid faces the patient's right and slightly forward,
+ * so its inward axis points to +x and +y.
  */
 static void test_the_glenoid_looks_outward(void **state)
 {
@@ -132,7 +134,7 @@ static void test_the_glenoid_looks_outward(void **state)
     }
 }
 
-/* For every seed the bone must be one connected piece and must not touch the box's sides. */
+/* For every seed the bone must be one connected piece that does not touch the sides of the box. */
 static void test_seeds_keep_the_bone_whole(void **state)
 {
     (void)state;
@@ -200,7 +202,8 @@ static void test_bad_options(void **state)
         assert_int_equal(ost_phantom_make(OST_PHANTOM_FOAM, &o, &v, &err), OST_ERR_RANGE);
         assert_non_null(strstr(err.text, "along y"));
     }
-    /* 120.32 mm / 10 um = 12,032 voxels on an axis are allowed, but not 12,032 x 10,998 x 20,100 in all. */
+    /* On one axis, 120.32 mm / 10 um = 12,032 voxels are allowed. The complete grid of 12,032 x 10,998 x 20,100
+       voxels is too large. */
     ost_phantom_options o = {.spacing = {MM / 100, MM / 100, MM / 50}};
     assert_int_equal(ost_phantom_make(OST_PHANTOM_SCAPULA, &o, &v, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "2^31"));

@@ -86,8 +86,8 @@ static void test_the_glenoid_is_a_crop(void **state)
 }
 
 /*
- * Samples along the axis, inward from outside the face, every 0.05 mm: soft tissue, cartilage
- * [120, 150), compact bone [650, ...), spongy bone [150, 650).
+ * Samples the density every 0.05 mm along the axis, from outside the face inward. The expected order of the
+ * layers is soft tissue, cartilage [120, 150), compact bone [650, ...) and spongy bone [150, 650).
  */
 static void test_layers_along_the_axis(void **state)
 {
@@ -143,8 +143,8 @@ static void test_densities(void **state)
 }
 
 /*
- * The bone is denser at the back (Frich et al.). The test compares the two sides of the axis in
- * positions along the face, at depths of 6 to 10 mm.
+ * The bone is denser at the back (Frich et al.). The test compares the densities on both sides of the axis,
+ * at depths of 6 to 10 mm.
  */
 static void test_denser_posteriorly(void **state)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A plugin for tests that wraps the library's own reference. Its results through the plugin
- * interface must be equal to those without the interface. An option makes it misbehave.
+ * A plugin for tests that wraps the library's reference backend. The results through the plugin interface
+ * must equal those without the interface. With an option, the plugin misbehaves.
  *
  *   plugin:mirror.so              the reference
  *   plugin:mirror.so,break=WHAT   misbehaves; WHAT is an argument of broken() below
@@ -20,7 +20,7 @@ struct ost_plugin_instance {
     int events; /* number of removals so far */
 };
 
-static ost_plugin_instance *current; /* one instance at a time is enough for tests */
+static ost_plugin_instance *current; /* a single instance, which is sufficient for tests */
 
 static int broken(const char *what)
 {
@@ -49,7 +49,8 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
     if (broken("open"))
         raise(SIGSEGV);
     if (broken("options")) {
-        memset(error->text, 'x', error->text_size); /* no NUL: the host must not read beyond the buffer */
+        /* the text has no terminating NUL; the host must not read beyond the buffer */
+        memset(error->text, 'x', error->text_size);
         free(self);
         current = NULL;
         return OST_PLUGIN_USAGE;
@@ -220,7 +221,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     const ost_snapped_mesh first = mesh_of(g, cutting),
                            second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
-        return OST_PLUGIN_OK; /* returns no object */
+        return OST_PLUGIN_OK; /* returns success but no object */
     const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL,
                                            parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;
@@ -264,7 +265,8 @@ static ost_int128 joined(ost_plugin_int128 v)
     return (ost_int128){v.low, v.high};
 }
 
-/* Also calls the host's block_base. Its result must agree with the map. */
+/* Returns true if the host's function block_base computes the same base from `given` as the library computes from
+   `map`. */
 static int same_base(const ost_map *map, const ost_plugin_map *given)
 {
     const int32_t block[3] = {1, 0, 2};

@@ -3,7 +3,8 @@
 
 #include "core/divider.h"
 
-/* Proves the bounds of the inverse I and of the shift for any divisor. The casts to 64 bits drop bits on purpose. */
+/* Proves the bounds of the inverse I and of the shift for any divisor. The casts to 64 bits discard bits
+   intentionally. */
 void divider_inverse(void)
 {
     const ost_i128 divisor = nondet_int128();
@@ -13,9 +14,9 @@ void divider_inverse(void)
 }
 
 /*
- * Proves for |n| <= 2^46 D that h and h I do not overflow. The proof uses a copy of the
- * expressions. In the copy, n / 2^46 is compared with D, because the product 2^46 D may exceed
- * 128 bits.
+ * Proves that h and h I do not overflow for dividends |n| <= 2^46 D, where D is the divisor. The proof uses
+ * a copy of the expressions. The copy compares n / 2^46 with D, because the product 2^46 D may exceed 128
+ * bits.
  */
 void divider_estimate(void)
 {

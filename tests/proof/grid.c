@@ -4,7 +4,8 @@
 #include <osteon/grid.h>
 #include <osteon/tool.h>
 
-/* The checks of a grid must not overflow for any input. If WIDE is defined, the checks accept longer spacings. */
+/* Proves that the checks of a grid do not overflow for any input. If WIDE is defined, the checks accept longer
+   spacings, and the proof must fail. */
 #ifdef WIDE
 #undef OST_SPACING_MAX
 #define OST_SPACING_MAX INT64_MAX

@@ -5,13 +5,13 @@
 
 #include "core/divider.h"
 
-/* Returns any quotient, because check_bounds.py bounds the division. */
+/* Returns any value as the quotient, because check_bounds.py proves the bounds of the division. */
 #define ost_rhe_div128(n, d) nondet_int128()
 #include "core/map.c"
 
 /*
- * Proves that base + sum of d step does not overflow, in any partial sum, for any base of a near block (AR-MAP-5).
- * The expression is copied here, because the code is in loops of remove.c.
+ * Proves for any base of a near block (AR-MAP-5) that base + sum of d step does not overflow in any partial
+ * sum. The proof uses a copy of the expression, because the code is in loops of remove.c.
  */
 void map_coordinate(void)
 {
@@ -30,8 +30,8 @@ void map_coordinate(void)
 }
 
 /*
- * Proves for any quotient that the function returns false for a far block, and that the base of
- * a near block fits int32.
+ * Proves that the function returns false for a far block and that the base of a near block fits int32, for
+ * any result of the division.
  */
 void map_base(void)
 {

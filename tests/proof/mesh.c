@@ -2,8 +2,8 @@
 #include "proof.h"
 
 /*
- * Contract of ost_rhe_div. It requires |n| <= 2^62 and returns a quotient of at most dims * 2^f
- * for the given divisor.
+ * Contract that replaces ost_rhe_div. It asserts d >= 1 and 0 <= n < 2^54, and returns any quotient from 0
+ * to quotient_most.
  */
 static int64_t quotient_most;
 
@@ -44,8 +44,8 @@ void mesh_snap(void)
 }
 
 /*
- * Proves that has_area does not overflow for edges up to 2^20. The products are at most 2^40,
- * which leaves the spare bit that the source documents.
+ * Proves that has_area does not overflow for edges up to 2^20. The products are at most 2^40, so the spare
+ * bit that the source documents exists.
  */
 void mesh_area(void)
 {

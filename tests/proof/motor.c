@@ -11,7 +11,8 @@ static ost_pose any_pose(int64_t limit)
                       .qz = (int32_t)any64(limit)};
 }
 
-/* Proves P < U < 2^36 and 4096 P < 2^48. The table's entry must belong to the quarter. */
+/* Proves for any phase P below the turn U < 2^36 that spin_of does not overflow (4096 P < 2^48) and that its cosine
+   and sine are at most 2^30 in magnitude. */
 void motor_spin(void)
 {
     ost_motor motor = {.phase = nondet_int64()};
@@ -21,7 +22,7 @@ void motor_spin(void)
     BOUNDED(by.s, INT64_C(1) << 30);
 }
 
-/* For any two int64 times and any speed up to 3000, P must stay below U. */
+/* Proves that P stays below U for any two int64 times and any speed up to 3000. */
 void motor_advance(void)
 {
     ost_motor motor = {.phase = nondet_int64(), .t_ns = nondet_int64(), .moved = true};
@@ -31,7 +32,7 @@ void motor_advance(void)
     ASSERT(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN);
 }
 
-/* For |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30, each sum must be below 2^62 and fit int64. */
+/* Proves that each sum is below 2^62 and fits int64 for |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30. */
 void motor_component(void)
 {
     const int64_t q = INT64_C(1074815566), sc = INT64_C(1) << 30; /* 1.001 * 2^30 + 1 */

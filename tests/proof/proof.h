@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Definitions for the proofs of ranges (AR-INT-3). Only cbmc reads these files; no compiler
- * builds them. A harness includes a source file of src, calls one of its functions with any input
- * within the documented range, and asserts the bound that docs/spec/arithmetic.md states. cbmc
- * adds the checks for overflow and conversion. A called function with a proof of its own may be
- * replaced by its contract, which asserts its range of inputs and returns any result within its
- * bound.
+ * Definitions for the proofs of ranges (AR-INT-3). Only cbmc reads these files; no compiler builds them. A
+ * harness includes a source file of src, calls one of its functions with any input within the documented
+ * range, and asserts the bound that docs/spec/arithmetic.md states. cbmc adds the checks for overflow and
+ * conversion. If a called function has a proof of its own, it may be replaced by its contract, which
+ * asserts the function's range of inputs and returns any result within the function's bound.
  *
- * If WIDE is defined, the range is wider by one or more bits, and the proof must fail.
+ * If WIDE is defined, the range of inputs is wider by one or more bits, and the proof must fail.
  */
 #ifndef OST_TESTS_PROOF_H
 #define OST_TESTS_PROOF_H

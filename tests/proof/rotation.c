@@ -12,8 +12,8 @@ static ost_pose any_pose(void)
 }
 
 /*
- * Proves that N and every entry are exact in int64, with all sums of AR-POSE-4, for any quaternion
- * that ost_rotation_fits accepts.
+ * Proves for any quaternion that ost_rotation_fits accepts that N, every entry of the matrix and all sums
+ * of AR-POSE-4 are exact in int64.
  */
 void rotation(void)
 {

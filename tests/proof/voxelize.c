@@ -11,7 +11,7 @@ static void any_vertex(int32_t v[3])
         v[a] = any32(0, LATTICE << WIDER);
 }
 
-/* Proves |E| <= 2^41, a difference of two products of differences up to 2^20. */
+/* Proves |E| <= 2^41 for the edge function E, which is a difference of two products of differences up to 2^20. */
 void voxelize_edge(void)
 {
     int32_t a[3], b[3];
@@ -24,8 +24,8 @@ void voxelize_edge(void)
 }
 
 /*
- * Proves that K and every partial sum are below 2^63 (D of AR-VOX-3 is K with the opposite sign),
- * and so are the quotient's terms.
+ * Proves that K, every partial sum of K and the terms of the quotient are below 2^63. D of AR-VOX-3 is K
+ * with the opposite sign.
  */
 void voxelize_plane(void)
 {

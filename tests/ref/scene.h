@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes small bones, tools and poses for the tests of removal and of the world. They are
- * generated from a seed on any backend and can be downloaded completely.
+ * Makes small bones, tools and poses for the tests of removal and of the world. They are generated from a
+ * seed, on any backend. They are so small that tests can download them completely.
  */
 #ifndef OST_TESTS_REF_SCENE_H
 #define OST_TESTS_REF_SCENE_H
@@ -21,8 +21,8 @@ static inline size_t voxel_count(const ost_geometry *g)
 }
 
 /*
- * Returns densities of which `share` in 8 are active (120 to 1,000); the others are below the
- * threshold (-1,000 to 119).
+ * Returns random densities. On average, `share` of 8 voxels are active (120 to 1,000), and the other voxels
+ * are below the threshold (-1,000 to 119).
  */
 static inline int16_t *random_densities(test_rng *rng, const ost_geometry *g, int share)
 {
@@ -81,7 +81,7 @@ static inline ost_tool *solid_tool(ost_backend *backend, ost_tool_geometry g, ui
     return tool;
 }
 
-/* Returns a tool of random void, cutting and non-cutting voxels. */
+/* Returns a tool of random empty, cutting and non-cutting voxels. */
 static inline ost_tool *random_tool(ost_backend *backend, test_rng *rng, ost_tool_geometry g)
 {
     ost_error err = {0};
@@ -98,8 +98,8 @@ static inline ost_tool *random_tool(ost_backend *backend, test_rng *rng, ost_too
 }
 
 /*
- * Returns a random pose. The quaternion is drawn from a 4-ball by rejection and scaled to 2^30 by
- * an integer square root. This is uniform enough and does not need libm.
+ * Returns a random pose. The quaternion is drawn from a 4-ball by rejection and scaled to 2^30 by an
+ * integer square root. Its distribution is sufficiently uniform, and libm is not needed.
  */
 static inline ost_pose random_pose(test_rng *rng, ost_pm3 lo, ost_pm3 hi)
 {
@@ -126,7 +126,7 @@ static inline ost_pose random_pose(test_rng *rng, ost_pm3 lo, ost_pm3 hi)
     return pose;
 }
 
-/* An event whose boxes cover the complete grid, as in the definition of removal. */
+/* An event whose boxes are the complete grid, as in the definition of removal. */
 enum { SCENE_POSES = 64 };
 typedef struct scene_event {
     ost_map maps[SCENE_POSES];

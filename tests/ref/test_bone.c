@@ -114,7 +114,8 @@ static void chunk_size_does_not_show(void **state)
 
 static void leaves_are_those_of_the_dense_grid(void **state)
 {
-    /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. Only one voxel is active. */
+    /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. One of the tested bones has only
+       one active voxel. */
     ost_error err = {0};
     test_rng rng = rng_seeded("leaves");
     ost_geometry g = odd_geometry();
@@ -165,8 +166,8 @@ static void memory_follows_the_voxels(void **state)
 }
 
 /*
- * The memory figures of other tests follow from the counts of active voxels. This test examines
- * the chunks themselves: memory may be allocated for a chunk only if it has an active voxel.
+ * Other tests derive memory sizes from the counts of active voxels. This test examines the chunks directly:
+ * memory may be allocated only for a chunk with an active voxel.
  */
 static void empty_chunks_have_no_memory(void **state)
 {
@@ -178,7 +179,8 @@ static void empty_chunks_have_no_memory(void **state)
     for (int s = 0; s < 3; s++) {
         ost_chunk_grid grid;
         assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
-        /* step 0: below the threshold; 1: one voxel at the threshold; 2: empty again */
+        /* in step 0 all voxels are below the threshold, in step 1 one voxel is at the threshold, in step 2 none
+           again */
         for (int step = 0; step < 3; step++) {
             int64_t allocated = 0;
             voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);

@@ -34,9 +34,9 @@ static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
 static void the_documents_example(void **state)
 {
     /*
-     * The example of docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 mm and the minimum is
-     * -57.34 mm. The position 4.0499 mm is off the lattice by 0.38319 of a voxel; 4.1799 mm is
-     * off by only 0.10659.
+     * The example of docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 mm and the minimum is -57.34 mm.
+     * The position 4.0499 mm deviates from the lattice by 0.38319 of a voxel, and 4.1799 mm by only
+     * 0.10659.
      */
     ost_error err = {0};
     ost_grid *grid = rect_grid(*state, 200, 1, 1, (ost_pm3){-57340000000, 0, 0});
@@ -75,9 +75,8 @@ static void a_density_beyond_int16_is_refused(void **state)
 static void borders_of_the_offsets(void **state)
 {
     /*
-     * The spacing is 8 units. An offset of exactly 1 unit is accepted without a count, an offset
-     * of exactly 3 units is counted and accepted, and an offset of 4 units (a half) is rounded to
-     * even and rejected.
+     * The spacing is 8 units. An offset of exactly 1 unit is accepted and not counted. An offset of exactly
+     * 3 units is accepted and counted. An offset of 4 units, half a voxel, is rounded to even and rejected.
      */
     ost_error err = {0};
     ost_geometry g = {.dims = {8, 1, 1}, .spacing = {8000000, 8000000, 8000000}};
@@ -166,7 +165,7 @@ static void every_voxel_finds_its_place(void **state)
     ost_grid *grid = rect_grid(*state, NX, NY, NZ, origin);
     ost_sample samples[NX * NY * NZ];
     for (int i = 0; i < NX * NY * NZ; i++) {
-        int v = (i * 61) % (NX * NY * NZ); /* in a scattered order: 61 and 140 have no common divisor */
+        int v = (i * 61) % (NX * NY * NZ); /* the order is scattered, because 61 and 140 have no common divisor */
         int x = v % NX, y = v / NX % NY, z = v / NX / NY;
         samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70,
                                   (uint32_t)i};
@@ -209,12 +208,13 @@ static ost_pm3 origin_of(const ost_grid *grid)
 static void filler_voxels(void **state)
 {
     /*
-     * Three layers of 1 mm at 0.47 mm give ceil(3 / 0.47) = 7 layers, the first at (0.47 - 1) / 2 =
-     * -0.265 mm. The centres in units of layers are -0.265, 0.205, 0.675, 1.145, 1.615, 2.085 and
-     * 2.555. The `linear` rule clamps the first to 0 and the last to 2. The `nearest` rule uses the
-     * layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and, clamped, 2. The
-     * `thesis` rule divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each layer is 1000
-     * denser than the one before, and 1000 weights of 2^-15 round to the same value.
+     * Three layers of 1 mm are resampled to 0.47 mm. There are ceil(3 / 0.47) = 7 layers, the first at
+     * (0.47 - 1) / 2 = -0.265 mm. In units of the source layers, the centres are at -0.265, 0.205, 0.675,
+     * 1.145, 1.615, 2.085 and 2.555. The `linear` rule clamps the first centre to 0 and the last two to 2.
+     * The `nearest` rule uses the layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and,
+     * clamped, 2. The `thesis` rule divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each source
+     * layer is 1000 denser than the previous layer. Rounding the weights to multiples of 2^-15 does not
+     * change the results.
      */
     static const int expected[3][7] = {
         [OST_RESAMPLE_LINEAR] = {100, 305, 775, 1245, 1715, 2100, 2100},
@@ -248,10 +248,10 @@ static void filler_voxels(void **state)
 static void coarser_than_the_scan(void **state)
 {
     /*
-     * Seven layers of 0.3 mm at 0.47 mm give ceil(2.1 / 0.47) = 5 layers, the first at (0.47 - 0.3)
-     * / 2 = 0.085 mm. For the `linear` rule, the centres are at 0.2833, 1.85, 3.4167, 4.9833 and
-     * 6.55 layers; the last is clamped to 6. For the `nearest` rule, the boxes begin half a layer
-     * earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is clamped to 6. The
+     * Seven layers of 0.3 mm are resampled to 0.47 mm. There are ceil(2.1 / 0.47) = 5 layers, the first at
+     * (0.47 - 0.3) / 2 = 0.085 mm. For the `linear` rule, the centres are at 0.2833, 1.85, 3.4167, 4.9833
+     * and 6.55 source layers; the last centre is clamped to 6. For the `nearest` rule, the boxes begin half
+     * a layer earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is clamped to 6. The
      * `thesis` rule divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0 1 3 4 6.
      */
     static const int expected[3][5] = {
@@ -274,7 +274,8 @@ static void coarser_than_the_scan(void **state)
 
 static void origins_round_half_to_even(void **state)
 {
-    /* For c = 1 mm, (c - s) / 2 is -1/2, -3/2, 1/2 and 5/2 pm, which are rounded to 0, -2, 0 and 2. */
+    /* With a cubic spacing c of 1 mm and the rect spacings s of this table, (c - s) / 2 is -1/2, -3/2, 1/2 and 5/2
+       pm, which are rounded to 0, -2, 0 and 2. */
     static const struct {
         ost_pm more, moved;
     } cases[] = {{1, 0}, {3, -2}, {-1, 0}, {-5, 2}};
@@ -363,10 +364,10 @@ static void means_stay_between_their_neighbours(void **state)
 static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
 {
     /*
-     * 60 layers of 0.4882812 or 0.4882813 mm, each 500 denser than the one before, become cubes of
-     * 0.4882812 mm. The last centre is off by 59.5 * 2 * 10^-7 of a layer, which is 500 * 1.2 *
-     * 10^-5 densities. Therefore densities differ by at most one rounding. The `thesis` rule uses a
-     * different layer from the first one on: floor(i c / s) = i - 1.
+     * 60 layers of 0.4882812 or 0.4882813 mm are resampled to 0.4882812 mm. Each layer is 500 denser than
+     * the previous layer. The last centre deviates by 59.5 * 2 * 10^-7 of a layer, which changes the
+     * density by 500 * 1.2 * 10^-5. Therefore densities differ by at most one rounding. The `thesis` rule
+     * uses a different layer from the first layer on: floor(i c / s) = i - 1.
      */
     static const ost_pm near[2] = {488281200, 488281300};
     ost_error err = {0};
@@ -433,7 +434,7 @@ static void the_thesis_tables(void **state)
         {{49, 81, 41}, 470 * UM, 1000 * UM, {49, 81, 88}, {2, 3, 3}},
     };
     ost_error err = {0};
-    /* For the two largest models, only the dimensions are checked, after this loop. */
+    /* The dimensions of the two largest models are checked after this loop. */
     for (size_t i = 2; i < sizeof models / sizeof models[0]; i++) {
         ost_geometry g = {.dims = models[i].rect,
                           .spacing = {models[i].in_plane, models[i].in_plane, models[i].between}};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares sweep and map with values computed by hand or by other programs. tests/oracle compares
- * thousands of random cases with another implementation.
+ * Compares sweep and map with values computed by hand or by other programs. In addition, tests/oracle
+ * compares thousands of random cases with another implementation.
  * Covers: AR-SWEEP-1..6, AR-MAP-1..5, AR-POSE-4
  */
 #include "ref/scene.h"
@@ -40,7 +40,7 @@ static void the_documents_sweep(void **state)
 static void the_count_is_the_least(void **state)
 {
     (void)state;
-    /* If 2 |d| = n s exactly, the number of poses is n; with one picometre more it is n + 1. */
+    /* If 2 |d| = n s exactly, there are n poses; if d is one picometre longer, there are n + 1 poses. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {
@@ -76,8 +76,8 @@ static void a_turn_moves_the_corners(void **state)
     ost_pose minus = {.t = a.t, .qw = -a.qw};
     assert_int_equal(count_of(&a, &minus, &small_tool, 470 * UM), 1);
     /*
-     * The sweep interpolates the shorter way: (759,250,125 + 2^30) / 2 = 916,495,974.5 and
-     * 759,250,125 / 2 = 379,625,062.5, rounded to even.
+     * The sweep interpolates the shorter rotation. The components are (759,250,125 + 2^30) / 2 =
+     * 916,495,974.5 and 759,250,125 / 2 = 379,625,062.5, both rounded to even.
      */
     ost_pose half = ost_sweep_pose(&b, &minus, 1, 2);
     assert_int_equal(half.qw, 916495974);
@@ -105,8 +105,8 @@ static void the_documents_map(void **state)
 static void quarter_turns_are_exact(void **state)
 {
     /*
-     * With bone voxels of 1 mm and tool voxels of 1/2 mm, each step is two tool voxels along the
-     * rotated axis, whatever the quaternion's length.
+     * With bone voxels of 1 mm and tool voxels of 1/2 mm, each step is two tool voxels along the rotated
+     * axis, for any length of the quaternion.
      */
     (void)state;
     ost_error err = {0};
@@ -123,8 +123,8 @@ static void quarter_turns_are_exact(void **state)
         int32_t base[3];
         assert_true(ost_map_block_base(&map, (ost_dims){1, 2, 3}, base));
         /*
-         * p - t = (15, 32, 48) mm, which is (32, -15, 48) in the tool's frame. Minus the corner
-         * this is (34.5, -10, 48), and in half millimetres (69, -20, 96).
+         * The vector p - t is (15, 32, 48) mm, which is (32, -15, 48) mm in the tool's frame. Relative to
+         * the tool's corner this is (34.5, -10, 48) mm, or (69, -20, 96) half millimetres.
          */
         assert_int_equal(base[0], 69 << 20);
         assert_int_equal(base[1], -(20 << 20));
@@ -134,10 +134,11 @@ static void quarter_turns_are_exact(void **state)
 
 static void far_blocks_are_said_so(void **state)
 {
-    /* Tests the borders of AR-MAP-5 along x, one unit of 2^-20 apart. The voxels of bone and tool are 2^30 pm wide. */
+    /* Tests positions along x at and next to the borders of AR-MAP-5, one unit of 2^-20 apart. The voxels of bone
+       and tool are 2^30 pm wide. */
     (void)state;
     ost_error err = {0};
-    const ost_pm v = INT64_C(1) << 30; /* so that 2^-20 of a voxel is 1,024 pm */
+    const ost_pm v = INT64_C(1) << 30; /* 2^-20 of this voxel is 1,024 pm */
     ost_geometry bone = cubic_geometry(16, 16, 16, v, (ost_pm3){0, 0, 0});
     ost_tool_geometry tool = {{4, 4, 4}, v, {0, 0, 0}};
     const struct {
@@ -200,7 +201,7 @@ static void beyond_what_is_proved(void **state)
     assert_int_equal(ost_map_make(&far, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&pose, &broken, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&far, &pose, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
-    /* In an uninitialized pose the quaternion is zero, so that N = 0 would be the divisor. */
+    /* An uninitialized pose has the quaternion zero, for which N, the divisor, would be 0. */
     const ost_pose empty = {0};
     assert_int_equal(ost_map_make(&empty, &bone, &tool, &map, NULL), OST_ERR_RANGE);
     assert_int_equal(ost_sweep_count(&empty, &empty, &tool, 16 * UM, &count, NULL), OST_ERR_RANGE);
@@ -213,10 +214,10 @@ static void beyond_what_is_proved(void **state)
 }
 
 /*
- * A box of 1 mm extends from the origin into each octant, and is rotated by a quarter turn about
- * each axis. The corner that is farthest from the axis moves by the chord sqrt(2) * |(1, 1)| = 2
- * mm, so that 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9. Any other corner gives
- * ceil(6.02) = 7 or less.
+ * Tests boxes of 1 mm that extend from the origin into each octant, rotated by a quarter turn about each
+ * axis. The corner that is farthest from the axis moves by the chord sqrt(2) * |(1, 1)| = 2 mm, so a voxel
+ * size of 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9. Any other corner would give ceil(6.02) = 7 or
+ * less.
  */
 static void each_corner_counts(void **state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests removal: small grids computed by hand, then the laws AR-LAW.
+ * Tests removal with small grids computed by hand, and then checks the laws AR-LAW.
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
 #include "ref/scene.h"
@@ -23,10 +23,10 @@ static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int3
 static void a_small_cube(void **state)
 {
     /*
-     * Bone voxels of 1 mm have their centres on integer millimetres. The tool is a cube of 2 mm.
-     * Its grid is half-open in its own frame: at t = 2 it covers the centres 2 and 3, at 2.5 the
-     * centres 3 and 4. Rotated by a quarter turn about z, its y axis points along the bone's -x.
-     * Therefore at t.x = 4 it covers -2 < x - 4 <= 0, the centres 3 and 4.
+     * Bone voxels of 1 mm have their centres on integer millimetres. The tool is a cube of 2 mm. The tool's
+     * grid is half-open in the tool's frame: at t = 2 the tool covers the centres 2 and 3, and at t = 2.5
+     * the centres 3 and 4. After a quarter turn about z, the tool's y axis points along the bone's -x.
+     * Therefore at t.x = 4 the tool covers -2 < x - 4 <= 0, which are the centres 3 and 4.
      */
     ost_error err = {0};
     const int32_t q = 759250125;
@@ -69,8 +69,8 @@ static void a_small_cube(void **state)
 static void classes_and_touch(void **state)
 {
     /*
-     * Five voxels in a row lie under three cutting tool voxels, one non-cutting voxel and one
-     * void voxel. Their densities are on the borders of classes.
+     * Five voxels in a row lie under three cutting tool voxels, one non-cutting voxel and one empty voxel.
+     * Their densities are on the borders of classes.
      */
     ost_error err = {0};
     ost_geometry g = cubic_geometry(5, 1, 1, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
@@ -104,8 +104,8 @@ static void classes_and_touch(void **state)
     ost_bone_free(bone);
 
     /*
-     * The second pose is one voxel further. It cuts voxel 3, which therefore no longer counts as
-     * touched, and touches voxel 4, which was under the void voxel in the first pose.
+     * The second pose is moved by one voxel. It cuts voxel 3, which therefore no longer counts as touched.
+     * It touches voxel 4, which was under the empty voxel in the first pose.
      */
     poses[1].t.x = OST_PM_PER_MM;
     bone = bone_of(*state, &g, 32, voxels);
@@ -330,7 +330,7 @@ static void events_commute_and_only_take(void **state)
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose p = random_pose(&rng, s.lo, s.hi), q = random_pose(&rng, s.lo, s.hi);
-        /* In a bone with fewer active voxels, the remaining voxels must be a subset of those of the full bone. */
+        /* The second bone has fewer active voxels. Its remaining voxels must be a subset of those of the first bone. */
         int16_t *fewer = malloc(voxel_count(&s.g) * sizeof *fewer);
         for (size_t i = 0; i < voxel_count(&s.g); i++)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
@@ -365,8 +365,9 @@ static void events_commute_and_only_take(void **state)
 static void moved_together_nothing_changes(void **state)
 {
     /*
-     * Adding the same vector to the bone and the pose must change nothing. Moving the content by
-     * complete blocks, together with the tool, must give the same result.
+     * Moving the bone's origin and the pose by the same vector must not change the result. Moving the
+     * voxels within the grid by complete blocks, together with the tool, must give the same result at the
+     * new position.
      */
     test_rng rng = rng_seeded("moved");
     for (int round = 0; round < test_rounds(20); round++) {
@@ -449,11 +450,11 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 static void quarter_turns_turn_the_set(void **state)
 {
     /*
-     * A cube of 24^3 voxels around the frame's origin is rotated together with the tool about
-     * each axis, up to three times in succession. Bone voxels of 1 mm have their centres at odd
-     * halves. Tool voxels of 1/2 mm have their borders, relative to the pose, at multiples of
-     * 1/2. With t at odd quarters, no centre is within 1/4 mm of a border. This is far more than
-     * AR-MAP-6 allows.
+     * A cube of 24^3 voxels around the frame's origin is rotated together with the tool about each axis, up
+     * to three times in succession. The centres of the bone voxels of 1 mm are at odd multiples of 1/2 mm.
+     * The borders of the tool voxels of 1/2 mm are at multiples of 1/2 mm relative to the pose. The
+     * translation t consists of odd multiples of 1/4 mm, so that no centre is within 1/4 mm of a border.
+     * This is far more than AR-MAP-6 allows.
      */
     enum { N = 24 };
     test_rng rng = rng_seeded("quarter turns");
@@ -472,7 +473,8 @@ static void quarter_turns_turn_the_set(void **state)
         remove_at(bone, &g, tool, &pose, 1, &before);
         int16_t *left = content(bone, &g);
 
-        /* Axis a is mapped to b, and b to -a. The voxel with the coordinates (i_a, i_b) moves to (N - 1 - i_b, i_a). */
+        /* The turn maps axis a to b, and b to -a. The voxel with the coordinates (i_a, i_b) moves to (N - 1 - i_b,
+           i_a). */
         int16_t *left_turned = malloc(voxel_count(&g) * sizeof *left_turned);
         for (int v = 0; v < N * N * N; v++) {
             int at[3] = {v % N, v / N % N, v / N / N}, to[3];

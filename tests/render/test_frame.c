@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests frames that keep unchanged parts. A frame must be bit-identical to one drawn from scratch
- * after any removal, any motion of the tool or of the camera, any change of colours, clip plane,
- * ghost or lines, and any overwriting of the last frame.
+ * Tests frames whose unchanged parts are not drawn again. Such a frame must be bit-identical to a frame
+ * that is drawn completely, after any removal, any motion of the tool or of the camera, any change of
+ * colours, clip plane, ghost or lines, and any overwriting of the last frame.
  * Covers: REQ-FRAME-KEPT
  */
 #include <math.h>
@@ -29,7 +29,7 @@ static void ball(ost_volume *v, const int at[3], int radius, int16_t value)
             }
 }
 
-/* Makes a body in the middle of its grid. Therefore some blocks of the grid never contain an active voxel. */
+/* Makes a body in the middle of its grid, so that some blocks of the grid never contain an active voxel. */
 static ost_volume make_bone(test_rng *rng)
 {
     ost_error err = {0};
@@ -73,7 +73,7 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1000 * width), .width = width, .height = height};
-    /* sometimes the camera is so near that the voxels fill the frame */
+    /* in some rounds the camera is so near that the voxels fill the frame */
     const double far = rng_range(rng, 0, 4) ? 1 : 0.3;
     const double to[3] = {50, 35, 34};
     double from[3];
@@ -186,8 +186,8 @@ static size_t cells_in(const ost_cells *c)
 }
 
 typedef struct drawn {
-    int frames, parts; /* number of frames, and number of those that were drawn only in part */
-    size_t cells;      /* number of cells drawn in the frames that were drawn only in part */
+    int frames, parts; /* number of frames, and number of frames that were drawn only in part */
+    size_t cells;      /* number of cells drawn in all frames that were drawn only in part */
 } drawn;
 
 /* Draws a frame and compares it with the same picture drawn in a new frame. */

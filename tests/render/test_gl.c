@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares OpenGL's picture with the processor's. The same voxels must be in the same pixels,
- * except for a few pixels where a driver rounds differently. In 1280 x 720 pixels, 30 of 921,600
- * may differ; in smaller frames the number is proportional, but not less than 5. The number of
- * differing pixels is printed. The test is skipped if OpenGL without a display is not available.
+ * Compares OpenGL's picture with the processor's. The same voxels must be in the same pixels, except for a
+ * few pixels for which a driver rounds differently. In a frame of 1280 x 720 pixels, 30 of the 921,600
+ * pixels may differ. In smaller frames the allowed number is proportional, with a minimum of 5. The number
+ * of differing pixels is printed. The test is skipped if OpenGL without a display is not available.
  *
  * OST_TEST_LONG=1 tests frames of 1280 x 720, and repeats all tests limited to OpenGL 3.3.
  * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN
@@ -17,7 +17,7 @@
 enum { SMALL_W = 480, SMALL_H = 270, LARGE_W = 1280, LARGE_H = 720 };
 
 static ost_gl *gl;
-static int version; /* as in ost_gl_options */
+static int version; /* version as in ost_gl_options */
 static char reason[OST_ERROR_TEXT];
 
 static ost_geometry grid(int x, int y, int z, ost_pm spacing)
@@ -57,7 +57,7 @@ static ost_surface surface_of(const ost_volume *v)
 }
 
 /*
- * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels.
+ * Returns a camera that lies in the direction (x, y, z) from the body's middle. The distance is in voxels.
  * `aside` is the offset of the point at which the camera looks.
  */
 static ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width,
@@ -128,7 +128,8 @@ static void skip_without_gl(void)
 
 typedef struct place {
     const char *name;
-    double x, y, z, distance, aside; /* direction; distances in multiples of the body's side */
+    /* direction, distance and offset of a camera; distances are multiples of the body's side */
+    double x, y, z, distance, aside;
 } place;
 
 static const place places[] = {
@@ -207,7 +208,7 @@ static void test_changes(void **state)
     assert_int_equal(ost_gl_counts_get(gl).uploaded, 0);
     for (int round = 0; round < 4; round++) {
         uint64_t was[27] = {0}, renewed = 0;
-        bool differs = false; /* stays false if the body has no voxel in the region that is changed */
+        bool differs = false; /* remains false if the body has no voxel in the changed region */
         assert_true(s.used <= 27);
         for (int32_t i = 0; i < s.used; i++)
             was[i] = s.slot[i]->version;
@@ -316,9 +317,8 @@ static int same_without(const char *name, const ost_gl_variant *variant, const o
 }
 
 /*
- * Skipping cells that other cells hide must change no pixel of any frame. This includes frames in
- * which the camera moves around in steps that bring other cells to the front, and frames in which
- * a window is cut into the wall that hid cells.
+ * If hidden cells are skipped, no pixel of any frame may change. In some frames the camera moves around the
+ * body, so that other cells come to the front. In other frames a window is cut into a wall that hid cells.
  */
 static void test_occlusion(void **state)
 {

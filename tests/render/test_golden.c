@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Golden pictures: a hash of the voxel and the face that each pixel shows. The hashes were
- * computed not by the renderer but by walk() in this file, which follows a ray of doubles through
- * each pixel's middle from voxel to voxel of the dense volume. Unlike the renderer, walk() uses no
- * points, rectangles, drawing order or lists. The test repeats the walk, which must give the hash.
- * The renderer must give the same hash with every instruction set and number of threads. Pixels
- * whose rays pass within a thousandth of a pixel of an edge are not part of the hash; the walk
- * finds these pixels, which are fewer than one in a hundred.
+ * Compares pictures with golden hashes. A hash is computed from the voxel and the face that each pixel
+ * shows. The hashes were computed by the function walk() in this file, which follows a ray through each
+ * pixel's middle from voxel to voxel of the dense volume, in doubles. Unlike the renderer, walk() uses no
+ * points, rectangles, drawing order or lists. The test repeats the walk, which must give the same hash. The
+ * renderer must give the same hash with every instruction set and number of threads. Pixels whose rays pass
+ * within a thousandth of a pixel of an edge are not part of the hash. The walk finds these pixels; they are
+ * fewer than one in a hundred.
  *
  * Covers: REQ-VIEWER
  */
@@ -49,7 +49,7 @@ static bool bone(int i, int j, int k)
            !(square(i - 50) + square(k - 55) < 36 && j < 60) && pore % 37 != 0;
 }
 
-/* Returns true if voxel (i, j, k) belongs to a tool in the form of a mushroom: a dome on a shaft. */
+/* Returns true if voxel (i, j, k) belongs to a tool shaped like a mushroom, which consists of a dome and a shaft. */
 static bool tool(int i, int j, int k)
 {
     const int r = square(i - 30) + square(j - 30);
@@ -103,7 +103,7 @@ static hit walk(const ost_volume *v, const ost_eye *e, double x, double y)
 
 /* ------------------------------------------------------------------- hashes */
 
-/* Returns the hash extended by the eight bytes of a word (FNV-1a). */
+/* Returns the FNV-1a hash extended by the eight bytes of a word. */
 static uint64_t hashed(uint64_t hash, uint64_t word)
 {
     for (int i = 0; i < 8; i++)
@@ -135,8 +135,8 @@ static void free_thing(thing *t)
 }
 
 /*
- * Returns the hit of the nearer of two objects. `scale` is the side of a voxel of the second
- * object, in voxels of the first.
+ * Returns the nearest hit of one or two objects. `scale` is the voxel size of the second object in voxels
+ * of the first object.
  */
 static hit nearest(const thing *t, int count, double scale, double x, double y)
 {
@@ -151,9 +151,9 @@ static hit nearest(const thing *t, int count, double scale, double x, double y)
 }
 
 /*
- * The hit of each pixel. A ray may pass so close to an edge that rays at a distance of a
- * thousandth of a pixel hit another voxel or face. Both results are then correct, so the pixel
- * is not `clear` and is not compared.
+ * The hit of each pixel. If rays at a distance of a thousandth of a pixel hit another voxel or face, the
+ * pixel's ray passes close to an edge. Either result is then correct, so the pixel is not `clear` and is
+ * not compared.
  */
 typedef struct golden {
     hit pixel[H][W];
@@ -233,7 +233,7 @@ typedef struct view {
     double from[3], at[3];
     int32_t focal_milli;
     bool with_tool;
-    uint64_t hash; /* hash of the picture that walk() gave */
+    uint64_t hash; /* hash of the picture that walk() computed */
 } view;
 
 static const view views[] = {

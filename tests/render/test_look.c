@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the features of a picture other than shape, such as colours, clip planes and ghosts. Each
- * is compared with a separate definition in this file, which visits all voxels.
+ * Tests the features of a picture other than shape, such as colours, clip planes and ghosts. Each feature
+ * is compared with a separate, simple implementation in this file, which visits all voxels.
  *
  * Covers: REQ-LOOK
  */
@@ -28,8 +28,8 @@ static size_t index_of(int i, int j, int k)
 }
 
 /*
- * Makes a bone of many densities, with rounded corners and pores. *after is the same bone after a
- * cylinder along x has been removed from i = 46 to the end.
+ * Makes a bone of many densities, with rounded corners and pores. *after is the same bone without a
+ * cylinder along x, from i = 46 to the end.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {
@@ -43,7 +43,7 @@ static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
                 const double a = (i - 34) / 32.0, b = (j - 20) / 17.0, c = (k - 19) / 16.0,
                              e = (j - 20.0) * (j - 20.0) + (k - 17.0) * (k - 17.0);
                 const double shell = a * a * a * a + b * b * b * b + c * c * c * c;
-                /* pores, at a depth of four voxels or more */
+                /* pores begin at a depth of four voxels */
                 const bool bone = shell < 0.3 ? rng_range(rng, 0, 200) != 0 : shell < 1;
                 const int16_t v = bone ? (int16_t)rng_range(rng, 120, 1500) : 0;
                 before->voxels[index_of(i, j, k)] = v;
@@ -117,8 +117,8 @@ static bool shown(const ost_clip *c, const int v[3])
 }
 
 /*
- * A voxel next to the clip plane must have the grey of its own CT density, in 126 steps: -100 HU
- * is black, and 1300 HU is white.
+ * A voxel next to the clip plane must be grey. Its grey level is given by its CT density in 126 steps from
+ * black at -100 HU to white at 1300 HU.
  */
 static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
@@ -158,8 +158,8 @@ static void a_plane_shows_the_ct(void **state)
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
         /*
-         * The plane must be at the requested position. The allowed error is 2^-14 in direction
-         * over 80 voxels, plus one unit of rounding.
+         * The plane must be at the requested position. The allowed error is the sum of a direction error of
+         * 2^-14 over 80 voxels and one unit of rounding.
          */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {
@@ -174,8 +174,8 @@ static void a_plane_shows_the_ct(void **state)
         assert_true(c.seen > 500 && c.painted > 50);
     }
     /*
-     * A picture must have exactly these greys whatever the light. The camera looks along x at a
-     * plane perpendicular to x.
+     * A picture must have exactly these greys with any light. The camera looks along x at a plane
+     * perpendicular to x.
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
@@ -243,7 +243,7 @@ static void check_density(void *user, const int v[3], uint32_t point, uint32_t s
 }
 
 /*
- * Returns the squared distance to the nearest voxel that is neither bone nor pore. Pores here are
+ * Returns the squared distance to the nearest voxel that is neither bone nor pore. In this test pores are
  * single voxels, and the bone is far from the border.
  */
 static int distance(const ost_volume *v, const int from[3])
@@ -273,8 +273,8 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t sha
     const int exact = distance(c->before, v), got = block->depth[point & 0x7fff];
     assert_int_equal(got, exact);
     /*
-     * Half a voxel is subtracted, because it lies between the voxel's centre and its edge.
-     * Voxels are half a millimetre wide, and the scale ends at 10 mm.
+     * The distance is measured to a voxel's centre, so half a voxel is subtracted to get the distance to
+     * its edge. Voxels are half a millimetre wide, and the scale ends at 10 mm.
      */
     assert_int_equal(paint_of(shade), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
@@ -356,8 +356,8 @@ static double luminance(uint32_t colour)
 }
 
 /*
- * The scale must be ordered in lightness, each step darker than the one before. Tissues must
- * differ in lightness or in hue.
+ * Each colour of the scale must be darker than the previous colour. Tissues must differ in lightness or in
+ * hue.
  */
 static void colours_can_be_told_apart(void **state)
 {
@@ -421,7 +421,7 @@ static void what_went_just_now_is_shown(void **state)
         for_points(&v.bone, count_contact, &c);
         assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
         ost_surface_age(&v.bone);
-        /* Voxels that stay highlighted must not cause a block's list to be made again. */
+        /* A block's list must not be made again because of voxels that remain highlighted. */
         for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
             assert_false(v.bone.slot[b]->dirty);
     }
@@ -593,9 +593,9 @@ static void see_through_and_lines(void **state)
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
     /*
-     * A line is drawn across the picture. In every column, at any position of the line, it adds
-     * as much colour as one row of pixels in the line's full colour. Behind the bone it adds a
-     * fifth of this.
+     * A line is drawn across the picture. In every column, for any position of the line, the sum of the
+     * added colour must be that of one pixel in the line's full colour. Behind the bone it must be a fifth
+     * of this.
      */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);
@@ -621,7 +621,7 @@ static void see_through_and_lines(void **state)
         }
     }
     assert_true(columns > W && hidden > 30);
-    /* Tests the chunks that a tool's box meets. The corners are exact multiples of half a millimetre. */
+    /* Tests which chunks a tool's box meets. The corners of the box are exact multiples of half a millimetre. */
     const ost_overlay_scene scene = {.bone = &v.bone,
                                      .tool = &v.ghost,
                                      .tool_grid = t.geometry,
@@ -632,7 +632,7 @@ static void see_through_and_lines(void **state)
     for (int a = 0; a < 3; a++)
         assert_int_equal(hi[a] - lo[a], 0);
     ost_overlay_scene meets = scene;
-    meets.pose.t.z = 0; /* in bone voxels, the tool's box is x 12 to 20, y 16 to 24, z 0 to 38 */
+    meets.pose.t.z = 0; /* in bone voxels, the tool's box extends over x 12 to 20, y 16 to 24, z 0 to 38 */
     ost_overlay_hit_range(&meets, lo, hi);
     assert_int_equal(lo[0], 0);
     assert_int_equal(hi[0], 2);
@@ -719,11 +719,11 @@ static void all_sets_show_the_same(void **state)
     ost_volume_free(&after);
 }
 
-/* OpenGL must draw the same colours, planes and ghosts. Without OpenGL nothing is compared. */
+/* OpenGL must draw the same colours, planes and ghosts. If OpenGL is not available, nothing is compared. */
 static void opengl_shows_the_same(void **state)
 {
     (void)state;
-    /* MOST: at most 30 pixels in 921,600 may differ, plus one for each object drawn */
+    /* MOST is the number of pixels that may differ: 30 of 921,600 pixels, and one for each object drawn */
     enum { W = 160, H = 120, MOST = 2 };
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");

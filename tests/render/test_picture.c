@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tests pictures made without a display: the positions of objects in them, and their encoding as PNG. */
+/* Tests pictures made without a display: the positions of objects in a picture, and the encoding as PNG. */
 #include <math.h>
 #include <unistd.h>
 
@@ -82,9 +82,8 @@ static ost_lettering *letters(void)
 }
 
 /*
- * The bar's length is the greatest number of the form 1, 2 or 5 times a power of ten that fits.
- * At 0.5 mm per pixel, 60 pixels hold a bar of 20 mm, which is 40 pixels long. Its ends are
- * vertical strokes.
+ * The bar's length is the greatest number of the form 1, 2 or 5 times a power of ten that fits. At 0.5 mm
+ * per pixel, a bar of 20 mm, which is 40 pixels long, fits into 60 pixels. Its ends are vertical strokes.
  */
 static void test_scale_bar(void **state)
 {
@@ -107,13 +106,13 @@ static void test_scale_bar(void **state)
         assert_int_equal(pixels[100 * 30 + x0 + 20], 0);
         assert_int_equal(pixels[100 * 35 + x0], 0);
     }
-    ost_scale_bar(l, &sheet, 10, 10, true, 60, 0, 1, INK); /* without a known scale nothing is drawn */
+    ost_scale_bar(l, &sheet, 10, 10, true, 60, 0, 1, INK); /* if the scale is unknown, nothing is drawn */
     assert_int_equal(pixels[100 * 9 + 10], 0);
     ost_lettering_free(l);
 }
 
 /*
- * The sheet has 8 x 8 pixels and is a part of 16 x 24 pixels. Drawing across each of its edges
+ * The sheet of 8 x 8 pixels is a part of a buffer of 16 x 24 pixels. Drawing across each edge of the sheet
  * must not change any pixel outside the sheet.
  */
 static void test_clipping(void **state)
@@ -151,8 +150,8 @@ static void test_edges(void **state)
 }
 
 /*
- * The scale is 2 pixels per millimetre (48 pixels for 24 mm). The slices are axial 48 x 40,
- * coronal 48 x 32 and sagittal 40 x 32 pixels, with 8 pixels between them.
+ * The scale is 2 pixels per millimetre (48 pixels for 24 mm). The axial slice has 48 x 40 pixels, the
+ * coronal slice 48 x 32, and the sagittal slice 40 x 32. There are 8 pixels between slices.
  */
 static void test_slices(void **state)
 {
@@ -164,7 +163,7 @@ static void test_slices(void **state)
     assert_ok(ost_picture_slices(&uncut, NULL, &o, &p, &err));
     assert_int_equal(p.width, 48 + 8 + 48 + 8 + 40);
     assert_int_equal(p.height, 40);
-    /* In a window of 400 +- 900, 1000 HU is (1000 + 500) / 1800 of white, and 0 HU is 500 / 1800. */
+    /* The window is 400 +- 900 HU, so 1000 HU is (1000 + 500) / 1800 of white, and 0 HU is 500 / 1800. */
     assert_in_range(pixel(&p, 30, 14)[0], 211, 214);
     assert_in_range(pixel(&p, 2, 12)[0], 69, 72);
     ost_picture_free(&p);
@@ -184,7 +183,8 @@ static void test_slices(void **state)
     ost_volume_free(&cut);
 }
 
-/* A box of voxels 10 <= i < 30, 10 <= j < 30, 4 <= k < 12, of which the half with i >= 20 is another region. */
+/* Returns the region of a voxel. A box of the voxels 10 <= i < 30, 10 <= j < 30, 4 <= k < 12 has two regions: one
+   with i < 20, and one with i >= 20. */
 static uint32_t region_of_box(const void *user, size_t v)
 {
     (void)user;
@@ -200,9 +200,10 @@ static void black(const void *user, size_t v, double rgb[3])
 }
 
 /*
- * At 240 pixels for 24 mm, a voxel is 5 pixels wide along x and y and 10 along z. In the axial panel, each half of the
- * box is 50 x 100 pixels, and its outline of 2 pixels has 2 x 2 x (50 + 100) - 16 = 584 pixels. In the coronal panel,
- * a half is 50 x 80 pixels and its outline has 504; the sagittal panel shows the red half alone, 100 x 80, with 704.
+ * At 240 pixels for 24 mm, a voxel is 5 pixels wide along x and y and 10 along z. In the axial panel, each
+ * half of the box is 50 x 100 pixels, and its outline of 2 pixels has 2 x 2 x (50 + 100) - 16 = 584 pixels.
+ * In the coronal panel, a half is 50 x 80 pixels, and its outline has 504 pixels. The sagittal panel shows
+ * only the red half, which is 100 x 80 pixels with an outline of 704 pixels.
  */
 static void test_outlines(void **state)
 {
@@ -224,7 +225,7 @@ static void test_outlines(void **state)
     ost_volume_free(&v);
 }
 
-/* A cube whose parts have labels 1, 2 and 0 in three layers, from below, seen from the front. */
+/* Tests a cube of three layers with the labels 1, 2 and 0 from bottom to top, seen from the front. */
 static void test_view_of_labels(void **state)
 {
     (void)state;
@@ -241,7 +242,7 @@ static void test_view_of_labels(void **state)
     for (int layer = 0; layer < 3; layer++) {
         const uint32_t colour = ost_label_colours[layers[layer]];
         const uint8_t *at = pixel(&p, 45, layer == 0 ? 70 : layer == 1 ? 45 : 20);
-        /* Light changes the lightness of a colour, not the order of its channels. */
+        /* Light must change the lightness of a colour, but not the order of its channels. */
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++)
                 if ((colour >> (8 * a) & 255) > (colour >> (8 * b) & 255) + 40)
@@ -256,8 +257,8 @@ static void test_view_of_labels(void **state)
 }
 
 /*
- * Tests panels of 480 x 400, 480 x 320 and 400 x 320 pixels. Letters must be in the middle of
- * the edges; if the directions are unknown, there must be no letters.
+ * Tests panels of 480 x 400, 480 x 320 and 400 x 320 pixels. Letters must be in the middle of the edges. If
+ * the directions are unknown, there must be no letters.
  */
 static void test_letters_of_slices(void **state)
 {
@@ -402,7 +403,7 @@ static void test_view_marks(void **state)
     (void)state;
     ost_error err = {0};
     ost_volume ball = cubes(false), cut = cubes(true);
-    /* k: 0 a bone, 1 a bone of unknown orientation, 2 a tool, 3 a cut bone with the uncut bone */
+    /* k = 0 is a bone, 1 a bone of unknown orientation, 2 a tool, 3 a cut bone with the uncut bone */
     for (int k = 0; k < 4; k++) {
         ost_view_options o = {.width = 600, .height = 600, .extent_mm = 60, .unoriented = k == 1, .tool = k == 2};
         ost_picture p;
@@ -411,7 +412,7 @@ static void test_view_marks(void **state)
         /* the lowest row of the bar is 10 pixels above the edge; the bar is 2 x 5 / 6 pixels thick */
         for (int x = 300; x < 600; x++)
             bar += pixel(&p, x, 600 - 10 - 1)[0] > 0xe0;
-        /* the bar is 10 mm of the 60 mm in 600 pixels; 20 mm would be longer than 150 x 5 / 6 pixels */
+        /* at 60 mm for 600 pixels, the bar of 10 mm has 100 pixels; a bar of 20 mm would exceed 150 x 5 / 6 pixels */
         assert_int_equal(bar, 100);
         for (int y = 280; y < 320; y++)
             for (int x = 0; x < 40; x++)
@@ -428,8 +429,8 @@ static void test_view_marks(void **state)
 }
 
 /*
- * Tests the box of the ball's active voxels. Their centres are at most 8 mm, or 16 voxels of 0.5
- * mm, from the middle on both sides.
+ * Tests the bounding box of the ball's active voxels. On each side, the centres of these voxels are at most
+ * 8 mm, or 16 voxels of 0.5 mm, from the middle.
  */
 static void test_active_box(void **state)
 {
@@ -480,7 +481,8 @@ static void test_png(void **state)
     size_t size = 0;
     assert_ok(ost_picture_init(&p, 300, 7, &err));
     assert_ok(ost_picture_encode_png(&p, &bytes, &size, &err));
-    /* RFC 2083: signature, then IHDR of 13 bytes: width, height, 8 bits, colour type 2. */
+    /* The expected bytes follow RFC 2083: the signature, then the chunk IHDR of 13 bytes with the width, the height,
+       8 bits and colour type 2. */
     const uint8_t head[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I',
                             'H',  'D', 'R', 0,   0,  1,  44, 0,  0, 0, 7, 8,  2};
     assert_true(size > sizeof head);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests points drawn through a camera. The surface is compared with a definition that visits all
- * voxels, the picture with a ray through every pixel and every voxel, and instruction sets and
- * threads with the scalar functions.
+ * Tests points drawn through a camera. The surface is compared with a simple implementation that visits all
+ * voxels. The picture is compared with the intersections of each pixel's ray with every voxel. The results
+ * of instruction sets and threads are compared with those of the scalar functions.
  *
  * Covers: REQ-RENDER
  */
@@ -22,8 +22,8 @@ static ost_geometry grid(int x, int y, int z)
 }
 
 /*
- * Makes a ball with holes, which also has surfaces inside. Its blocks are adjacent to each other
- * in all possible ways.
+ * Makes a ball with holes, which also has surfaces inside. It contains adjacent blocks in all possible
+ * arrangements.
  */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
@@ -61,8 +61,8 @@ static uint32_t faces(const ost_volume *v, int i, int j, int k)
 }
 
 /*
- * Returns the amount of bone around a voxel. It is a sum over the voxel's neighbourhood, which is
- * rounded between the axes as shading.h specifies.
+ * Returns the amount of bone around a voxel. The amount is a sum over the voxel's neighbourhood and is
+ * rounded after each axis, as shading.h specifies.
  */
 static int field(const ost_volume *v, int i, int j, int k)
 {
@@ -78,7 +78,7 @@ static int field(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
-/* Returns the mean of a cell of 2^3 voxels; cells are counted from (0, 0, 0). */
+/* Returns the mean over a cell of 2^3 voxels. Cells are counted from (0, 0, 0). */
 static int cell(const ost_volume *v, int i, int j, int k)
 {
     int sum = 0;
@@ -210,7 +210,7 @@ static void test_surface(void **state)
     ost_volume_free(&v);
 }
 
-/* Every direction must be restored to within two degrees. */
+/* An encoded direction must be restored to within two degrees. */
 static void test_octahedral(void **state)
 {
     (void)state;
@@ -283,8 +283,8 @@ static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance,
 }
 
 /*
- * Returns true if the entire cube around voxel v lies beyond the near plane by more than `by`.
- * Such voxels are drawn.
+ * Returns true if the entire cube around voxel v is more than `by` beyond the near plane. Such voxels are
+ * drawn.
  */
 static bool beyond_near(const ost_eye *e, const int v[3], double by)
 {
@@ -295,8 +295,8 @@ static bool beyond_near(const ost_eye *e, const int v[3], double by)
 }
 
 /*
- * Returns true if the ray of a pixel, computed in doubles, meets the cube around voxel v after
- * the cube is enlarged by `grow`.
+ * Returns true if the ray of a pixel, computed in doubles, intersects the cube around voxel v, enlarged by
+ * `grow`.
  */
 static bool meets(const ost_eye *e, double x, double y, const int v[3], double grow)
 {
@@ -312,7 +312,8 @@ static bool meets(const ost_eye *e, double x, double y, const int v[3], double g
     return in <= out;
 }
 
-/* Returns true if the ray enters the cube well inside a face. At an edge, both faces are correct. */
+/* Returns true if the ray enters the cube well inside a face. Near an edge, either of the two faces would be
+   correct. */
 static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 {
     double best = -1e300, second = -1e300, square = 0;
@@ -339,9 +340,9 @@ static uint32_t id_at(const ost_frame *f, size_t at)
 }
 
 /*
- * Compares each pixel with the nearest voxel that its ray meets. If slightly smaller and slightly
- * larger cubes give different voxels, the result depends on rounding and the pixel is not
- * compared. There are few such pixels.
+ * Compares each pixel with the nearest voxel on the pixel's ray. If slightly smaller and slightly larger
+ * cubes give different voxels, the result depends on rounding, and the pixel is not compared. There are few
+ * such pixels.
  */
 static void assert_picture(const scene *s, const ost_frame *f, const ost_eye *e, int *checked, int *doubtful)
 {
@@ -408,7 +409,8 @@ static void test_against_rays(void **state)
         static const double distance[5] = {60, 30, 22, 300, 16};
         ost_camera c;
         ost_eye e;
-        /* The camera is outside the body, because the near plane would expose faces that do not border on air. */
+        /* The camera is outside the body. Inside the body, the near plane would expose faces that do not border on
+           air. */
         do {
             c = camera_at(&s.volume, &rng, distance[round], 33 + 7 * round, 29, round == 3 ? 300000 : 30000);
             e = ost_eye_make(&c, &s.volume.geometry);
@@ -551,8 +553,8 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
 }
 
 /*
- * Compares three kinds of results: means of 2^3 words, lines of three blocks, and interpolations
- * between two slices.
+ * Compares three types of results: means of 2^3 words, lines of three blocks, and interpolations between
+ * two slices.
  */
 static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {
@@ -594,8 +596,8 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 }
 
 /*
- * Compares shades for slopes of all sizes, including zero. The two slopes agree or disagree, and
- * every number of points per call is tested.
+ * Compares shades for slopes of all sizes, including zero. In some cases the two slopes agree, in others
+ * they disagree. Every number of points per call is tested.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
@@ -648,7 +650,7 @@ static void test_smooth(void **state)
     free(w);
 }
 
-/* Returns the bit at (x, y, z), which may lie in the block in the middle or in one of its neighbours. */
+/* Returns the bit at (x, y, z), which may lie in the middle block or in one of its neighbours. */
 static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 {
     return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;
@@ -667,7 +669,7 @@ static void test_rows(void **state)
     test_rng rng = rng_seeded("rows");
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < 27; i++)
-            /* the block is full of holes, nearly solid, or nearly empty */
+            /* the block has many holes, is nearly solid, or is nearly empty */
             for (int row = 0; row < OST_BLOCK_ROWS; row++) {
                 uint32_t w = (uint32_t)rng_range(&rng, 0, UINT32_MAX);
                 for (int more = 0; more < 4; more++)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests bone and a tool in one frame. The nearer one must be visible, at any orientation of the
- * tool, and all instruction sets and numbers of threads must give bit-identical pictures. Every
- * named camera must look at its object.
+ * Tests frames with a bone and a tool. The nearer object must be visible for any orientation of the tool.
+ * All instruction sets and numbers of threads must give bit-identical pictures. Every named camera must
+ * look at its object.
  * Covers: REQ-VIEWER
  */
 #include <math.h>
@@ -67,7 +67,7 @@ static ost_camera camera_from(double x, double y, double z)
     return c;
 }
 
-/* Returns true if the pixel has a cold colour, which is steel; bone has a warm colour. */
+/* Returns true if the pixel has a cold colour, which means steel. Bone has a warm colour. */
 static bool is_steel(const ost_frame *f, int x, int y)
 {
     const uint32_t c = f->planes.colour[(size_t)y * (size_t)f->planes.stride + (size_t)x];
@@ -94,8 +94,8 @@ static void what_is_nearer_is_seen(void **state)
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_int_equal(steel_pixels(&v.frame), 0);
     /*
-     * The tool is in front of the middle of the block. 4 x 20 mm at 58 mm and a focal length of
-     * 250 pixels are about 17 x 86 pixels.
+     * The tool is in front of the middle of the block. At a distance of 58 mm and a focal length of 250
+     * pixels, the tool of 4 x 20 mm is about 17 x 86 pixels large.
      */
     put_tool(&v, (ost_pose){.t = {35 * MM, 0, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
@@ -199,13 +199,14 @@ static void views_look_where_they_say(void **state)
         const bool all = i == OST_VIEW_OVERVIEW || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
         assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
-    /* The camera looks along a tool that works toward -y, from behind the tool. */
+    /* The tool works toward -y. The camera looks along the tool from behind. */
     const ost_pose tool = {.t = {5 * MM, 6 * MM, 7 * MM}, .qw = 759250125, .qx = -759250125};
     double right[3], up[3], back[3];
     ost_orbit o = ost_view_orbit(OST_VIEW_TOOL, &s, &tool);
     ost_orbit_frame(&o, right, up, back);
     assert_true(back[1] > 0.999);
-    /* A drag to the right must rotate the object to the right. The wheel moves the camera nearer, up to a limit. */
+    /* A drag to the right must rotate the object to the right. The mouse wheel must move the camera nearer, up to a
+       limit. */
     const double azimuth = o.azimuth, distance = o.distance;
     ost_orbit_turn(&o, 10, 0, 480);
     assert_true(o.azimuth < azimuth);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares components, cuts and holes of small random volumes with an oracle. The oracle uses a
- * flood fill, visits one voxel at a time, and computes distances as 128-bit integers.
+ * Compares components, cuts and holes of small random volumes with an oracle. The oracle uses a flood fill
+ * that visits one voxel at a time, and computes distances as 128-bit integers.
  *
  * Covers: AR-SEG-1, AR-SEG-2, AR-SEG-3, AR-SEG-4, AR-SEG-5
  */
@@ -34,7 +34,7 @@ static void make(scene *s, test_rng *rng)
         .origin = {rng_range(rng, -900, 900) * OST_PM_PER_MM, rng_range(rng, -900, 900) * 1000000, 7}};
     *s = (scene){.options = {.threshold = (int32_t)rng_range(rng, 2, 5)}};
     assert_ok(ost_volume_init(&s->ct, &g, &err));
-    const int64_t dense = rng_range(rng, 1, 6); /* density of the volume, from nearly void to nearly full */
+    const int64_t dense = rng_range(rng, 1, 6); /* amount of bone in the volume, from nearly empty to nearly full */
     for (size_t i = 0; i < voxel_count(s); i++)
         s->ct.voxels[i] = (int16_t)(rng_range(rng, 0, 6) < dense ? rng_range(rng, 1, 6) : rng_range(rng, -3, 1));
     s->options.growth = (int32_t)rng_range(rng, 1, s->options.threshold);
@@ -73,7 +73,7 @@ static bool is_cut(const scene *s, int32_t x, int32_t y, int32_t z)
     return false;
 }
 
-/* Marks the voxels that are connected by faces to voxel `from`, directly or through others, and have the same flag. */
+/* Marks all voxels with the same flag that are connected to voxel `from` by a path of voxels with common faces. */
 static size_t flood(const scene *s, const bool *in, size_t from, bool *reached, size_t found[MOST])
 {
     const ost_dims d = s->ct.geometry.dims;
@@ -120,7 +120,7 @@ static size_t expected_labels(const scene *s, int16_t *labels, uint64_t sizes[MO
             dense = dense || s->ct.voxels[members[m]] >= s->options.threshold;
         if (!dense || size < s->options.min_voxels)
             continue;
-        size_t rank = count++; /* the component is inserted after all components that are at least as large */
+        size_t rank = count++; /* the component is inserted after all components of the same or a greater size */
         for (; rank > 0 && sizes[rank - 1] < size; rank--) {
             sizes[rank] = sizes[rank - 1];
             starts[rank] = starts[rank - 1];
@@ -231,7 +231,7 @@ static void bounds_and_first_voxels(void **state)
     ost_volume_free(&ct);
 }
 
-/* 32,768 single voxels are one component too many. With a least size of 2 there is no component. */
+/* 32,768 single voxels are one component too many. If the smallest size is 2, there is no component. */
 static void too_many_components(void **state)
 {
     (void)state;

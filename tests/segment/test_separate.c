@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the pieces of random small volumes with an oracle that follows the text of the rules:
- * the distance of a voxel by trying all other voxels, the markers by trying all paths at all
- * heights, and the flood with one list that is searched for the next voxel.  Also tests the
- * selection of labels.
+ * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle
+ * finds the distance of a voxel by trying all other voxels, and the markers by trying all paths at all
+ * heights. For the flood it searches one list for the next voxel. Also tests the selection of labels.
  *
  * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
@@ -18,13 +17,13 @@ static size_t voxel_count(const ost_volume *v)
     return (size_t)ost_dims_count(v->geometry.dims);
 }
 
-/* A volume of a few overlapping boxes, some of which touch, with a few voids. */
+/* Makes a volume of a few overlapping boxes, some of which touch, with a few holes. */
 static void make(ost_volume *ct, test_rng *rng)
 {
     ost_error err = {0};
     const ost_geometry g = {
         .dims = {(int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10)},
-        /* 0.1 to 2.5 mm; every third one is no whole number of micrometres */
+        /* 0.1 to 2.5 mm; a third of the spacings is not a whole number of micrometres */
         .spacing = {rng_range(rng, 1, 25) * 100000000 + rng_range(rng, 0, 2) * 250000,
                     rng_range(rng, 1, 25) * 100000000, rng_range(rng, 1, 25) * 100000000},
     };
@@ -48,8 +47,8 @@ static void make(ost_volume *ct, test_rng *rng)
 /* ----------------------------------------------------------------- oracle */
 
 typedef struct oracle {
-    const ost_volume *labels; /* without the separation; closed by close_slices */
-    bool closed[MOST];        /* voxels that only have a label because their slice is closed */
+    const ost_volume *labels; /* labels before the separation, with holes closed by close_slices */
+    bool closed[MOST];        /* true for voxels that have a label only because a hole of their slice was closed */
     int64_t height[MOST];
     int piece[MOST]; /* -1: none */
     int pieces;
@@ -63,7 +62,7 @@ static void position(const ost_volume *v, size_t i, int64_t at[3])
     at[2] = (int64_t)(i / nx / ny);
 }
 
-/* Returns the number of neighbours of voxel i in next[], in the order of AR-SEG-9. */
+/* Stores the indices of voxel i's neighbours in next[], in the order of AR-SEG-9. Returns their number. */
 static int neighbours(const ost_volume *v, size_t i, size_t next[6])
 {
     const size_t step[3] = {1, (size_t)v->geometry.dims.x, (size_t)v->geometry.dims.x * (size_t)v->geometry.dims.y};
@@ -80,14 +79,15 @@ static int neighbours(const ost_volume *v, size_t i, size_t next[6])
     return count;
 }
 
-/* RHE of a positive number of picometres to micrometres. */
+/* Converts a positive length from picometres to micrometres, rounding half to even. */
 static int64_t to_um(ost_pm pm)
 {
     const int64_t um = pm / 1000000, rest = pm % 1000000;
     return um + (rest > 500000 || (rest == 500000 && um % 2 == 1));
 }
 
-/* Gives the holes of each slice the surrounding label: in a slice, a void that does not reach its border or air. */
+/* Closes the holes of each slice: voxels without a label from which neither the border of the slice nor air can be
+   reached get the label of the surrounding voxels. */
 static void close_slices(oracle *o, const ost_volume *ct, ost_volume *labels, int32_t air)
 {
     const int64_t nx = ct->geometry.dims.x, ny = ct->geometry.dims.y;
@@ -117,7 +117,7 @@ static void close_slices(oracle *o, const ost_volume *ct, ost_volume *labels, in
             o->closed[list[k]] = true;
     }
     for (size_t i = 0; i < voxel_count(ct); i++)
-        if (o->closed[i]) /* the voxel before it was already given a label */
+        if (o->closed[i]) /* the previous voxel already has its label */
             labels->voxels[i] = labels->voxels[i - 1];
     o->labels = labels;
 }
@@ -150,7 +150,8 @@ static bool comes_before(const oracle *o, size_t a, size_t b)
     return o->height[a] > o->height[b] || (o->height[a] == o->height[b] && a < b);
 }
 
-/* Returns true if a path from `from` to a voxel before it exists whose heights are all at least t. */
+/* Returns true if there is a path on which all heights are at least t from voxel `from` to a voxel that precedes it
+   in the order of the flood. */
 static bool reaches_higher(const oracle *o, size_t from, int64_t t)
 {
     static size_t list[MOST];
@@ -192,7 +193,8 @@ static void flood(oracle *o, int64_t depth)
         order[at] = i;
     }
     o->pieces = 0;
-    for (size_t k = 0; k < voxels; k++) /* a marker reaches nothing higher above its height less the depth */
+    /* from a marker, no preceding voxel can be reached on a path above the marker's height minus depth */
+    for (size_t k = 0; k < voxels; k++)
         if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
             o->piece[order[k]] = o->pieces++;
             list[count++] = (waiting){order[k], o->height[order[k]], false};
@@ -235,7 +237,7 @@ static void check_pieces(const oracle *o, const ost_volume *ct, const ost_segmen
         of_piece[p] = 0;
         if (voxels[p] < 1 || voxels[p] < options->min_voxels)
             continue;
-        int rank = 1; /* one more than the number of pieces that come before */
+        int rank = 1; /* one plus the number of pieces before this piece */
         for (int q = 0; q < o->pieces; q++)
             rank += voxels[q] > voxels[p] || (voxels[q] == voxels[p] && voxels[q] && first[q] < first[p]);
         of_piece[p] = rank;
@@ -287,11 +289,12 @@ static void pieces_equal_the_oracle(void **state)
         ost_volume_free(&ct);
     }
     printf("# %zu divided, %zu with holes\n", divided, with_holes);
-    /* Among 2,500 draws, about twelve have a piece with holes; none would mean that holes are not tried. */
+    /* About twelve of 2,500 draws give a piece with holes. If there were none, holes would not be tested. */
     assert_true(divided > 150 && with_holes > 0);
 }
 
-/* The example of docs/spec/arithmetic.md: two squares of 3 x 3 voxels of 1 mm with a bridge of one voxel. */
+/* Tests the example of docs/spec/arithmetic.md: two squares of 3 x 3 voxels of 1 mm, connected by a bridge of one
+   voxel. */
 static void squares_with_a_bridge(void **state)
 {
     (void)state;
@@ -323,7 +326,8 @@ static void squares_with_a_bridge(void **state)
     ost_volume_free(&ct);
 }
 
-/* Beyond 65.535 mm, and without any voxel outside the bone, heights are equal and nothing is divided. */
+/* If all distances exceed 65.535 mm, or if there is no voxel outside the bone, all heights are equal and nothing is
+   divided. */
 static void large_distances(void **state)
 {
     (void)state;
@@ -346,7 +350,8 @@ static void large_distances(void **state)
     ost_volume_free(&ct);
 }
 
-/* Three voxels with a label in a row of six; a position half way between two belongs to the first one. */
+/* Tests a row of six voxels, of which three have a label. A position half-way between two voxels belongs to the
+   first of them. */
 static void labels_are_selected(void **state)
 {
     (void)state;

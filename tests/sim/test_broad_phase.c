@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that the broad phase only skips work. Worlds with it and without it must give the same
- * results, on random poses and on poses whose boxes just touch, and the broad phase must skip
- * some poses.
+ * Tests that the broad phase only skips work. Worlds with and without the broad phase must give the same
+ * results, for random poses and for poses at which boxes just touch. The broad phase must skip some poses.
  * Covers: AR-REM-5
  */
 #include "ref/scene.h"
@@ -14,7 +13,7 @@
 typedef struct twin {
     ost_geometry g;
     ost_bone *bone[2];
-    ost_world *world[2]; /* [0] with the broad phase, [1] without it */
+    ost_world *world[2]; /* world[0] has the broad phase, world[1] does not */
     int64_t t;
 } twin;
 
@@ -31,7 +30,7 @@ static twin make_twin(ost_backend *backend, const ost_geometry *g, const int16_t
     return w;
 }
 
-/* Performs one tick in both worlds, compares the results, and returns that of the first world. */
+/* Performs one tick in both worlds, compares the results, and returns the result of the first world. */
 static ost_step_result step_both(twin *w, const ost_pose *pose)
 {
     ost_error err = {0};
@@ -136,9 +135,9 @@ static void boxes_that_just_touch(void **state)
                         ost_map map;
                         assert_int_equal(ost_map_make(&turn, &g, ost_tool_geometry_get(tool), &map, NULL), OST_OK);
                         /*
-                         * Computes R p with the map's own steps. R is scaled by 2^20 here,
-                         * because the voxels of bone and tool have the same size. For quarter
-                         * turns this is exact.
+                         * Computes R p from the steps of the map, which are R scaled by 2^20, because the
+                         * voxels of bone and tool have the same size. For quarter turns the result is
+                         * exact.
                          */
                         ost_pose pose = turn;
                         ost_pm *t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};
@@ -158,10 +157,10 @@ static void boxes_that_just_touch(void **state)
 static void corners_that_just_touch(void **state)
 {
     /*
-     * Tests the farthest voxel of a block of 16^3, where the computed coordinates are least
-     * accurate. The voxel is at each corner of a tool's grid, in random rotations, a few units of
-     * 2^-20 outside the grid. By definition some of these voxels are removed although their
-     * centres lie outside the grid. Therefore boxes are inflated.
+     * Tests the farthest voxel of a block of 16^3, where the computed coordinates are least accurate. The
+     * voxel is at each corner of a tool's grid, in random rotations, a few units of 2^-20 outside the grid.
+     * According to the rules some of these voxels are removed, although their centres lie outside the grid.
+     * Boxes are inflated for this reason.
      */
     test_rng rng = rng_seeded("corners");
     const ost_pm v = INT64_C(1) << 30;
@@ -200,9 +199,9 @@ static void corners_that_just_touch(void **state)
 static void separating_axes_separate(void **state)
 {
     /*
-     * The bone is a cube of 10 mm, measured between voxel centres, at the origin. The tool is a
-     * cube of 10 mm that is rotated by 45 degrees about z, with an edge first. The tool's bounds
-     * overlap the bone long before the tool itself does.
+     * The bone is a cube of 10 mm, measured between voxel centres, at the origin. The tool is a cube of 10
+     * mm that is rotated by 45 degrees about z, so that an edge points to the bone. The bounds of the tool
+     * overlap the bone at distances at which the tool does not.
      */
     (void)state;
     ost_geometry g = cubic_geometry(11, 11, 11, OST_PM_PER_MM,
@@ -220,12 +219,12 @@ static void separating_axes_separate(void **state)
     pose.t.x = pose.t.y = (ost_pm)(12.0722 * diagonal * 1e9);
     assert_false(ost_boxes_meet(&bone, &tool, &pose));
     ost_voxel_box box = ost_box_voxels(&g, &tool, &pose);
-    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone would not skip this pose */
+    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone would not exclude this pose */
 
     /*
-     * The cubes meet edge against edge: q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along
-     * the faces' axes the boxes overlap by more than 2 mm. The cross product of the first axes
-     * separates them for k > 10/11 (computed with fractions).
+     * The cubes meet with two edges, at the pose q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along
+     * the normals of their faces the boxes overlap by more than 2 mm. The cross product of the first axes
+     * of the boxes is a separating axis for k > 10/11 (computed with fractions).
      */
     ost_pose q = {.qw = 715827883, .qy = 357913941, .qz = -715827883};
     q.t = (ost_pm3){-4 * 910 * UM, -11 * 910 * UM, 11 * 910 * UM};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests built-in paths: the motion and speed of the working face, and the removed bone. Also
- * tests reading the glenoid's position from a grid's facts.
+ * Tests built-in paths: the motion and speed of the tool's working face, and the removed bone. Also tests
+ * that the glenoid's position is read from the facts of a grid.
  */
 #include "ref/scene.h"
 
@@ -10,8 +10,8 @@
 #include <osteon/sim.h>
 
 /*
- * A tool of 36 x 36 x 20 mm with z as its axis. Its lowest point is assumed to be at corner + 3/2
- * voxels, which is z = 0 here.
+ * A tool of 36 x 36 x 20 mm with z as its axis. The built-in paths assume that its lowest point is at
+ * corner + 3/2 voxels, which is z = 0 for this tool.
  */
 static const ost_tool_geometry reamer = {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}};
 
@@ -122,7 +122,7 @@ static void a_hand_presses(void **state)
 
 static void ticks_are_gentle(void **state)
 {
-    /* No corner moves more than half of the thesis' voxel per tick, so every event has one pose. */
+    /* No corner moves by more than half of the thesis' voxel size per tick, so every event has one pose. */
     (void)state;
     ost_error err = {0};
     ost_glenoid glenoid = {.axis = {0.9, 0.1, -0.2}};
@@ -130,7 +130,7 @@ static void ticks_are_gentle(void **state)
         {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}},
         {{14, 14, 62}, OST_PM_PER_MM / 2, {-3500000000, -3500000000, -1000000000}},
         {{3, 3, 3}, OST_PM_PER_MM / 2, {-750000000, -750000000, 0}},
-        /* In this grid the axis of the frame lies outside the grid. */
+        /* the axis of the frame lies outside this grid */
         {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}},
     };
     for (size_t i = 0; i < 4; i++)
@@ -149,8 +149,8 @@ static void ticks_are_gentle(void **state)
 static void a_reamer_leaves_the_spongy_bone(void **state)
 {
     /*
-     * A block with its face at z = 0 toward +z has 2 mm of cartilage, 1.9 mm of plate, and then
-     * cancellous bone. The reamer reaches a depth of 3 mm, the peg 22 mm.
+     * The face of the block is at z = 0 and faces +z. Below the face there are 2 mm of cartilage, 1.9 mm of
+     * plate, and then cancellous bone. The reamer reaches a depth of 3 mm, the peg 22 mm.
      */
     ost_error err = {0};
     const ost_pm s = 500 * UM;
@@ -174,7 +174,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         ost_tool_volume volume;
         assert_ok(ost_tool_volume_init(&volume, &tools[i].g, &err));
         int32_t nx = tools[i].g.dims.x, nz = tools[i].g.dims.z;
-        for (int32_t z = 2; z < nz; z++) /* the cutting part begins at -0.75 + 2 * 0.5 = 0.25 mm */
+        for (int32_t z = 2; z < nz; z++) /* the cutting part begins at z = -0.75 + 2 * 0.5 = 0.25 mm */
             memset(volume.voxels + (size_t)z * (size_t)nx * (size_t)nx, OST_TOOL_CUTTING, (size_t)nx * (size_t)nx);
         ost_tool *tool;
         assert_ok(ost_tool_upload(*state, &volume, &tool, &err));
@@ -185,10 +185,10 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         assert_ok(ost_world_add_tool(world, "tool", tool, NULL, &err));
         assert_ok(ost_builtin_path(tools[i].which, &glenoid, &tools[i].g, 0, &path, &err));
         ost_step_result r;
-        /* The tick is as made by a device and has no motor speed, so it must be refused. */
+        /* The tick has no motor speed, like a tick from a device, so it must be refused. */
         assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE);
         assert_ok(ost_motor_path(&path, OST_RPM_REAMER, &(ost_motor){0}, &err));
-        /* here it is sufficient to execute one pose per hundredth of a second */
+        /* in this test it is sufficient to execute one pose per hundredth of a second */
         for (size_t k = 0; k < path.count; k += 10) {
             assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
         }
@@ -201,8 +201,8 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         else
             assert_true(totals.removed_by_class[1] > totals.removed_by_class[0]);
         /*
-         * In the middle, the voxels at depths of 0.4, 0.9, ... mm are removed down to 3 or 22 mm,
-         * minus the 0.25 mm before the tool's first layer.
+         * In the middle, the centres of voxels are at depths of 0.4, 0.9, ... mm. They are removed down to
+         * a depth of 3 or 22 mm, minus the 0.25 mm before the tool's first cutting layer.
          */
         int16_t *after = content(bone, &g);
         int gone = 0;

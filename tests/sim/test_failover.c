@@ -38,7 +38,7 @@ static plan make_plan(test_rng *rng)
     return p;
 }
 
-/* A world with its backend objects; a tool is added at its first tick. */
+/* A world with the objects of its backend. A tool is added to the world at the tool's first tick. */
 typedef struct stage {
     ost_bone *bone;
     ost_tool *tools[OST_WORLD_TOOLS_MAX];

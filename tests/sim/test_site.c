@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the site of an operation: bone in front of a face, along the axis and under a tool. The
- * values are compared with counts made here from the definitions in docs/reference/metrics.md.
+ * Tests the counts of bone at the site of an operation: in front of a face, along the axis and under a
+ * tool. They are compared with counts that this test makes by the definitions in docs/reference/metrics.md.
  * Covers: REQ-SITE
  */
 #include "ref/scene.h"
@@ -11,8 +11,8 @@
 #include <osteon/sim.h>
 
 /*
- * Tests random voxels, axes, centres and limits. The sums are made in a different order, so
- * voxels nearer than 1e-9 mm to a border are not compared.
+ * Tests random voxels, axes, centres and limits. The test adds in a different order than the library, so
+ * voxels within 1e-9 mm of a border are not compared.
  */
 static void random_sites(void **state)
 {
@@ -65,8 +65,8 @@ static void random_sites(void **state)
 }
 
 /*
- * Makes a slab of bone, 20 mm thick, with a flat face of 40 x 40 mm at x = 0. Its voxels are 1 mm
- * wide with centres at halves.
+ * Makes a slab of bone, 20 mm thick, with a flat face of 40 x 40 mm at x = 0. Its voxels are 1 mm wide, and
+ * their centres are at odd multiples of 1/2 mm.
  */
 static ost_bone *slab(ost_backend *backend, int32_t x_from, int32_t x_to)
 {
@@ -97,7 +97,7 @@ static void faces_heads_and_reversed_axes(void **state)
     assert_ok(ost_bone_along_axis(alone, &reversed, &in, &out, &err));
     assert_true(in == 0 && out > 95);
     assert_ok(ost_bone_in_front(headed, &right, 18, 30, &voxels, &err));
-    /* The volume of the cylinder to 30 mm without the bowl is pi 18^2 (27 - 18^2 / 120). */
+    /* The volume of the cylinder of depth 30 mm without the bowl is pi 18^2 (27 - 18^2 / 120). */
     const double expected = acos(-1) * 18 * 18 * (27 - 18 * 18 / 120.0);
     assert_true(fabs((double)voxels - expected) < expected * 0.02);
     assert_int_equal(ost_bone_in_front(alone, &none, 18, 30, &voxels, &err), OST_ERR_USAGE);

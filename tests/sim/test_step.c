@@ -14,7 +14,7 @@ typedef struct lab {
     ost_world *world;
 } lab;
 
-/* A bone of 40 x 20 x 20 mm with voxels of 1 mm, a peg of 2 x 2 x 6 mm, and a plate of 6 x 6 x 1 mm. */
+/* Makes a bone of 40 x 20 x 20 mm with voxels of 1 mm, a peg of 2 x 2 x 6 mm, and a plate of 6 x 6 x 1 mm. */
 static lab make_lab(ost_backend *backend, const ost_world_options *options)
 {
     ost_error err = {0};
@@ -107,8 +107,8 @@ static void without_the_sweep_there_is_one(void **state)
     assert_int_equal(r.pose_count, 1);
     assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
     /*
-     * Without sweeps, neither of the limits of a sweep applies, although the tool is metres away
-     * and rotated by half a turn.
+     * Without sweeps, the limits of a sweep do not apply, so the tool may move by metres and rotate by half
+     * a turn.
      */
     step(&l, tick_at(2, 0, 7000000, 0, 0));
     ost_tick turned = tick_at(3, 0, 0, 0, 0);
@@ -151,7 +151,7 @@ static void a_lifted_tool_does_not_sweep(void **state)
         /* The next tick must sweep again, from the new position. */
         r = step(&l, tick_at(6, 0, 26000, 10000, 5000));
         assert_int_equal(r.pose_count, 2);
-        /* A rotation of 180 degrees, which no sweep can span, is allowed here, because the tick is lifted. */
+        /* A rotation of 180 degrees, which is too large for a sweep, is allowed because the tick is lifted. */
         far = tick_at(7, 0, 25000, 10000, 5000);
         far.pose.qw = 0;
         far.pose.qx = OST_Q30_ONE;
@@ -164,9 +164,9 @@ static void a_lifted_tool_does_not_sweep(void **state)
 static void the_period_decides_which_ticks_remove(void **state)
 {
     /*
-     * With a period of 3 ms at 1 kHz from t = 1 ms, removals occur at 1 (the first tick), 3, 6
-     * and 9 ms. The tool is switched at 10 ms, which is a first tick again, and the next removal
-     * occurs at 12 ms.
+     * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms (the first
+     * tick), 3, 6 and 9 ms. At 10 ms another tool is selected, which is a first tick again. The next
+     * removal occurs at 12 ms.
      */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
@@ -190,8 +190,8 @@ static void the_period_decides_which_ticks_remove(void **state)
 static void negative_times_have_periods_too(void **state)
 {
     /*
-     * Periods are computed by floor, not by truncation: -1 ms and 0 ms are in different periods
-     * of 3 ms, -3 and -1 ms are in the same period.
+     * The period of a time is computed by floor, not by truncation: -1 ms and 0 ms are in different periods
+     * of 3 ms, and -3 ms and -1 ms are in the same period.
      */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);
@@ -244,14 +244,14 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         step(&l, motor_at(1, 0, 15000));
         step(&l, motor_at(2, 0, 30000));
         const ost_step_result r = step(&l, motor_at(3, 200, 32000));
-        assert_true(r.removal); /* the first tick with the motor on, whatever the period */
+        assert_true(r.removal); /* the first tick with the motor on removes in any period */
         assert_int_equal(r.pose_count, 4);
         /* The peg of 2 x 2 x 6 mm is at x = 30.5, 31, 31.5 and 32, and removes the centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
         /*
-         * If a tool is selected while its motor is off, the first sweep of the tool begins at
-         * the pose of the selection.
+         * If a tool is selected while the motor is off, the tool's first sweep begins at its pose in the
+         * tick of the selection.
          */
         ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
         other.rpm = 0;
@@ -264,7 +264,8 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
     }
 }
 
-/* At 3000 revolutions per minute, a quarter turn takes 5 ms. A larger angle would be swept in the wrong direction. */
+/* At 3000 revolutions per minute, a quarter turn takes 5 ms. A sweep over a larger angle could have the wrong
+   direction. */
 static void a_motor_turns_a_quarter_at_most(void **state)
 {
     ost_error err = {0};
@@ -285,7 +286,7 @@ static void a_motor_turns_a_quarter_at_most(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_lab(&l);
-    /* The rotations of the ticks between two events are added: 2 + 2 + 2 ms. */
+    /* The rotations of the ticks between two events are added. Here they take 2 + 2 + 2 ms. */
     l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);

@@ -52,9 +52,9 @@ static void whatever_differs_shows(void **state)
     SHOWS(chunks[0].chunk = 8);
     SHOWS(chunks[1].voxels[1]--);
     SHOWS(chunks[1].density[0] = 400);
-    /* One more voxel in one chunk and one less in another must change the digest. */
+    /* If one chunk has one voxel more and another chunk one voxel less, the digest must change. */
     SHOWS((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
-    /* Array elements beyond the number of classes of the world must not affect the digest. */
+    /* Array elements beyond the world's number of classes must not affect the digest. */
     make();
     chunks[0].voxels[2] = 77;
     assert_true(ost_step_digest(&result, 2) == before);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Times kernels, with the instruction sets in turn. In every round each instruction set is called
- * for about ROUND_NS, so that other load on the machine affects all of them equally. The output
- * is the median of the rounds and the speed relative to the scalar kernel.
+ * Times kernels, alternating between the instruction sets. In every round each instruction set runs for
+ * about ROUND_NS, so that other load on the machine affects all instruction sets equally. The output is the
+ * median of the rounds and the speed relative to the scalar kernel.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -36,7 +36,7 @@ typedef struct machine_state {
     bool upper;
 } machine_state;
 
-/* Returns true if any upper half is not zero. */
+/* Returns true if the upper half of any vector register is not zero. */
 static bool upper_in_use(void)
 {
     static uint64_t registers[16][4];
@@ -111,7 +111,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
     return false;
 }
 
-/* Uses the upper halves of vector registers and leaves them in use, unless the compiler clears them. */
+/* Writes to the upper halves of vector registers. They remain in use afterwards, unless the compiler clears them. */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
     const __m256 v = _mm256_loadu_ps(eight);
@@ -200,7 +200,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-/* call_seen: number of the call that was running at the last tick of the watch */
+/* call_seen is the number of the call that was running at the last tick of the watchdog */
 static volatile sig_atomic_t call_number, call_seen;
 
 static void land(int sig, siginfo_t *info, void *context)

@@ -2,8 +2,8 @@
 /*
  * The check of one slot of a table of kernels (tests/simd).
  *
- *   test    runs one case: makes inputs with the case's own generator, calls the
- *           scalar kernel and the other kernel on equal memory, and compares
+ *   test    runs one case: makes inputs with the random generator of the case, calls the scalar kernel
+ *           and the other kernel on equal memory, and compares
  *   bench   times one or more workloads
  *
  * The check of a slot consists of one check_kernel in check_FAMILY.c and one line
@@ -28,15 +28,15 @@
 
 typedef enum check_result {
     CHECK_GOOD,
-    CHECK_DIFFERS, /* results differ from the scalar kernel's, or violate the contract */
+    CHECK_DIFFERS, /* results differ from those of the scalar kernel or violate the contract */
     CHECK_BEYOND,  /* the kernel wrote outside its output */
-    CHECK_FAULT,   /* a fault, or the call does not end */
+    CHECK_FAULT,   /* a fault occurred, or the call did not end */
     CHECK_STATE,   /* the processor's state was changed */
 } check_result;
 
 typedef struct check {
     test_rng rng;
-    int number;    /* number of the case, from 0; a test may try certain values in the first cases */
+    int number;    /* number of the case, counted from 0; a test may use special values in the first cases */
     uint64_t seed; /* seed of the run */
     check_fn *scalar, *other;
     /* used by run.c */
@@ -50,10 +50,10 @@ typedef struct check_bench check_bench;
 
 typedef struct check_kernel {
     const char *name;
-    check_fn *(*of)(ost_isa isa); /* returns the slot of an instruction set's table */
+    check_fn *(*of)(ost_isa isa); /* returns the slot's function in the table of an instruction set */
     void (*test)(check *c);
     void (*bench)(check_bench *b); /* may be NULL */
-    int cases;                     /* usual number of cases */
+    int cases;                     /* number of cases that run by default */
 } check_kernel;
 
 /* Defines check_kernel.of for the slot of ost_cpu_kernels with this name. */
@@ -82,16 +82,16 @@ static inline bool check_chance(check *c, int one_in)
 }
 
 /*
- * Returns `count` elements of `size` bytes for the caller to fill. They lie at either edge of
- * their pages and are read-only while a kernel runs.
+ * Returns `count` elements of `size` bytes for the caller to fill. They lie at the beginning or at the end
+ * of their pages and are read-only while a kernel runs.
  */
 void *check_input(check *c, const char *name, size_t count, size_t size, size_t align);
 /*
- * Returns two equal buffers, for the scalar kernel and the other kernel. Both contain poison and
+ * Returns two equal buffers, for the scalar kernel and the other kernel. Both buffers contain poison. They
  * lie at the same edge of their pages.
  */
 void check_outputs(check *c, const char *name, size_t count, size_t size, size_t align, void *both[2]);
-/* Sets the description of the case that a failure prints. */
+/* Sets the description of the case that is printed if the case fails. */
 void check_note(check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Calls the scalar kernel with a and the other kernel with b. Returns false if one of the calls failed. */
@@ -104,23 +104,23 @@ typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, C
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*
- * Returns `holds`; after an earlier failure of the case, returns false. If `holds` is false, the
- * case fails with the formatted sentence.
+ * If `holds` is false, the case fails with the formatted sentence. Returns `holds`, or false if the case
+ * has failed before.
  */
 bool check_that(check *c, bool holds, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* ------------------------------------------------------- running cases */
 
-/* Runs the cases first to first + count - 1, stopping at the first one that fails. */
+/* Runs the cases first to first + count - 1, and stops at the first case that fails. */
 check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed,
                        int first, int count, bool quiet);
 
 /* -------------------------------------------------------------- timing */
 
 /*
- * Times one workload with every instruction set in turn and prints a line. `prepare`, if not
- * NULL, runs before each call and is not timed. `items` is the number of items that a call
- * processes, from which the time per item is computed; `what` is the item's name.
+ * Times one workload with each instruction set and prints a line. If `prepare` is not NULL, it runs before
+ * each call and is not timed. `items` is the number of items that a call processes, from which the time per
+ * item is computed; `what` is the item's name.
  */
 void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
                 void *arguments, double items, const char *what);

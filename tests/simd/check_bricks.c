@@ -137,7 +137,7 @@ static void test_any_active(check *c)
     for (int r = 0; r < count; r++)
         for (int x = 0; x < width; x++)
             base[row[r] + (size_t)x] = some_density(c, threshold, 0);
-    /* 0: no voxel is active; 1: one voxel is active; 2: the last voxel is active */
+    /* for 0, no voxel is active; for 1, one voxel is active; for 2, the last voxel is active */
     const int active = (int)check_range(c, 0, 2);
     const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1),
               x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);

@@ -3,10 +3,10 @@
  * Checks of the kernels vox_fill and vox_expand, which convert crossings to solid bits and solid
  * bits to classes.
  *
- * The check allows what the contract of vox_fill allows. An instruction set may report all rows
- * of a block as unproven if one row is unproven, or if the rows begin differently. The bits of
- * these rows are then unspecified and not counted. Therefore bits are compared in rows that both
- * functions report as proven. After ost_vox_fill_unproven, the bits of all rows must be equal.
+ * The check allows every result that the contract of vox_fill allows. A variant may report all rows of a
+ * block as unproven if one row is unproven, or if the rows begin differently. The bits of these rows are
+ * then unspecified and not counted. Therefore bits are compared only in rows that both the scalar function
+ * and the variant report as proven. After ost_vox_fill_unproven, the bits of all rows must be equal.
  */
 #include <string.h>
 
@@ -30,9 +30,9 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * Makes the crossings of one row. `kind` selects them: 0 none; 1 alternately entering and
- * leaving; 2 not closed; 3 random; 4 at every centre; 5 of both signs at one centre. If the mesh is
- * inside out, the caller exchanges the planes.
+ * Makes the crossings of one row. The parameter `kind` selects no crossings (0), alternately entering and
+ * leaving (1), not closed (2), random (3), at every centre (4), or both signs at one centre (5). If the
+ * mesh is inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -56,7 +56,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        /* The row already leaves the mesh at this centre. Its crossings are deleted. */
+        /* The row already leaves the mesh at this centre, so all its crossings are deleted. */
         if (!(minus[(nx - 1) / 64] & bit)) {
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
@@ -75,8 +75,8 @@ static uint64_t bits_set(const fill_arguments *a, size_t words)
 }
 
 /*
- * Returns the kind of the first crossing of a row whose crossings alternate: 1 if it enters, 2
- * if it leaves, 0 if there is no crossing.
+ * For a row whose crossings alternate, returns 1 if the first crossing enters the mesh, 2 if it leaves the
+ * mesh, and 0 if there is no crossing.
  */
 static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size_t words)
 {
@@ -169,7 +169,7 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(row_state[0], 0, all);
-    /* below 6: all rows are of this kind; from 6 on: the kinds of the rows differ */
+    /* if below 6, all rows are of this kind; otherwise each row has a kind of its own */
     const int one_kind = (int)check_range(c, 0, 12);
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;
@@ -234,7 +234,7 @@ static void call_expand(check_fn *kernel, void *with)
     ((ost_vox_expand_fn *)kernel)(a->cutting, a->noncutting, a->rows, a->words, a->nx, a->stream, a->voxels);
 }
 
-/* Bits beyond the last voxel of a row are random. */
+/* The unused bits after the last voxel of a row are random. */
 static void test_expand(check *c)
 {
     const int32_t nx = c->number < 260 ? c->number + 1 : (int32_t)check_range(c, 1, check_chance(c, 8) ? 4096 : 600);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernel gather_row. The cases have counts from 0 to 64 in order, maps whose elements
- * are between equal and far apart, and spans close to a register's width.
+ * Checks of the kernel gather_row. The cases have the counts 0 to 64 in this order. The elements of the
+ * maps range from equal to far apart, and some spans are close to the width of a register.
  */
 #include "simd/check.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernels blend_rows, stretch_row and weigh_rows, with densities and weights at both
- * ends of their ranges, and with sums that are ties or adjacent to ties.
+ * Checks of the kernels blend_rows, stretch_row and weigh_rows, with densities and weights at both ends of
+ * their ranges. Some sums are ties or next to ties.
  */
 #include "simd/check.h"
 
@@ -15,7 +15,7 @@ static int16_t some_density(check *c)
     return check_chance(c, 3) ? special[check_range(c, 0, 6)] : (int16_t)check_range(c, INT16_MIN, INT16_MAX);
 }
 
-/* Returns a weight. Half of the weights are special ones that often cause ties. */
+/* Returns a weight. Half of the weights are special values that often cause ties. */
 static int some_weight(check *c, int least, int most)
 {
     static const int special[] = {0, 1, ONE / 4, ONE / 2 - 1, ONE / 2, ONE / 2 + 1, ONE * 3 / 4, ONE - 1, ONE};
@@ -98,8 +98,8 @@ static void call_stretch_row(check_fn *kernel, void *with)
 }
 
 /*
- * Fills the array `at` with positions. They have a constant ratio, as in resampling, or steps of
- * about the span of one or two registers.
+ * Fills the array `at` with positions. The positions are at a constant ratio, as in resampling, or have
+ * steps that are about as wide as one or two registers.
  */
 static void make_places(check *c, int32_t *at, int width)
 {

@@ -2,17 +2,17 @@
 /*
  * Checks of the kernels `blocks`, `split`, `match` and `take`.
  *
- * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose
- * sums lie near the borders at which a base is uncertain and must be computed by division, at which
- * it no longer exists, and at which it is out of reach.
+ * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
+ * near three types of borders: a base beyond the first is uncertain and must be computed by division, a
+ * base beyond the second does not exist, and a block beyond the third is out of reach.
  *
- * `split` may write its lists in any order, so the lists are compared as sets: both are sorted by
- * the numbers of the parts, which are all different. The previous content of the lists must
- * remain, and nothing beyond the slack may be written.
+ * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
+ * sorted by the numbers of the parts, which are all different. The previous content of the lists must not
+ * change, and nothing beyond the slack may be written.
  *
- * `match` is tested with bricks in cells that a split classifies as mixed, up to the cells' edges.
- * Half of the bricks are moved so that a voxel lies on a border of tool voxels or a few units
- * from it, where the 16-bit sums tie.
+ * `match` is tested with bricks in cells that a split classifies as mixed, up to the edges of the cells.
+ * Half of the bricks are moved so that a voxel lies on a border between tool voxels or a few units from
+ * such a border, where the 16-bit sums have ties.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +24,7 @@
 
 static const int32_t extremes[] = {INT32_MIN, INT32_MAX, 0, -1};
 
-/* Fills the unused elements after the end of a list with random data, because their content is unspecified. */
+/* Fills the unused elements after the end of a list with random data. The content of these elements is unspecified. */
 static void garbage(check *c, ost_cubes *cubes)
 {
     for (size_t i = cubes->count; i < OST_UNIT_BRICKS + OST_CUBES_SLACK; i++) {
@@ -34,7 +34,7 @@ static void garbage(check *c, ost_cubes *cubes)
     }
 }
 
-/* Chooses `count` different numbers below `limit`, in random or ascending order. */
+/* Chooses `count` different numbers below `limit`, in random or in ascending order. */
 static void some_numbers(check *c, int32_t *number, size_t count, int32_t limit)
 {
     enum { LIMIT_MAX = 4096 };
@@ -65,9 +65,8 @@ static void call_blocks(check_fn *kernel, void *with)
 }
 
 /*
- * Returns the sum of three parts of a block's base, without the half that is added later. The
- * sum may have any value in the ranges of block_base.h, but is mostly near the border of a
- * range.
+ * Returns the sum of three parts of a block's base, without the half that is added later. The sum may have
+ * any value in the ranges of block_base.h and is usually near the border of a range.
  */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
 {
@@ -116,9 +115,8 @@ static void test_blocks(check *c)
         bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
     }
     /*
-     * The kernel uses the map for blocks for which the parts are not exact enough. The map has
-     * the same steps as the parts, a divisor of 2^80, and an origin for which the first block is
-     * in reach.
+     * If the parts are not exact enough for a block, the kernel uses the map. The map has the same steps as
+     * the parts, the divisor 2^80, and an origin for which the first block is in reach.
      */
     const ost_i128 divisor = (ost_i128)1 << 80;
     *map = (ost_map){.divisor = ost_int128_of(divisor)};
@@ -204,7 +202,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Places cubes around the tool, or at any position for which the centres of their parts fit int32. */
+/* Places cubes around the tool or, if near is false, at any position for which the centres of their parts fit int32. */
 static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
 {
     for (int a = 0; a < 3; a++) {
@@ -300,7 +298,7 @@ static void test_split(check *c)
     }
     check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
-    /* Beyond the capacity that the contract requires, both buffers contain poison, wherever the lists end. */
+    /* Both buffers contain poison beyond the capacity that the contract requires, even if the lists end earlier. */
     const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK,
                  inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
@@ -328,8 +326,8 @@ static void call_match(check_fn *kernel, void *with)
 }
 
 /*
- * Returns a random choice (reservoir sampling) of at most MIXED_MAX cells that count as mixed in
- * a split with this `least`.
+ * Chooses at most MIXED_MAX random cells (by reservoir sampling) that count as mixed in a split with this
+ * `least`. Returns their number.
  */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
@@ -347,8 +345,8 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
 }
 
 /*
- * Returns a coordinate for the brick on axis a, at or below u. At this coordinate, one of the
- * brick's voxels lies on the border between two tool voxels or at most 200 units from it.
+ * Returns a coordinate at or below u for a brick on axis a. At this coordinate, a voxel of the brick lies
+ * on a border between two tool voxels or at most 200 units from such a border.
  */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
@@ -416,7 +414,7 @@ static void test_match(check *c)
     ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
-    if (check_chance(c, 8)) /* a shape that was made for larger bone voxels has no windows */
+    if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
         shape->windows = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     ost_split split;
@@ -494,14 +492,16 @@ static void test_take(check *c)
     int32_t *number = check_input(c, "number", count, sizeof *number, sizeof *number);
     uint64_t *hits = check_input(c, "hits", count, sizeof *hits, sizeof *hits);
     some_numbers(c, number, count, bricks);
-    const int full = (int)check_range(c, 0, 2); /* hits in each brick: 0 one, 1 any number, 2 all */
+    /* number of hits in each brick: 0 means one, 1 any number, 2 all voxels */
+    const int full = (int)check_range(c, 0, 2);
     for (size_t i = 0; i < count; i++)
         hits[i] = full == 2 ? UINT64_MAX : full == 1 ? rng_next(&c->rng) | 1 : UINT64_C(1) << check_range(c, 0, 63);
     const size_t voxels = 64 * (size_t)bricks;
     void *density[2];
     check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
     int16_t *d = density[0];
-    const int dense = (int)check_range(c, 0, 2); /* densities: 0 all at the maximum, 1 near borders, 2 any */
+    /* densities: 0 means the maximum, 1 densities near borders, 2 any densities */
+    const int dense = (int)check_range(c, 0, 2);
     for (size_t i = 0; i < voxels; i++) { /* voxels that are not hit may have any density */
         int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
         if (dense == 1 && take->borders > 0)
@@ -519,7 +519,8 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    for (int i = 0; i < OST_CLASS_MAX; i++) { /* the kernel adds to the tally, which is therefore not zero at first */
+    /* the tally begins with values other than zero, because the kernel must add to it */
+    for (int i = 0; i < OST_CLASS_MAX; i++) {
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
     }
@@ -535,7 +536,7 @@ static void test_take(check *c)
 
 /* -------------------------------------------------------------------- bench */
 
-/* A ball with a diameter of 48 tool voxels around a unit of 32^3 bone voxels. */
+/* The workload of a benchmark: a ball with a diameter of 48 tool voxels around a unit of 32^3 bone voxels. */
 typedef struct scene {
     uint8_t *voxels;
     ost_shape shape;

@@ -2,10 +2,10 @@
 /*
  * Checks of the kernel text_match.
  *
- * Lines that match are followed at some point by a line that does not match. There are many
- * reasons: a byte is changed, missing or added; a density is out of range, or has six digits, no
- * digits, a sign or a letter; or the line is empty. The text continues after the end of the part
- * that is tested, but the lines there must not be matched.
+ * In each text, lines that match are followed by a line that does not match. In this line a byte is
+ * changed, missing or added; or its density is out of range, or has six digits, no digits, a sign or a
+ * letter; or the line is empty. The text continues after the end of the part that is tested, but the lines
+ * there must not be matched.
  */
 #include <stdio.h>
 #include <string.h>
@@ -133,7 +133,8 @@ static void test_match(check *c)
     const size_t here = check_chance(c, 3) ? (size_t)check_range(c, 0, (int64_t)lines) : lines, end = begins[here];
     const size_t there = bytes - end < OST_TEXT_MARGIN ? bytes - end : OST_TEXT_MARGIN;
     char *text = check_input(c, "text with its margin", end + OST_TEXT_MARGIN, 1, 1);
-    /* The margin looks like a density or like the end of one, so that reading there changes the result. */
+    /* The margin after the text contains characters of a density or newlines, so that reading it would change the
+       result. */
     memset(text, check_chance(c, 3) ? '\n' : '5', end + OST_TEXT_MARGIN);
     memcpy(text, joined, end + there);
     void *density[2];
@@ -147,7 +148,8 @@ static void test_match(check *c)
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
         check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
                    begins[a.matched]))
-        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* both contain poison beyond the matches */
+        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* beyond the matches both buffers
+                                                                               contain poison */
 }
 
 static void bench_match(check_bench *b)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernels vox_mark and vox_keys with triangles of every kind in tiles.
+ * Checks of the kernels vox_mark and vox_keys with triangles of every type in tiles.
  *
- * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are
- * small triangles, slivers, triangles with corners and edges on the centres of rows, triangles
- * across the entire grid, and flat triangles. At the grid's far end in x, a crossing has no bit
- * and is spilled. A crossing is also spilled if its bit is already set in the plane.
+ * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are small
+ * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across the entire
+ * grid, and flat triangles. A crossing at the upper end of the grid along x has no bit and is written to
+ * the spill list. The same applies to a crossing whose bit is already set in the plane.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +27,8 @@ static int32_t within(int64_t v, int32_t end)
 }
 
 /*
- * Makes a triangle whose extents are the largest that vector lanes allow, or one unit larger.
- * The limit is (ex + w) ey ez <= OST_VOX_SMALL.
+ * Makes a triangle whose extents ex, ey and ez are the largest that vector lanes allow, or one unit larger.
+ * The limit is (ex + w) ey ez <= OST_VOX_SMALL, where w is the width of a voxel.
  */
 static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
@@ -63,7 +63,7 @@ static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) {
             int64_t v = at[a] + check_range(c, -size, size);
-            if (kind == 2) /* on the lattice of the rows' centres, or one unit off it */
+            if (kind == 2) /* on the lattice of the rows' centres, or one unit away from this lattice */
                 v = v / w * w + w / 2 + (check_chance(c, 8) ? check_range(c, -1, 1) : 0);
             corner[i][a] = within(v, end[a]);
         }
@@ -86,7 +86,8 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
         some_corners(c, f, end, &vertex[3 * t]);
         for (uint32_t i = 0; i < 3; i++)
             triangle[t][i] = (uint32_t)(3 * t) + i;
-        if (t > 0 && check_chance(c, 6)) /* shared vertices, or those of the previous triangle in reverse order */
+        /* the triangle shares vertices with earlier triangles, or is the previous triangle in reverse order */
+        if (t > 0 && check_chance(c, 6))
             for (uint32_t i = 0; i < 3; i++)
                 triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2)
                                                     : triangle[t - 1][2 - i];
@@ -172,7 +173,7 @@ static void test_mark(check *c)
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
     check_outputs(c, "odd", rows, 1, 1, row_state);
     memset(planes[0], 0, 16 * plane_words);
-    if (check_chance(c, 3)) /* bits that earlier triangles have marked */
+    if (check_chance(c, 3)) /* these bits have been marked by earlier triangles */
         for (size_t w = 0; w < 2 * plane_words; w++)
             if (w % plane_words < rows * words) {
                 const int64_t bits = dims.x - (int64_t)(w % plane_words % words) * 64;

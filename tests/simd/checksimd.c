@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares every kernel of every instruction set with the scalar one.
+ * Compares every kernel of every instruction set with the scalar kernel.
  *
  *   checksimd                                  tests all kernels with random and worst cases
  *   checksimd --function=split --isa=avx2      tests one kernel of one instruction set
@@ -8,11 +8,10 @@
  *   checksimd --bench                          times the kernels instead; no time counts as a failure
  *   checksimd --list                           lists the kernels
  *
- * A slot that contains the scalar function or the function of a lower level is not
- * tested again. The scalar functions themselves are tested for staying within the
- * buffers of their contracts. The exit status is 0 for success, 1 if a case failed,
- * 2 for a usage error, and 77 if only scalar code runs on this machine or if the
- * requested instruction set does not.
+ * A slot that contains the scalar function or the function of a lower level is not tested again. The scalar
+ * functions are tested only for accesses outside the buffers of their contracts. The exit status is 0 for
+ * success, 1 if a case failed, 2 for a usage error, and 77 if this machine runs only scalar code or cannot
+ * run the requested instruction set.
  *
  * Covers: AR-LAW-1
  */
@@ -29,7 +28,7 @@ typedef struct options {
     const char *function; /* NULL: all */
     int isa;              /* -1: all */
     int number;           /* -1: all */
-    int times;            /* the number of cases is multiplied by this factor */
+    int times;            /* factor by which the number of cases is multiplied */
     bool bench, list;
 } options;
 
@@ -107,7 +106,7 @@ static bool chosen(const options *o, const check_kernel *kernel)
     return !o->function || strcmp(o->function, kernel->name) == 0;
 }
 
-/* Returns the lowest level below `isa` whose slot contains the same function, or `isa` itself if there is none. */
+/* Returns the lowest level below `isa` whose slot contains the same function, or `isa` if there is no such level. */
 static int same_as(const check_kernel *kernel, int isa)
 {
     for (int lower = 0; lower < isa; lower++)

@@ -2,9 +2,9 @@
 /*
  * Runs the cases of one kernel and reports the first failure.
  *
- * A case has its own generator, which is seeded only by the run's seed, the kernel's name and the
- * case's number. Therefore a case is the same for every instruction set and does not depend on
- * earlier cases.
+ * A case has its own random generator, whose seed depends only on the run's seed, the kernel's name and the
+ * case's number. Therefore a case is the same for every instruction set and does not depend on earlier
+ * cases.
  */
 #include "simd/check.h"
 
@@ -58,7 +58,7 @@ void check_note(check *c, const char *format, ...)
     va_end(list);
 }
 
-/* Reports a failure; only the first one of a case is reported. */
+/* Reports a failure. Only the first failure of a case is reported. */
 static void fail(check *c, check_result result, const char *who, const char *what)
 {
     if (c->result != CHECK_GOOD)

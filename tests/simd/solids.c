@@ -79,7 +79,7 @@ static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
         }
 }
 
-/* The latest shape, which is reused because making a shape takes much longer than a case. */
+/* The last shape that was made. It is reused because making a shape takes much longer than a case. */
 static struct kept {
     uint64_t key;
     bool made;

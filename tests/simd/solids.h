@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tools and poses for the kernels of removal: small, thin, full, empty and noisy solids, at every
- * ratio of voxel sizes. Their tables are in guarded memory.
+ * Tools and poses for the kernels of removal: small, thin, full, empty and noisy solids, at every ratio of
+ * voxel sizes. The tables of the tools are in guarded memory.
  */
 #ifndef OST_TESTS_SIMD_SOLIDS_H
 #define OST_TESTS_SIMD_SOLIDS_H
@@ -10,9 +10,9 @@
 #include "simd/check.h"
 
 /*
- * The shape of a case. Eight consecutive cases have the same shape. The cells of the shape (with
- * the 64 bytes on either side that may be read), its windows and its voxels are inputs of the
- * case. `step` belongs to a pose. The pose has the voxel ratio for which the shape was made.
+ * The shape of a case. Eight consecutive cases have the same shape. The cells of the shape (with 64
+ * readable bytes on each side), its windows and its voxels are inputs of the case. `step` belongs to a
+ * pose. The pose has the voxel ratio for which the shape was made.
  */
 typedef struct solid {
     ost_shape shape;
@@ -21,7 +21,7 @@ typedef struct solid {
 } solid;
 
 void solid_make(check *c, solid *out);
-/* Makes random cells that no real tool has: values in -64..64 (shape.h), any unit, and few cells. */
+/* Makes a few random cells, with values in -64..64 (shape.h) and any unit. No real tool has such cells. */
 void solid_cells(check *c, ost_cells *out);
 
 #endif

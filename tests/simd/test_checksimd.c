@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that checksimd detects errors. Each of these kernels is wrong in one small way and must
- * be reported, for the right reason, within the usual number of cases.
+ * Tests that checksimd detects errors. Each kernel in this file is wrong in one small way. The error must
+ * be reported with the right reason within the default number of cases.
  *
- * A wrong kernel calls the scalar kernel and does something more before or after the call. The
- * seed is fixed, so that results do not vary between runs.
+ * A wrong kernel calls the scalar kernel and causes an error before or after the call. The seed is fixed,
+ * so that results do not vary between runs.
  *
  * Covers: AR-LAW-1
  */
@@ -31,7 +31,7 @@ static void touch(const void *p)
     (void)*(const volatile char *)p;
 }
 
-/* Removes const from a pointer, in order to write where a kernel must not. */
+/* Removes const from a pointer, so that a wrong kernel can write to its input. */
 static void *writable(const void *p)
 {
     return (void *)(uintptr_t)p;
@@ -184,7 +184,7 @@ static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t b
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
-/* Writes an element between those of the row's bricks. The element belongs to another row. */
+/* Writes to an element between those of the row's bricks, which belongs to another row. */
 static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
                                            int16_t *density, uint64_t *occupancy)
 {
@@ -563,13 +563,13 @@ static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const
 
 /* ------------------------------------------------------ the wrong kernels */
 
-/* A set of two results. */
+/* A set of two values of check_result. */
 #define OR(a, b) (1u << (a) | 1u << (b))
 
 static const struct wrong {
     const check_kernel *kernel;
     check_fn *fn;
-    unsigned found_as; /* set of check_result values */
+    unsigned found_as; /* set of the accepted check_result values */
     const char *what;
 } wrongs[] = {
 #define WRONG(slot, fn, found_as) {&check_##slot, (check_fn *)(fn), found_as, #fn}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares pairs of hand-written traces. The result must name the record, the differing word or the
- * differing voxel with the least index, and the values on both sides.
+ * Compares pairs of hand-written traces. The result must contain the record, the differing word or the
+ * differing voxel with the lowest index, and the values of both traces.
  */
 #include "harness.h"
 
@@ -118,8 +118,8 @@ static void equal_and_not(void **state)
     assert_int_equal(compared(ref, got).kind, COMPARE_EQUAL);
 
     /*
-     * Two voxels too many are removed. The comparison must name the voxel with the least number
-     * in the complete grid, not the first one in its leaf.
+     * Two voxels too many are removed. The comparison must return the voxel with the lowest number in the
+     * complete grid, not the first voxel in its leaf.
      */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
@@ -151,8 +151,8 @@ static void equal_and_not(void **state)
 }
 
 /*
- * A leaf that only one of the two traces stores must be compared with the previous state of this
- * leaf in the other trace.
+ * If only one of two traces contains a leaf, the leaf must be compared with its previous state in the other
+ * trace.
  */
 static void lone_leaves(void **state)
 {
@@ -229,7 +229,7 @@ static void write_report(const char *path, uint64_t voxels)
     put_end(&b);
 }
 
-/* A number of a report that differs must be described in words, with its chunk. */
+/* A differing number of a report must be described in words, with the number of its chunk. */
 static void reports(void **state)
 {
     char ref[PATH], got[PATH], name[TRACE_WORD];
@@ -278,7 +278,7 @@ static void broken(void **state)
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 1);
 
-    /* If any byte of a header changes, the file is refused or fewer records are read, without a crash. */
+    /* If any byte of a header changes, the file must be refused or fewer records must be read, without a crash. */
     write_reference(got);
     for (int at = 0; at < 32; at++) {
         FILE *file = fopen(got, "r+b");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the classification of differences with grids written by hand and with implementations
- * that make one known mistake (validation/dense). Also tests the operands of a voxel, from which
- * the reference's value must follow.
+ * Tests the classification of differences. The differing grids are written by hand or computed by
+ * implementations with one deliberate mistake (validation/dense). Also tests the operands of a voxel: the
+ * reference's value must follow from them.
  *
  * With OST_TEST_LONG=1 the confusion table of all mistakes is printed.
  * Covers: REQ-LOCATE
@@ -32,7 +32,7 @@ static int64_t at(int x, int y, int z)
     return x + N * (y + (int64_t)N * z);
 }
 
-/* Makes a ball in which every voxel's density differs from those of its neighbours. */
+/* Makes a ball in which every voxel has a different density from its neighbours. */
 static pair *made(void)
 {
     static pair p;
@@ -134,7 +134,7 @@ static void by_hand(void **state)
     looks_like(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
 }
 
-/* Tests differences of an event; `in` is the bone before the event. */
+/* Tests differences caused by an event. The array `in` is the bone before the event. */
 static void of_events(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
-    for (int x = 0; x < N; x++) /* tests the parity rule: where both rows are solid, the result is void */
+    for (int x = 0; x < N; x++) /* tests the parity rule, by which voxels that are solid in both rows become empty */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
@@ -197,12 +197,12 @@ static void of_tools(void **state)
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
-            for (int x = 12; x < 20; x++) { /* the non-cutting part, from x = 16 on in a, extends too far in b */
+            for (int x = 12; x < 20; x++) { /* the non-cutting part begins at x = 16 in a and extends too far in b */
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
     looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
-    /* The ball contains a non-cutting part, which is exposed where a row of the ball is missing. */
+    /* The ball contains a non-cutting part. Where a row of the ball is missing, this part is exposed. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
@@ -254,8 +254,8 @@ static const char *class_of(const deviation *how, const scene *s, const trace *r
 }
 
 /*
- * Tests each class with a backend that makes the mistake. `or` lists other allowed classes,
- * because a difference of only a few voxels may be classified differently.
+ * Tests each class with a backend that makes a mistake of this class. A difference of only a few voxels may
+ * be classified differently; the member `or` lists the other classes that are allowed.
  */
 static void by_mistake(void **state)
 {
@@ -510,7 +510,7 @@ static void causes_are_possibilities(void **state)
         assert_true(strlen(text) < CAUSES_TEXT - 1);
         sum += one->mistakes;
     }
-    assert_int_equal(sum, 2767); /* each mistake that changed a result has one class */
+    assert_int_equal(sum, 2767); /* each mistake that changed a result belongs to exactly one class */
     char text[CAUSES_TEXT];
     causes_text("stale-chunk", text);
     assert_string_equal(text, "possible causes, by 60 known mistakes that look like this: stale-chunk 100 %");
@@ -518,7 +518,8 @@ static void causes_are_possibilities(void **state)
     assert_string_equal(text, "");
     if (!getenv("OST_TEST_LONG"))
         return;
-    /* Computes the table again. Small changes of the scenes may change an entry by 3 percentage points. */
+    /* Computes the table again. Small changes of the scenes may change an entry, so a deviation of 3 percentage
+       points is allowed. */
     static sensitivity s;
     ost_error err = {0};
     assert_ok(sensitivity_run(1, sensitivity_injections(PLAN_STANDARD), 2, NULL, NULL, &s, &err));

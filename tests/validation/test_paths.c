@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A worker passes the path counts of a backend to its parent in the end record of a trace. The
- * parent adds the counts of all workers by name. A damaged record must add no false counts.
+ * Tests the path counts of a backend. A worker passes them to its parent in the end record of a trace, and
+ * the parent adds the counts of all workers by name. A damaged record must not add false counts.
  * Covers: REQ-VAL-PATHS
  */
 #include "harness.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a case on backends that lack functions and on backends whose functions fail. Only a missing
- * function may lead to a record that is not compared. Each backend is the reference with one slot
+ * Runs a case on backends that lack functions and on backends whose functions fail. A record may be
+ * excluded from the comparison only if a function is missing. Each backend is the reference with one slot
  * changed, and is compared with the unchanged reference.
  * Covers: REQ-EVIDENCE
  */
@@ -12,7 +12,7 @@
 #include "validation/compare.h"
 #include "validation/perform.h"
 
-/* Fails because the device is lost. The status is the same as that of a missing function. */
+/* Fails as if the device were lost. The status is the same as that of a missing function. */
 static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
 {
     (void)bone, (void)z0, (void)count, (void)voxels;
@@ -33,7 +33,7 @@ static ost_status lost_occupancy(const ost_bone *bone, size_t count, const int32
     return ost_fail(err, OST_ERR_UNAVAILABLE, "the device was lost");
 }
 
-/* Performs the case on the reference with the functions of `ops`, and opens the trace that was written. */
+/* Performs the case on the reference with the functions in `ops`, and opens the trace of this run. */
 static void perform_with(const ost_backend_ops *ops, const scene *s, const char *name, trace *out)
 {
     ost_error err = {0}, why = {0};

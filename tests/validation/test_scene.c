@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A case is generated from its name and the campaign's seed. It must be the same on every machine
- * and with every compiler, so that two sites compare the same input. The digests here were
- * computed with gcc 12 on x86-64. The test shows that clang computes the same ones: if one list
- * of arguments contained two random draws, their order would depend on the compiler.
+ * Tests that generated cases are the same on every machine and with every compiler, so that two sites
+ * compare the same inputs. A case is generated from its name and the campaign's seed. The digests in this
+ * file were computed with gcc 12 on x86-64. Other compilers must compute the same digests. If a list of
+ * arguments contained two random draws, their order would depend on the compiler.
  *
- * The bone of the `operation` family is generated in floating point (phantom), so it is not
+ * The bone of the `operation` family is a phantom, which is generated in floating point, so it is not
  * tested here.
  * Covers: REQ-EVIDENCE
  */
@@ -14,7 +14,7 @@
 #include "validation/perform.h"
 #include "validation/scene_parts.h"
 
-/* Computes the SHA-256 over the digests of a family's cases, in hexadecimal. */
+/* Computes the SHA-256 of the digests of a family's cases, in hexadecimal. */
 static void family_digest(plan_tier tier, const char *only, int most, char out[2 * sizeof(ost_digest) + 1])
 {
     ost_error err = {0};
@@ -106,8 +106,8 @@ static void small_scenes(void **state)
 }
 
 /*
- * Small bones are downloaded completely. A difference is therefore located in its tick even if
- * the random voxels are very thin.
+ * Small bones are downloaded completely. A difference is therefore located in the tick in which it occurs,
+ * even if the random voxels are very thin.
  */
 static void small_bones_are_fetched_whole(void **state)
 {
@@ -132,8 +132,8 @@ static void small_bones_are_fetched_whole(void **state)
 }
 
 /*
- * Counts the voxels of an axis whose source changes if the ratio is computed by one division in
- * double or single precision and the index is truncated.
+ * Counts the voxels of an axis whose source voxel would change if the ratio were computed by one division
+ * in double or single precision and the index were truncated.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
@@ -150,7 +150,7 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 }
 
 /*
- * For both rules that truncate, and for any seed, the smoke tier must have a case in which int(i
+ * For any seed and for each of the two rules that truncate, the smoke tier must have a case in which int(i
  * * (c / s)) selects a wrong voxel.
  */
 static void ratios_decide_a_voxel(void **state)
@@ -208,7 +208,7 @@ static void drifting_samples(void **state)
     scene_free(&s);
 }
 
-/* Computes a position in the coordinates of a tool whose grid has its corner at 0, in voxels. */
+/* Computes the coordinates of a position in a tool, in voxels. The corner of the tool's grid is at the origin. */
 static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], double out[3])
 {
     const ost_pose *p = &tick->pose;
@@ -227,10 +227,10 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 }
 
 /*
- * Tests the case poses/4, whose tools consist of one voxel. One corner of the cube [8, 16)^3 of
- * bone voxels lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be
- * the distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle. The
- * cube's radius R is above D, and below D rounded up to eighths.
+ * Tests the case poses/4, whose tools consist of one voxel. One corner of the cube [8, 16)^3 of bone voxels
+ * lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be the distance from the
+ * tool to the cell of 2^3 tool voxels that contains the cube's middle. The cube's radius R must be greater
+ * than D and less than D rounded up to eighths.
  */
 static void corners_of_cubes(void **state)
 {
@@ -282,8 +282,8 @@ static void corners_of_cubes(void **state)
 }
 
 /*
- * Tests that each case of the `reach` family has the properties for which it was made. The
- * expected numbers are those of the description of the case.
+ * Tests that each case of the `reach` family has the properties for which it is designed. The expected
+ * numbers are those in the description of the case.
  */
 static void reach_has_what_it_is_for(void **state)
 {
@@ -307,8 +307,8 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
             /*
-             * The distance from a voxel's middle to the bar's end in units of the map, times 2.
-             * An odd number is a tie.
+             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If it is odd,
+             * the distance is a tie.
              */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
@@ -325,7 +325,7 @@ static void reach_has_what_it_is_for(void **state)
             const ost_dims bar = s.tools[3].cutting.grid.dims;
             assert_true(bar.x > 64 && bar.x <= 128 && bar.y % 64 == 3 && bar.z % 64 == 3 &&
                         s.tools[3].noncutting.triangle_count > 0);
-            /* greatest and least density of the first chunk along x, and of the second */
+            /* greatest and lowest density of the first and of the second chunk along x */
             int32_t most[2] = {0}, least[2] = {INT16_MAX, INT16_MAX};
             for (size_t n = 0; n < s.sample_count; n++) {
                 const int part = (int32_t)(n % (size_t)d.x) >= s.chunk_size;
@@ -382,8 +382,8 @@ static void reach_has_what_it_is_for(void **state)
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
             /*
-             * For more than 2^16 triangles, the bounds along y and z contain the centre of a row.
-             * Half a voxel is 2^9 units.
+             * The bounds of more than 2^16 triangles must contain the centre of a row. The bounds are along
+             * y and z, and half a voxel is 2^9 units.
              */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;
             int64_t with_rows = 0;

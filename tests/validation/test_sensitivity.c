@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests deliberate mistakes: every mistake that changed a result must be found and located, and
- * correct results must cause no alarm. Also tests that crashed workers, hung workers and workers
- * that report errors are distinguished.
+ * Tests the detection of deliberate mistakes: every mistake that changed a result must be detected and
+ * located, and correct results must cause no alarm. Also tests that crashed workers, hung workers and
+ * workers that report errors are distinguished.
  * Covers: REQ-SENSITIVITY
  */
 #include "harness.h"
@@ -37,7 +37,7 @@ static void proved(void **state)
         assert_true(s.of[k].changed ? s.of[k].injected >= 1 : s.of[k].injected == 5);
     assert_int_equal(s.false_alarms, 0);
     assert_true(s.clean_runs >= 4);
-    /* for seven seeds, 58 to 61 kinds changed a result; the other kinds need a rare scene */
+    /* for seven seeds, 58 to 61 kinds of mistakes changed a result; the other kinds need a rare scene */
     assert_true(s.kinds_changed >= 50);
     assert_int_equal(s.kinds_noticed, s.kinds_changed);
     assert_int_equal(s.all.detected, s.all.changed);
@@ -47,7 +47,7 @@ static void proved(void **state)
     sensitivity one, two;
     assert_ok(sensitivity_run(seed, 24, 1, NULL, NULL, &one, &err));
     assert_ok(sensitivity_run(seed, 24, 3, NULL, NULL, &two, &err));
-    /* The result must not depend on the thread that runs a scene. */
+    /* Checks that the result does not depend on the thread that runs a scene. */
     /* the last member is followed by padding, which is not initialized */
     assert_memory_equal(&one, &two, offsetof(sensitivity, first_problem));
     assert_string_equal(one.first_problem, two.first_problem);
@@ -90,8 +90,8 @@ static void rare_kinds_are_triggered(void **state)
 }
 
 /*
- * The sentence of the verdict must count the kinds, state where the mistakes were made, and count
- * the kinds that changed nothing.
+ * The sentence of the verdict must contain the number of kinds, the place where the mistakes were made, and
+ * the number of kinds that changed no result.
  */
 static void statement_says_what_it_is_of(void **state)
 {
@@ -126,8 +126,8 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
 }
 
 /*
- * For any seed, the smoke tier must have a case whose result changes if the resampling is wrong
- * only at exact multiples.
+ * For any seed, the smoke tier must have a case that detects a resampling that is wrong only at exact
+ * multiples.
  */
 static void smoke_sees_exact_multiples(void **state)
 {

@@ -89,8 +89,8 @@ static void map_of_the_text(void **state)
     assert_int_equal(base[1], 34319892);
     assert_int_equal(base[2], -2393270);
     /*
-     * The voxel of the example is inside the tool's grid. Therefore it is also within the bounds
-     * that are computed here.
+     * The voxel of the example is inside the tool's grid. Therefore it must also be within the computed
+     * bounds.
      */
     ost_voxel_box box;
     assert_true(steps_bounds(&pose, &bone, &tool, &box) && steps_reaches(&map, &bone, &tool, &box));
@@ -204,7 +204,7 @@ static void events_by_hand(void **state)
         {.t_ns = 3500000, .rpm = 200, .pose = at},   /* the first tick after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},
         {.t_ns = 6000000, .rpm = 200, .pose = at},   /* in the next removal period */
-        /* the tool has turned by a third of a revolution: the tick is refused */
+        /* since the last event the tool has turned by a third of a revolution, so the tick is refused */
         {.t_ns = 106000000, .rpm = 200, .pose = at},
         {.t_ns = 46000000, .rpm = 200, .pose = at, .tool = 1},
     };
@@ -219,7 +219,7 @@ static void events_by_hand(void **state)
     steps_history_free(&h);
 }
 
-/* Changes one word in one of the two traces of a case. The comparison must name the word. */
+/* Changes one word in one of the two traces of a case. The comparison must return the name of this word. */
 static void a_difference_is_named(void **state)
 {
     (void)state;
@@ -268,7 +268,7 @@ static void a_difference_is_named(void **state)
     ost_backend_close(dense);
 }
 
-/* The box of a pose may be larger than necessary. If no voxel is reached, no box is needed. */
+/* The box of a pose may be larger than necessary. If the pose reaches no voxel, any box is allowed. */
 static void boxes_are_bounds(void **state)
 {
     (void)state;
@@ -281,7 +281,8 @@ static void boxes_are_bounds(void **state)
     is[REACHES] = 1;
     is[REACHES + 1] = 3;
     is[REACHES + 4] = 9;
-    assert_true(trace_word_holds(TRACE_STEPS, REACHES, a, b)); /* larger than the reach */
+    /* the flag may be set although no voxel must be reached */
+    assert_true(trace_word_holds(TRACE_STEPS, REACHES, a, b));
     least[REACHES] = 1;
     least[REACHES + 1] = 3;
     least[REACHES + 4] = 9;
@@ -292,7 +293,8 @@ static void boxes_are_bounds(void **state)
     is[REACHES] = 0; /* the box is omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* The words of a tick: a flag that states whether boxes meet, then the first and the end chunk of each axis. */
+    /* Indices of a tick's words: a flag that states whether boxes meet, then for each axis the first chunk and the
+       end of the range of chunks. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;

@@ -46,7 +46,7 @@ void fake_begin(void)
     the_window = (struct GLFWwindow){0};
 }
 
-/* The clock shows the time that the test has set. */
+/* The clock returns the time that the test has set. */
 int clock_gettime(clockid_t clock, struct timespec *t)
 {
     (void)clock;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A simulated GLFW and OpenGL that a test controls. They simulate drivers that are too old or are
- * reset, and missing screens.
+ * A simulated GLFW and OpenGL that a test controls. They simulate old drivers, driver resets, and missing
+ * screens.
  */
 #ifndef OST_TESTS_WINDOW_FAKE_H
 #define OST_TESTS_WINDOW_FAKE_H
@@ -19,14 +19,15 @@ typedef struct fake {
     /* The state that a test sets. */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
     const char *why;             /* reason of a failure */
-    int version;                 /* newest context of the core profile: 33 for 3.3 */
-    int plain_version;           /* version of a context that was requested without a version; 0: no such context */
-    bool no_next;                /* no further windows can be opened */
+    int version;                 /* newest version of a core profile context, such as 33 for 3.3 */
+    /* version of a context that is requested without a version; 0 if there is no such context */
+    int plain_version;
+    bool no_next;                /* true if no further windows can be opened */
     int texture_side;
     GLenum reset;                /* reset status that the driver reports until a new context is made */
     bool reset_stays, reset_in_upload;
     float scale;
-    int frame_of_window;         /* pixels of the frame per unit of the window */
+    int frame_of_window;         /* number of frame pixels per unit of the window */
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
@@ -39,7 +40,7 @@ typedef struct fake {
 
 extern fake the_fake;
 
-void fake_begin(void); /* makes everything available, with OpenGL 4.5 */
+void fake_begin(void); /* makes all features available, with OpenGL 4.5 */
 /* These functions simulate the system's events for the window. */
 void fake_size(int width, int height);
 void fake_minimise(bool on);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests copying a picture over the previous one. A screen that receives only the boxes must show
- * the picture, whatever changed, and cells that are reported as unchanged must not be read.
+ * Tests copying a picture over the previous picture. After any change, a screen that receives only the
+ * boxes must show the picture. Cells that are reported as unchanged must not be read.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -28,8 +28,8 @@ static uint32_t shown(uint32_t v)
 }
 
 /*
- * Copies the boxes as the server does. Every pixel of the screen must then be that of the
- * picture. Returns the number of pixels copied.
+ * Copies the boxes to the screen, like the server. Every pixel of the screen must then equal the pixel of
+ * the picture. Returns the number of copied pixels.
  */
 static int64_t copied(const ost_window_picture *p, bool everything)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the window on systems that are not available for every test: drivers that are too old, or
- * are reset once or repeatedly, frames of any size and pixel density, and missing screens.
+ * Tests the window on simulated systems: with drivers that are too old, are reset once or are reset
+ * repeatedly, with frames of any size and pixel density, and with missing screens.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
@@ -59,13 +59,13 @@ static void what_is_missing_is_said(void **state)
     the_fake.no_init = true;
     the_fake.why = "the display is on strike";
     refused("on strike");
-    /* The driver supports OpenGL 2.1 and reports that it lacks 3.3. */
+    /* The driver supports OpenGL 2.1 and reports that it does not support 3.3. */
     fake_begin();
     the_fake.version = 0;
     the_fake.plain_version = 21;
     refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
     refused("LIBGL_ALWAYS_SOFTWARE=1");
-    /* The driver reports a different reason, but also supports only 2.1. */
+    /* The driver reports a different reason, although it supports only 2.1. */
     the_fake.why = "no visual";
     refused("found 2.1 of a test");
     /* The version is sufficient, so it must not be reported as the reason. */
@@ -102,7 +102,7 @@ static void a_reset_makes_a_new_context(void **state)
     ost_window_event e;
     (void)state;
     for (int round = 0; round < 3; round++) {
-        /* OpenGL 4.5 or either of the extensions reports resets. */
+        /* Resets can be detected with OpenGL 4.5 or with either of two extensions. */
         fake_begin();
         the_fake.version = round ? 33 : 45;
         the_fake.khr = round == 1;
@@ -303,7 +303,7 @@ static void nobody_draws_for_nobody(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_true(ost_window_damaged(w));
-    /* The window is visible again. A callback reports this, and it takes effect at once. */
+    /* The window becomes visible again. A callback reports this, and the change takes effect at once. */
     fake_hide(true);
     ost_window_poll(w, 0.3);
     fake_damage();
@@ -319,7 +319,7 @@ static void full_screen_and_back(void **state)
     (void)state;
     fake_begin();
     ost_window *w = opened();
-    fake_place(1800, 50); /* most of the window is on the second screen */
+    fake_place(1800, 50); /* most of the window is on the second screen, which must become the full screen */
     ost_window_full_screen(w, true);
     assert_true(ost_window_is_full_screen(w));
     ost_window_size(w, &width, &height, &scale);
@@ -360,7 +360,7 @@ static void nothing_stays_down(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    /* the event contains the modifiers from before the key was pressed */
+    /* the modifiers of the event are those before the key was pressed */
     fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0);
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');

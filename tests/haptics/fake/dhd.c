@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A stand-in for Force Dimension's library with the functions that the driver calls. With
- * FAKE_SHORT defined, one of them is missing.
+ * A stand-in for Force Dimension's library. It has only the functions that the driver calls. If FAKE_SHORT
+ * is defined, one of these functions is missing.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -60,7 +60,7 @@ int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double ma
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             matrix[i][j] = fake_dhd.column[j][i];
-    return frame % 2; /* 1 means that the pose has not changed since the last call */
+    return frame % 2; /* the result 1 means that the pose has not changed since the last call */
 }
 
 int dhdGetButtonMask(char id)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stand-ins for the vendors' libraries. Each records its calls and fails on request. A test
- * loads the same file and finds the record by its name.
+ * Stand-ins for the vendors' libraries. Each stand-in records the calls of its functions, and fails on
+ * request. A test loads the same file and finds the record by its symbol name.
  */
 #ifndef OST_TESTS_FAKE_H
 #define OST_TESTS_FAKE_H
@@ -17,22 +17,22 @@ enum { FAKE_CALLS = 4096, FAKE_EVENTS = 64 };
 typedef struct fake_note {
     char calls[FAKE_CALLS]; /* one letter per call, in order, until the array is full */
     int count;
-    double position[3];     /* position in the device's own unit */
+    double position[3];     /* in the unit of the device */
     double column[3][3];    /* axes of the handle in the device's frame */
-    double force[3], torque[3]; /* force and torque of the last write */
+    double force[3], torque[3]; /* values of the last write */
     double limit, continuous; /* force limits in N, as the library reports them */
     int type;               /* device type that the library reports */
-    double most_force;      /* largest force component written so far */
+    double most_force;      /* greatest force component written so far */
     int forces_on;
     int buttons;
-    /* numbers of the frames at which the stand-in fails in one of these ways; 0: never */
+    /* For each type of failure, the number of the frame at which the stand-in fails in this way; 0 means never. */
     _Atomic int fail_open, fail_read_at, fail_write_at, warm_at, hang_at, no_number_at;
     _Atomic int frames;
 } fake_note;
 
 /*
- * Events that a test provides to a stand-in, in the library's format: each event is its type,
- * followed by its numbers.
+ * Events that a test provides to a stand-in, in the library's format: an event consists of its type and its
+ * numbers.
  */
 typedef struct fake_feed {
     int event[FAKE_EVENTS][8];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A stand-in for libspnav with the functions that the driver calls. Its events come from a feed
- * that the test fills. Its socket is one end of a pair; the other end represents the daemon.
- * With FAKE_SHORT defined, the last function is missing.
+ * A stand-in for libspnav. It has only the functions that the driver calls. Its events come from a feed
+ * that the test fills. Its socket is one end of a pair; the other end represents the daemon. If FAKE_SHORT
+ * is defined, the last function is missing.
  */
 #include <string.h>
 #include <sys/socket.h>
@@ -48,7 +48,7 @@ int spnav_poll_event(void *event)
 {
     const int at = fake_spnav_feed.taken;
     if (atomic_fetch_add(&fake_spnav.frames, 1) + 1 == fake_spnav.hang_at && pair[1] >= 0) {
-        close(pair[1]); /* the daemon ends */
+        close(pair[1]); /* closing this end simulates the end of the daemon */
         pair[1] = -1;
     }
     if (at == fake_spnav_feed.count)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the first difference between two outcomes of a scene from the outcomes alone: the stage,
- * the call, and the least voxel, leaf and chunk.
+ * Finds the first difference between two outcomes of a scene: the stage, the call, and the lowest voxel,
+ * leaf and chunk. Only the outcomes are compared; the record of the deviation is not used.
  */
 #ifndef OST_TESTS_VALIDATION_DIFFERENCE_H
 #define OST_TESTS_VALIDATION_DIFFERENCE_H
@@ -28,7 +28,7 @@ static inline void lower_to(int64_t *least, int64_t value)
         *least = value;
 }
 
-/* Compares two grids of `size` (1 or 2) bytes per voxel; chunk_size 0 means that the grids have no chunks. */
+/* Compares two grids of `size` (1 or 2) bytes per voxel. If chunk_size is 0, the grids have no chunks. */
 static inline void differ_voxels(difference *f, const void *a, const void *b, size_t size, ost_dims d, int chunk_size)
 {
     const unsigned char *p = a, *q = b;
@@ -68,7 +68,7 @@ static inline void differ_reports(difference *f, const ost_removal_report *a, co
         f->report = true;
 }
 
-/* Stores the stage and the call in the finding. Returns true if any part of the finding differs. */
+/* Stores the stage and the call in the difference. Returns true if any part of it differs. */
 static inline bool is_here(difference *f, deviation_stage stage, uint64_t call)
 {
     f->stage = stage;
@@ -102,7 +102,8 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
-    /* A different occupancy changes no density. It changes only the number of active voxels after the last event. */
+    /* If only the occupancy differs, no density differs. The only effect is on the number of active voxels after the
+       last event. */
     f.report = a->info[1].active_voxels != b->info[1].active_voxels;
     is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;

@@ -25,7 +25,7 @@ typedef struct scene {
     ost_pm cubic;
     ost_resample rule;
     int chunk_size;
-    /* the meshes of one tool, and the random classes of another tool */
+    /* the meshes of one tool, and another tool with random classes */
     ost_snapped_mesh cutting, noncutting;
     bool two_meshes;
     ost_fill_rule fill;
@@ -40,7 +40,8 @@ typedef struct scene {
 
 /* -------------------------------------------------------- making a scene */
 
-/* Densities of a scene: varied, uniform, or almost no bone. Many mistakes have no effect in UNIFORM and EMPTY. */
+/* The densities of a scene: varied, uniform, or almost no bone. In the flavours UNIFORM and EMPTY many mistakes have
+   no effect. */
 typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
 
 static inline int16_t scene_density(test_rng *rng, flavour f)
@@ -121,8 +122,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
 }
 
 /*
- * Sets a range around a voxel's centre. Its half width is odd, so that a diagonal between corners
- * passes exactly through the centre.
+ * Sets a range around a voxel's centre. The half width of the range is odd, so that a diagonal between
+ * corners passes exactly through the centre.
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
@@ -133,7 +134,7 @@ static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *
     *hi = middle + half;
 }
 
-/* Adds a box or a tetrahedron of either orientation to m. If `leaks` is true, one face is missing. */
+/* Adds a box or a tetrahedron of random orientation to m. If `leaks` is true, one face is missing. */
 static inline void add_body(ost_snapped_mesh *m, test_rng *rng, bool leaks)
 {
     static const uint8_t faces[12][3] = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
@@ -224,8 +225,8 @@ static inline ost_geometry cubic_of(const scene *s)
 }
 
 /*
- * Returns a random pose in the bone, or a pose within a few nanometres of one at which the
- * borders of tool voxels coincide with borders of bone voxels.
+ * Returns a random pose in the bone. For some poses, the borders of tool voxels coincide with borders of
+ * bone voxels to within a few nanometres.
  */
 static inline ost_pose scene_pose(const scene *s, test_rng *rng, ost_pm voxel)
 {
@@ -304,7 +305,7 @@ static inline void free_scene(scene *s)
 typedef struct outcome {
     int16_t *rect, *cubic, *chunks, *after[EVENTS];
     ost_scatter_report scatter;
-    ost_bone_info info[2]; /* [0] before the events, [1] after the events */
+    ost_bone_info info[2]; /* info[0] before the events, info[1] after the events */
     ost_digest root;
     ost_tool_volume tool;
     ost_voxelize_report voxelize;
@@ -321,7 +322,7 @@ static inline int16_t *all_of(const ost_grid *grid)
     return voxels;
 }
 
-/* Runs the scene on a backend; chunk_size > 0 replaces the scene's chunk size. */
+/* Runs the scene on a backend. A chunk_size greater than 0 replaces the scene's chunk size. */
 static inline outcome *run_scene(const scene *s, ost_backend *backend, int chunk_size)
 {
     ost_error err = {0};

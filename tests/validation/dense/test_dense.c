@@ -22,7 +22,8 @@ static void equals_the_reference(void **state)
         outcome *a = run_scene(s, ref, 0);
         for (int n = 16; n <= 64; n *= 2) {
             outcome *b = run_scene(s, dense, n);
-            if (n != s->chunk_size) { /* the reports have different chunks, so only totals and grids are compared */
+            /* the reports have chunks of different sizes, so only totals and grids are compared */
+            if (n != s->chunk_size) {
                 assert_true(ost_digest_equal(&a->root, &b->root));
                 for (int e = 0; e < EVENTS; e++) {
                     assert_int_equal(a->reports[e].total_voxels, b->reports[e].total_voxels);
@@ -111,8 +112,8 @@ static void reports_what_is_wrong_with_samples(void **state)
 }
 
 /*
- * A bone uploaded slice by slice, in any order, must equal a bone uploaded at once; downloaded
- * slices must equal the uploaded ones.
+ * A bone that is uploaded slice by slice, in any order, must equal a bone that is uploaded in one call.
+ * Downloaded slices must equal the uploaded slices.
  */
 static void slices_are_the_whole(void **state)
 {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests every kind of deviation in random scenes, at random positions and rates:
+ * Tests every kind of deviation in random scenes, at random positions and rates. The test checks that
  *   - a result differs from the reference only if the record states it,
  *   - the first difference is at the position in the record,
  *   - the mistake took effect before that difference, in the stage of its kind,
  *   - the mistake changes at least one scene; if its kind never survives
  *     according to the table, it changes every scene in which it takes effect.
- * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one.
+ * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one kind.
  */
 #include "validation/dense/difference.h"
 
@@ -33,10 +33,10 @@ static void table_is_complete(void **state)
     assert_null(backend);
 }
 
-/* Numbers of scenes with each outcome, for one kind of mistake. */
+/* The numbers of scenes with each outcome for one kind of mistake. */
 typedef struct tally {
     int quiet, survived, changed;
-    int harmless; /* scenes without a difference although the mistake was made wherever possible */
+    int harmless; /* scenes in which the mistake was made wherever possible and nothing differed */
 } tally;
 
 static void check_place(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
@@ -56,7 +56,7 @@ static void check_place(deviation_kind kind, const deviation_record *r, const di
     assert_true(q->stage < p->stage || (q->stage == p->stage && q->call <= p->call));
 }
 
-/* Runs one scene. If `everywhere`, the scene is varied and the mistake is made wherever possible. */
+/* Runs one scene. If `everywhere` is true, the scene has varied densities and the mistake is made wherever possible. */
 static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_backend *ref, tally *t)
 {
     static const uint32_t rates[] = {1, 1, 1, 2, 20, 4000};

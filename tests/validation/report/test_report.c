@@ -3,8 +3,8 @@
  * Tests report.html: it must follow from the bundle, escape its input, have no dead links, and
  * show differences.
  *
- * The bundles are made here from a protocol and cases written by hand. The traces of a difference
- * are two records of a small bone each.
+ * The test makes bundles from a protocol and cases written by hand. Each trace of a difference consists of
+ * two records of a small bone.
  */
 #include "harness.h"
 
@@ -86,9 +86,8 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 }
 
 /*
- * Writes one of two traces of a case. The chunks are equal in both traces. In the tick that
- * follows, the trace with `other` removes one voxel less in one leaf and does not change another
- * leaf.
+ * Writes one of two traces of a case. The chunks are equal in both traces. The tick after them differs: if
+ * `other` is true, the trace removes one voxel less in one leaf and does not change another leaf.
  */
 static void write_trace(const char *path, bool other)
 {
@@ -121,7 +120,7 @@ static void write_trace(const char *path, bool other)
     assert_ok(trace_close(w, &err));
 }
 
-/* Stores the pictures of case session/1 on backend 1 through the campaign's hook. */
+/* Stores the pictures of case session/1 on backend 1 by calling the campaign's callback. */
 static void put_difference(bundle *b)
 {
     ost_error err = {0};
@@ -323,12 +322,13 @@ static void says_the_verdict_first(void **state)
                    *compared = strstr(html, "<h2>Comparison of the backends");
         assert_non_null(not_shown);
         assert_non_null(compared);
-        assert_true(not_shown < compared); /* the section `not-shown` must be on the first page */
+        /* the section `not-shown` must be on the first page, before the comparison */
+        assert_true(not_shown < compared);
         free(html);
     }
 }
 
-/* Only text that the program itself writes may occur between < and >. */
+/* Between < and > there must be only text that the program itself writes. */
 static void escapes_what_it_is_given(void **state)
 {
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
@@ -394,7 +394,8 @@ static void shows_a_difference(void **state)
     free(html);
 }
 
-/* The page must show the sums per stage, the missed mistakes separately, and every kind in a collapsed section. */
+/* The page must show the sums per stage, a separate list of the mistakes that were not detected, and every kind in a
+   collapsed section. */
 static void sums_up_mistakes(void **state)
 {
     (void)state;
@@ -448,7 +449,7 @@ static void a_changed_byte_is_noticed(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        /* one problem concerns the manifest, another the page, which no longer follows from the bundle */
+        /* one problem concerns the manifest, another one the page, which no longer follows from the bundle */
         assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
         assert_non_null(strstr(all, REPORT_FILE " does not follow"));
@@ -490,8 +491,8 @@ typedef struct written {
 } written;
 
 /*
- * Checks one file that contains the verdict: it must not state that anything is equal. This
- * applies to files for people and to files for programs.
+ * Checks one file that contains the verdict. The file must not state that anything is equal, whether it is
+ * made for readers or for programs.
  */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
@@ -562,7 +563,7 @@ static void nothing_compared(void **state)
     }
 }
 
-/* One of two cases was refused. The other case counts, and the refused case is not a success. */
+/* If one of two cases was refused, the other case counts, and the refused case must not be reported as a success. */
 static void one_refused(void **state)
 {
     ost_error err = {0};
