@@ -27,7 +27,7 @@ int main(int argc, char **argv)
     memset(&ct, 0, sizeof ct);
     memset(&mesh, 0, sizeof mesh);
 
-    /* If options is NULL, the defaults are used: the thesis' sizes, seed 1, a right shoulder. */
+    /* If options is NULL, the phantom has the sizes of the thesis, seed 1 and the form of a right shoulder. */
     status = ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err);
     if (!status)
         status = ost_volume_write(argv[1], &ct, NULL, &err);

@@ -31,10 +31,10 @@ int main(int argc, char **argv)
         status = ost_import(backend, argv[1], NULL, &bone, &result, &err);
     if (!status)
         status = ost_bone_info_get(bone, &info, &err);
-    if (!status) /* result.meta: the glenoid's position and other facts, copied to the output file */
+    if (!status) /* result.meta contains facts such as the glenoid's position, which are copied to the output file */
         status = ost_bone_write(argv[2], bone, &result.meta, NULL, &err);
 
-    if (status) /* one line of text: the file, the position in the file, the value, and what was expected */
+    if (status) /* one line of text with the file, the position in the file, the value, and what was expected */
         fprintf(stderr, "01_import: %s\n", err.text);
     else
         printf("%lld active voxels in %lld of %lld chunks\n", (long long)info.active_voxels,

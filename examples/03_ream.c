@@ -4,10 +4,10 @@
  *
  *   03_ream BONE.nrrd TOOL.nrrd OUT.nrrd
  *
- * The built-in path drills a peg's hole into the middle of the glenoid; its
- * position is a fact in the bone's file. ost_path_read_csv reads other paths from
- * files with one tick per row.  A program that computes poses itself calls
- * ost_world_step for each pose.  Only this function advances the world.
+ * The built-in path drills a peg's hole into the middle of the glenoid, whose position is a fact in the
+ * bone's file. The function ost_path_read_csv reads other paths from files with one tick per row. A program
+ * that computes poses itself calls ost_world_step for each pose, because only this function advances the
+ * world.
  */
 #include <osteon/osteon.h>
 

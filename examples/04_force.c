@@ -27,7 +27,7 @@ static void raise_to(double *greatest, const double v[3])
 
 int main(int argc, char **argv)
 {
-    const double period_s = 1e-3; /* a tick each millisecond */
+    const double period_s = 1e-3; /* one tick per millisecond */
     ost_error err = {OST_OK, ""};
     ost_backend *backend = NULL;
     ost_bone *bone = NULL;
@@ -68,7 +68,7 @@ int main(int argc, char **argv)
         status = ost_force_add_tool(force, tool, &err);
     ost_safety_begin(&safety, NULL);
 
-    /* The hand follows the path of a drill: from outside, along the axis of the glenoid, into the bone and back. */
+    /* The hand follows the path of a drill: from outside along the axis of the glenoid into the bone, and back. */
     if (!status)
         status = ost_glenoid_from_meta(&source.meta, &glenoid, &err);
     if (!status)

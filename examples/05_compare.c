@@ -52,7 +52,8 @@ static ost_status drill(const char *spec, const char *bone_file, const char *too
         status = ost_motor_path(&path, OST_RPM_REAMER, &motor, err);
     for (size_t i = 0; !status && i < path.count; i++)
         status = ost_world_step(world, &path.ticks[i], &step, err);
-    if (!status) /* NULL: the digests of the 32^3 leaves are not needed. They would show where two bones differ. */
+    /* NULL, because the digests of the leaves of 32^3 voxels are not needed; they would show where two bones differ */
+    if (!status)
         status = ost_bone_digest(bone, NULL, out, err);
 
     ost_path_free(&path);

@@ -57,7 +57,7 @@ static ost_status record(ost_world *world, const ost_bone *bone, const ost_path 
     end.has_root = true;
     if (!status)
         status = ost_bone_digest(bone, NULL, &end.root, err);
-    /* The recorder is closed in any case. A session without an end record was interrupted. */
+    /* The recorder is closed even after an error. A session without an end record was interrupted. */
     if (recorder) {
         const ost_status closed = ost_recorder_close(recorder, status ? NULL : &end, status ? NULL : err);
         status = status ? status : closed;
@@ -68,7 +68,7 @@ static ost_status record(ost_world *world, const ost_bone *bone, const ost_path 
     return status;
 }
 
-/* Repeats the ticks of a session and compares the digest of each step with the recorded one. */
+/* Repeats the ticks of a session and compares the digest of each step with the recorded digest. */
 static ost_status replay(ost_world *world, const ost_bone *bone, const char *file, ost_error *err)
 {
     ost_session *session = NULL;
@@ -83,8 +83,8 @@ static ost_status replay(ost_world *world, const ost_bone *bone, const char *fil
     while (!status && !(status = ost_session_next(session, &entry, &more, err)) && more) {
         if (entry.kind == OST_RECORD_TICK) {
             /*
-             * If a number is missing, a tick was lost because the file is damaged. The later
-             * ticks cannot be replayed.
+             * If a tick number is missing, a tick was lost because the file is damaged. The ticks after it
+             * cannot be replayed.
              */
             if (entry.as.tick.number != ticks)
                 status = ost_fail(err, OST_ERR_INPUT, "%s: tick %llu is missing", file, ticks);

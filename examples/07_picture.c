@@ -34,7 +34,8 @@ int main(int argc, char **argv)
     status = ost_volume_read(argv[1], NULL, &before, NULL, &err);
     if (!status)
         status = ost_volume_read(argv[2], NULL, &after, NULL, &err);
-    /* View the glenoid en face: along the axis of the glenoid, which is stored in the header of the bone's file. */
+    /* The camera views the glenoid en face, along the glenoid's axis, which is stored in the header of the bone's
+       file. */
     if (!status)
         status = ost_glenoid_from_meta(&before.meta, &glenoid, &err);
     if (!status) {

@@ -46,7 +46,8 @@ int main(int argc, char **argv)
         plan.left = glenoid.left;
         plan.depth_mm = ost_pm_to_mm(depth);
         threshold = ost_meta_get(&before.meta, OST_META_THRESHOLD);
-        /* NULL: no motion of tools is given, so the metrics that are computed from poses are absent. */
+        /* NULL, because the motion of the tools is unknown; the metrics that are computed from poses are therefore
+           absent */
         status = ost_metrics_make(&before, &after, threshold ? atoi(threshold) : 120, &classes, &plan, NULL, &metrics,
                                   &err);
     }

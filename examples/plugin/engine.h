@@ -11,7 +11,7 @@
 
 #ifndef THESIS_TYPES
 #define THESIS_TYPES
-/* These structs have the layouts of those in thesis_f32.cl, which documents their fields. */
+/* These structs have the same layouts as the structs in thesis_f32.cl, where their fields are documented. */
 typedef struct thesis_axis {
     float minimum, size;
     int dims;
@@ -47,14 +47,14 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
 void engine_close(engine *e);
 
 /*
- * Computes the voxel of each sample. samples: four floats x, y, z, density for each sample.
- * index: receives for each sample the voxel's index in the grid *rect, or -1.
+ * Computes the voxel of each sample. samples contains four floats for each sample: x, y, z and density.
+ * Stores the voxel's index in the grid *rect, or -1, in index[] for each sample.
  */
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
                      int *index, ost_plugin_error *error);
 int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
 int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
-/* Sets the voxels inside the mesh to the value `mark`. corners: nine floats per triangle. */
+/* Sets the voxels inside the mesh to the value `mark`. corners contains nine floats per triangle. */
 int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
                      ost_plugin_error *error);
 /*
@@ -63,7 +63,7 @@ int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, i
  */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);
 
-/* Writes the error's text and returns the parameter status. */
+/* Writes the text of the error and returns `status`. */
 #if defined __GNUC__
 __attribute__((format(printf, 3, 4)))
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Contains the arithmetic in C in two variants. In one variant, products and sums
- * are rounded separately. In the other, every MUL_ADD is rounded once, as by a
- * compiler that contracts.
+ * Contains the arithmetic in C in two variants. In one variant, products and sums are rounded separately.
+ * In the other variant, every MUL_ADD is rounded once, as if the compiler contracted expressions.
  *
  *   plugin:thesis_f32.so                 contract=off
  *   plugin:thesis_f32.so,contract=on     fmaf

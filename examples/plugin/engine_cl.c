@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs the arithmetic on an OpenCL device, as translated by the device's compiler.
+ * Runs the arithmetic on an OpenCL device. The device's compiler translates it.
  *
  *   plugin:thesis_f32_cl.so                      OpenCL's default: the compiler may contract
  *   plugin:thesis_f32_cl.so,contract=off         #pragma OPENCL FP_CONTRACT OFF
@@ -65,7 +65,7 @@ static void take_float(launch *l, float value)
     take(l, sizeof word, &word);
 }
 
-/* bytes is never 0. */
+/* Creates a buffer and adds it to the launch as the next argument of the kernel. bytes is never 0. */
 static void take_buffer(launch *l, size_t bytes, const void *content)
 {
     const cl_uint at = l->args;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements snapping, sweep and map: sections 9, 11 and 12 of
- * docs/spec/arithmetic.md.  A plugin without these slots uses the host's results.  If
- * a plugin has the slots, `osteon validate` compares the plugin's results with the
- * host's.
+ * Implements snapping, sweep and map: sections 9, 11 and 12 of docs/spec/arithmetic.md. A plugin that does
+ * not implement the slots `snap` and `steps` uses the host's results. If a plugin implements them, `osteon
+ * validate` compares the plugin's results with the host's results.
  */
 #include "steps.h"
 
@@ -11,7 +10,7 @@
 
 __extension__ typedef __int128 wide;
 
-/* AR-INT-2; d > 0 */
+/* Divides as AR-INT-2 requires, rounding half to even; d > 0. */
 static wide nearest(wide n, wide d)
 {
     wide q = n / d, r = n % d;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' arithmetic as printed, in float32, for two languages: engine_c.c
- * includes this file, and engine_cl.c passes it to an OpenCL compiler, which also
- * compiles the kernels at the end.
+ * The arithmetic of the thesis as printed, in float32, for two languages. engine_c.c
+ * includes this file. engine_cl.c passes it to an OpenCL compiler, which also
+ * compiles the kernels at the end of the file.
  *
  *   Alg. 2.1   least corner of a tool's grid           thesis_minimum
  *   Alg. 2.3   bounds and dims of the rect grid        thesis_rect_axis
@@ -13,15 +13,16 @@
  *   Alg. 2.9   its chunks
  *   Alg. 2.10  a bone voxel's tool voxel               thesis_class
  *
- * MUL_ADD(a, b, c) is a * b + c.  It marks the places where a compiler that
- * contracts rounds once instead of twice: an OpenCL compiler may do so unless its
- * options forbid it; engine_c.c follows the option contract=.
+ * MUL_ADD(a, b, c) is a * b + c.  It marks the expressions that a compiler may
+ * contract, so that they are rounded once instead of twice.  An OpenCL compiler may
+ * contract them unless its options forbid it; in engine_c.c, the option contract=
+ * decides.
  *
- * The thesis does not define how a row meets a triangle; edge functions with the
- * tie rule of AR-VOX-2 are used here, in floats.  Ties of Alg. 2.1's round() go to
- * even, as in Table 3.5, and those of Alg. 2.3's away from zero; a voxel's
- * position is its centre; chunk ranges are half-open.  docs/design/thesis-notes.md has
- * the reasons.
+ * The thesis does not define whether a row meets a triangle; this file uses edge
+ * functions with the tie rule of AR-VOX-2, in floats.  The function round() of
+ * Alg. 2.1 rounds ties to even, as in Table 3.5; that of Alg. 2.3 rounds them away
+ * from zero.  A voxel's position is its centre, and chunk ranges are half-open.
+ * docs/design/thesis-notes.md has the reasons.
  */
 #ifdef __OPENCL_VERSION__
 #ifdef THESIS_CONTRACT_OFF
@@ -138,7 +139,7 @@ FUNCTION int thesis_owned(float ay, float az, float by, float bz, float y, float
 
 /*
  * Processes row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre
- * is inside the mesh. corners: nine floats per triangle.
+ * is inside the mesh. corners contains nine floats per triangle.
  */
 FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count,
                          GLOBAL unsigned char *solid)

@@ -167,10 +167,9 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
 /* -------------------------------------------------------------------- import */
 
 /*
- * Implements Algs. 2.2 to 2.4.  The grid that the host requests has the samples'
- * lattice.  Alg. 2.3 computes its own dims, which are smaller by one where
- * positions are multiples of the voxel size.  Alg. 1.1 computes a voxel's index
- * from the dims of Alg. 2.3.
+ * Implements Algs. 2.2 to 2.4. The grid that the host requests has the lattice of the samples. Alg. 2.3
+ * computes its own dims, which are smaller by one on an axis on which positions are multiples of the voxel
+ * size. Alg. 1.1 computes a voxel's index from the dims of Alg. 2.3.
  */
 static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error)
@@ -211,7 +210,7 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
     return status;
 }
 
-/* Alg. 2.5: adjusts only z. */
+/* Implements Alg. 2.5, which resamples only along z. */
 static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geometry *cubic, int32_t rule,
                              ost_plugin_grid **out, ost_plugin_error *error)
 {
@@ -276,7 +275,7 @@ static int64_t active_in(const ost_plugin_bone *bone, const chunk_box *box)
     return active;
 }
 
-/* Deletes a chunk that has no active voxels. Its densities are set to zero. */
+/* Deletes a chunk that has no active voxels, by setting its densities to zero. */
 static void delete_if_empty(ost_plugin_bone *bone, const chunk_box *box)
 {
     if (active_in(bone, box) > 0)
@@ -309,7 +308,7 @@ static void bone_free(ost_plugin_bone *bone)
     free(bone);
 }
 
-/* Alg. 2.6: densities below the threshold are also copied. */
+/* Implements Alg. 2.6, which also copies densities below the threshold. */
 static int32_t cubic_to_chunks(const ost_plugin_grid *cubic, int32_t chunk_size, int32_t threshold,
                                ost_plugin_bone **out, ost_plugin_error *error)
 {
@@ -396,7 +395,7 @@ static void tool_free(ost_plugin_tool *tool)
     free(tool);
 }
 
-/* Returns the corners, nine floats per triangle, in millimetres. Stores the minimum on each axis in `least`. */
+/* Returns the corners in millimetres, as nine floats per triangle. Stores the minimum on each axis in `least`. */
 static float *corners_of(const ost_plugin_tool_geometry *g, const ost_plugin_mesh *mesh, float least[3],
                          ost_plugin_error *error)
 {

@@ -18,7 +18,7 @@ std::string from_hex(const std::string &hex)
     return bytes;
 }
 
-// The generator of tests/rng.h (splitmix64).
+// Returns the next number of splitmix64, as in tests/rng.h.
 uint64_t next(uint64_t *state)
 {
     uint64_t z = (*state += UINT64_C(0x9e3779b97f4a7c15));
@@ -27,7 +27,7 @@ uint64_t next(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-// Compresses bytes as a part of a raw deflate stream that refers to no earlier part.
+// Compresses bytes as a part of a raw deflate stream. The part contains no references to earlier parts.
 std::string deflated(const std::string &plain, int flush)
 {
     z_stream z = {};
@@ -75,7 +75,7 @@ bool apply(const change &c, std::string *bytes)
         for (long n = 0; n < count; n++)
             *bytes += more;
     } else if (c.key == "bomb") {
-        // The group of the file's own attributes is not deflated; its first attribute contains its length.
+        // The file meta group is not deflated. Its first attribute contains the length of the group.
         const unsigned char *length = reinterpret_cast<const unsigned char *>(bytes->data()) + 140;
         bytes->resize(144 + (length[0] | size_t(length[1]) << 8));
         *bytes += bomb(std::atoi(c.text.c_str()));

@@ -128,7 +128,7 @@ void put_rescale(DcmItem *item, const series &s, int k)
     put(item, DCM_RescaleType, "HU");
 }
 
-// Spacing and orientation are shared by all frames; position and rescale belong to a frame.
+// All frames have the same spacing and orientation. Each frame has its own position and rescale values.
 void put_frames(DcmItem *d, const series &s, const std::vector<slice> &frames)
 {
     put(d, DCM_NumberOfFrames, std::to_string(frames.size()));
@@ -165,7 +165,7 @@ void put_pixel_description(DcmItem *d, const series &s, const slice &at)
 
 OFCondition put_native(DcmItem *d, const series &s, const std::vector<uint8_t> &pixels)
 {
-    // putAndInsertUint16Array would make an element that DCMTK does not compress.
+    // putAndInsertUint16Array is not used, because DCMTK does not compress the element that it makes.
     DcmPixelData *data = new DcmPixelData(DcmTag(DCM_PixelData, s.allocated == 8 ? EVR_OB : EVR_OW));
     const Uint16 *const words = reinterpret_cast<const Uint16 *>(pixels.data());
     const OFCondition done = s.allocated == 8 ? data->putUint8Array(pixels.data(), pixels.size())
@@ -173,7 +173,7 @@ OFCondition put_native(DcmItem *d, const series &s, const std::vector<uint8_t> &
     return done.good() ? d->insert(data, OFTrue) : done;
 }
 
-// DCMTK has no encoder of JPEG 2000: the frames are encoded by OpenJPEG and inserted as they are.
+// DCMTK has no encoder for JPEG 2000, so OpenJPEG encodes the frames, which are inserted without changes.
 OFCondition put_jpeg2000(DcmItem *d, const series &s, const std::vector<slice> &frames, E_TransferSyntax xfer,
                          bool lossless)
 {
@@ -199,7 +199,7 @@ OFCondition put_jpeg2000(DcmItem *d, const series &s, const std::vector<slice> &
 OFCondition put_pixels(DcmDataset *d, const series &s, const std::vector<slice> &frames, E_TransferSyntax xfer,
                        codec how)
 {
-    if (how == JPEG_2000_LOSSY) // the encoders of DCMTK set it themselves
+    if (how == JPEG_2000_LOSSY) // for other codecs, the encoders of DCMTK set this attribute
         put(d, DCM_LossyImageCompression, "01");
     if (how == JPEG_2000 || how == JPEG_2000_LOSSY)
         return put_jpeg2000(d, s, frames, xfer, how == JPEG_2000);

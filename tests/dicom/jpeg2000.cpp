@@ -8,7 +8,7 @@
 
 namespace {
 
-// The output stream of OpenJPEG in memory.
+// An output stream of OpenJPEG that writes to memory.
 struct sink {
     std::vector<uint8_t> bytes;
     size_t at = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Writes a DICOM series for the tests, with each fault on purpose:
+// Writes a DICOM series for the tests, with any of these deliberate faults:
 //
 //   make_series FOLDER [KEY=VALUE...]       the keys are the members of struct series (series.h)
 //
@@ -14,7 +14,7 @@
 //                                                      PerFrameFunctionalGroupsSequence[2].PlanePositionSequence
 //   cut= replace= append= bomb= flip=                  the bytes of the file; see damage.h
 //
-// Prints "slice K FILE" for each file. Exit status 1: a message says what could not be written.
+// Prints "slice K FILE" for each file. If a file cannot be written, prints a message and exits with status 1.
 #include "dcmtk/config/osconfig.h"
 
 #include "damage.h"

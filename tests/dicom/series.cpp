@@ -208,7 +208,7 @@ std::vector<slice> plan_slices(const series &s)
 
 std::vector<uint8_t> make_pixels(const series &s, const slice &at)
 {
-    const int unused = s.high + 1 - s.bits; // bits below the stored ones
+    const int unused = s.high + 1 - s.bits; // number of unused bits below the stored bits
     const uint32_t stored = ((1u << s.bits) - 1) << unused;
     const int64_t range = int64_t(s.values[1]) - s.values[0] + 1;
     std::vector<uint8_t> bytes;
@@ -220,7 +220,7 @@ std::vector<uint8_t> make_pixels(const series &s, const slice &at)
                 v = s.values[0] + s.smooth * (i + j + k);
             if (i < static_cast<int>(s.padding.size()))
                 v = s.padding[i];
-            // A negative value is extended by its sign, as scanners do.
+            // A negative value is sign-extended, as by scanners.
             uint32_t pixel = static_cast<uint32_t>(v + at.delta) << unused;
             if (s.junk)
                 pixel ^= ~stored;
