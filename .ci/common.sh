@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Functions that .ci/run and .ci/long share: gates, their logs, and the sum at the end.
+# Functions that .ci/run and .ci/long share: gates, their logs, and the sum of their results.
 #
 # A gate is a command with a name and a time limit. Its output is stored in build/ci/NAME.log;
 # the end of the log is shown if the gate fails. A gate that runs make check counts the tests in
@@ -19,8 +19,8 @@ add() {
 	skipped=$((skipped + $3))
 }
 
-# counts LOG: prints passed, failed and skipped of all summaries in the log, automake's or the
-# last line of a gate
+# counts LOG: prints the numbers of passed, failed and skipped tests in all summaries of the log. A
+# summary is that of automake or the last line of a gate.
 counts() {
 	sed 's/\x1b\[[0-9;]*m//g' "$1" | awk '
 		/^# (PASS|XFAIL):/ { p += $3 }
@@ -30,8 +30,8 @@ counts() {
 		END { print p + 0, f + 0, s + 0 }'
 }
 
-# gate NAME LIMIT COMMAND...: runs a command with a limit in seconds; $shown, if set, is
-# displayed instead of the command
+# gate NAME LIMIT COMMAND...: runs a command with a time limit in seconds. If $shown is set, it is
+# displayed instead of the command.
 shown=
 gate() {
 	local name=$1 limit=$2 begin=$SECONDS status=0 p f s
@@ -63,8 +63,8 @@ gate() {
 	return 0
 }
 
-# failed_tests LOG FOLDER: prints the failures from each failed test's log, and the log's end;
-# the tests are in FOLDER or, without one, in build/
+# failed_tests LOG FOLDER: prints the failures and the end of the log of each failed test. The tests
+# are in FOLDER or, by default, in build/.
 failed_tests() {
 	local test log folder=$2
 	[ -d "$folder" ] || folder=build
@@ -110,8 +110,8 @@ tests_but() {
 	done
 }
 
-# programs_but FOLDER EXCEPT: prints the programs to build for these tests: the tests
-# themselves, and programs that are no tests
+# programs_but FOLDER EXCEPT: prints the programs to build for these tests: the tests, and programs
+# that are not tests
 programs_but() {
 	local program all kept
 	all=" $(listed "$1" TESTS) "
@@ -121,8 +121,8 @@ programs_but() {
 	done
 }
 
-# build_and_check FOLDER EXCEPT CONFIGURE_ARGUMENT...: builds and tests, in a separate shell,
-# for gate
+# build_and_check FOLDER EXCEPT CONFIGURE_ARGUMENT...: builds and tests; `gate` calls it in a
+# separate shell
 build_and_check() {
 	local folder=$1 except=$2 source
 	shift 2
@@ -134,8 +134,9 @@ build_and_check() {
 }
 export -f listed tests_but programs_but build_and_check
 
-# check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: EXCEPT is a pattern, @(A|B), of tests whose
-# result in this variant cannot differ from that in the first gate
+# check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: runs a gate that builds and tests a variant. EXCEPT
+# is a pattern, @(A|B), of the tests whose result in this variant cannot differ from the result in
+# the first gate.
 check() {
 	local name=$1 limit=$2 except=$3
 	shift 3
@@ -144,7 +145,7 @@ check() {
 	shown=
 }
 
-# finish: prints the last line in a fixed form; the exit status agrees with it.
+# finish: prints the last line in a fixed form. The exit status agrees with this line.
 finish() {
 	printf '\nall gates: %d s\n' "$SECONDS"
 	printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"

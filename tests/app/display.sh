@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Starts a virtual display, and osteon sim in a window on it, for tests with Xvfb and xdotool.
-# The display ends with the test.
+# Starts a virtual display, and osteon sim in a window on it, for tests with Xvfb and xdotool. The
+# display is closed at the end of the test.
 
 Xvfb -displayfd 3 -screen 0 900x700x24 -fbdir . -nolisten tcp 3>display 2>xvfb.log &
 xvfb=$!
@@ -13,8 +13,8 @@ done
 DISPLAY=:$(cat display)
 export DISPLAY
 
-# Mesa's software driver leaks two small blocks when it is unloaded, which LeakSanitizer then
-# cannot attribute to a library; the preloaded libraries stay loaded and prevent that.
+# Mesa's software driver leaks two small blocks. After the driver is unloaded, LeakSanitizer cannot
+# attribute these blocks to a library. Preloaded libraries are never unloaded, which avoids this.
 preload=
 case ${OST_SAN_CFLAGS:-} in
 *address*)
@@ -24,8 +24,8 @@ case ${OST_SAN_CFLAGS:-} in
     ;;
 esac
 
-# opened SESSION OPTION...: opens a window of bone.nrrd; when its loop records, $window is the
-# window and $pid the process
+# opened SESSION OPTION...: opens a window with bone.nrrd and waits until its loop records; $window
+# is then the window and $pid the process
 opened() {
     recorded=$1
     shift
@@ -43,7 +43,7 @@ opened() {
     finish
 }
 
-# ended WHAT: waits some seconds for the process to end; its exit status is then in $status
+# ended WHAT: waits some seconds until the process ends; $status is then its exit status
 ended() {
     for i in $(seq 400); do
         kill -0 $pid 2>/dev/null || break

@@ -33,8 +33,8 @@ check() {
     [ "$2" = "$3" ] || fail "$1: got '$2', expected '$3'"
 }
 
-# run STATUS ARGUMENT...: runs osteon and checks its exit status; the output is in files out and
-# err
+# run STATUS ARGUMENT...: runs osteon, checks its exit status, and stores its output in the files
+# out and err
 run() {
     expected=$1
     shift
@@ -47,8 +47,8 @@ run() {
     fi
 }
 
-# refuse STATUS TEXT ARGUMENT...: checks that osteon ends with the status, nothing on standard
-# output, and one line on standard error that contains TEXT
+# refuse STATUS TEXT ARGUMENT...: checks that osteon ends with the status, prints nothing on
+# standard output, and prints one line that contains TEXT on standard error
 refuse() {
     expected=$1
     text=$2
@@ -60,12 +60,12 @@ refuse() {
     grep -qF -- "$text" err || fail "osteon $*: '$(cat err)' does not say '$text'"
 }
 
-# value PATH: prints a value of the object in file out
+# value PATH: prints a value of the JSON object in the file out
 value() {
     "$json_get" "$1" <out
 }
 
-# has KEY...: checks that the object in file out has each key
+# has KEY...: checks that the JSON object in the file out has each key
 has() {
     for key in "$@"; do
         checks=$((checks + 1))
@@ -81,8 +81,8 @@ need_part() {
     }
 }
 
-# ct_text NX NY NZ S EXPRESSION: prints a CT text of NX x NY x NZ voxels with the spacing S; the
-# density is an awk expression of i, j, k
+# ct_text NX NY NZ S EXPRESSION: prints a CT text of NX x NY x NZ voxels with the spacing S;
+# EXPRESSION is an awk expression of i, j and k that gives the density
 ct_text() {
     awk -v nx="$1" -v ny="$2" -v nz="$3" -v s="$4" "BEGIN {
         for (k = 0; k < nz; k++) for (j = 0; j < ny; j++) for (i = 0; i < nx; i++)

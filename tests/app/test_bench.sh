@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The output of osteon bench that scripts use: the rows' names and keys, grids equal to the
-# reference's, and the counts of the thesis' static events. Times are not tested.
+# Tests the output of osteon bench that scripts use: the names and keys of the rows, the equality of
+# the grids with the reference's, and the counts of the thesis' static events. Times are not tested.
 # Covers: REQ-CLI-BENCH
 . "${srcdir:-.}/tests/app/lib.sh"
 TMPDIR=$scratch
 export TMPDIR
 
-# row NAME: prints the index of the row in the object in file out
+# row NAME: prints the index of the row in the JSON object in the file out
 row() {
     i=0
     while name=$(value "rows.$i.name" 2>/dev/null); do
@@ -54,7 +54,8 @@ check "the reamer removes" "$(value "rows.$(row removal/reamer/32/fresh).removed
 check "the peg removes" "$(value "rows.$(row removal/peg/32/fresh).removed_voxels")" 8089
 check "/1 is one thread" "$(value "rows.$(row removal/peg/32/fresh/1).threads")" 1
 
-# Tables 3.3 and 3.4: chunks of 16^3 and 64^3; other chunk sizes remove the same voxels.
+# Compares the counts for chunks of 16^3 and 64^3 with Tables 3.3 and 3.4. Other chunk sizes must
+# remove the same voxels.
 run 0 bench --suite removal --filter fresh/1 --quick --repeat 1 --json
 for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 voxel/1:18 voxel/0.75:18; do
     name=removal/${expected%:*}/fresh/1
@@ -88,7 +89,7 @@ run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
 check "triangles" "$(value rows.0.triangles)" 80400
 
-# If OpenCL has no device, a row gives the reason.
+# If there is no OpenCL device, a row must contain the reason.
 run 0 bench --suite opencl --filter reamer/32/fresh --quick --repeat 1 --json
 check "the row of OpenCL" "$(value rows.0.name)" opencl/reamer/32/fresh
 if value rows.0.reason >/dev/null 2>&1; then
@@ -103,7 +104,7 @@ row_has render/scapula/glenoid/1 p50_ms p99_ms fps scalar_min_ms surface_voxels 
 run 0 bench --suite render --filter render/frame/whole --quick --repeat 1 --json
 row_has render/frame/whole/1 p99_ms drawn_share put_back_share kept_splat_ms whole_merge_ms baseline_is
 
-# The output for people: a table of at most 100 columns, and Markdown.
+# Tests the output for readers: a table of at most 100 columns, and Markdown.
 run 0 bench --suite servo --quick --json
 check "the servo loop's rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/empty servo/spin 50"
 has rows.0.missed rows.1.missed rows.1.p99_us
@@ -115,8 +116,8 @@ grep -q '^removal/peg/32/fresh ' out || fail "no row in the table"
 run 0 bench --suite removal --filter peg/32/steady/1 --quick --markdown
 grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "no row in the Markdown table"
 
-# A row that cannot run has a reason, and the other rows run: the text of parse/ has no folder
-# here.
+# If a row cannot run, it must contain the reason, and the other rows must run. In this test, the
+# text of the parse/ rows has no folder.
 TMPDIR=$scratch/nowhere
 run 0 bench --quick --filter ext --json
 at=$(row parse/text)

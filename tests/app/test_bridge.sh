@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Tests osteon sim with a device on "another machine", by osteon bridge over loopback: the
-# recorded operation replays with equal results. No time is tested.
+# Tests osteon sim with a device that osteon bridge connects over loopback, as from another machine.
+# The recorded operation must replay with equal results. Times are not tested.
 # Covers: REQ-LINK
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -24,7 +24,7 @@ simulate() {
     while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
     to=$(sed -n 's/.*waits for a bridge at //p' sim.err)
 }
-# of FILE KEY: prints a value of the object in FILE
+# of FILE KEY: prints a value of the JSON object in FILE
 of() { "$json_get" "$2" <"$1"; }
 
 simulate --record far.session --json
@@ -39,7 +39,7 @@ check "nothing wrong was seen" "$(of sim.out device_counts.malformed) $(of sim.o
 run 0 replay far.session --verify --backend cpu:isa=scalar,threads=2 --json
 check "far, and again" "$(value equal) $(value sha256)" "true $(of sim.out sha256)"
 
-# No bridge connects: a signal ends the simulation, which reports its counts.
+# If no bridge connects, a signal ends the simulation, which must report its counts.
 simulate --stats
 sleep 0.2
 kill -TERM $simulator

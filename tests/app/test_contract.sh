@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The interface that scripts use: the keys of --json, a single object on standard output without
-# other text, and --quiet.
+# Tests the interface for scripts: the keys of --json, a single JSON object on standard output
+# without other text, and --quiet.
 # Covers: REQ-CLI-JSON
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# The output is only the object: json_get accepts nothing after it, and the text for people is
-# absent.
+# The output must consist only of the JSON object: json_get accepts nothing after it, and the text
+# for readers must be absent.
 run 0 devices --json
 has backends.0.name backends.0.available backends.0.reason backends.0.threads backends.0.isa backends.0.isas.0 backends.1.threads
 run 0 phantom glenoid --out glenoid.nrrd --json
@@ -41,8 +41,8 @@ check "kind of a tool" "$(value kind)" tool
 check "info --digest is voxelize's digest" "$(value sha256)" "$tool_digest"
 run 0 info reamer.stl --json
 check "kind of a mesh" "$(value kind)" mesh
-# Shafts of built-in tools do not cut: the burr cuts with the sphere of 6 mm, 905 voxels of 0.5
-# mm, the reamer with everything except its hub, and the complete peg cuts.
+# Shafts of built-in tools do not cut. The burr cuts with its sphere of 6 mm, which has 905 voxels
+# of 0.5 mm. The reamer cuts with everything except its hub. The complete peg cuts.
 run 0 voxelize builtin:burr --voxel 0.5 --out burr.nrrd --json
 check "a burr's sphere cuts" "$(awk -v n="$(value cutting_voxels)" 'BEGIN { print (n > 880 && n < 930) }')" 1
 check "and its shaft of 2 mm does not" "$(awk -v n="$(value solid_voxels)" -v m="$(value cutting_voxels)" 'BEGIN { print (n - m > 430 && n - m < 560) }')" 1
@@ -60,7 +60,7 @@ peg_digest=$(value sha256)
 run 0 voxelize builtin:peg --voxel 0.5 --out peg.nrrd --json
 check "a mesh by way of a file and without" "$(value sha256)" "$peg_digest"
 
-# The main workflow: the hole, then the reaming, in one command.
+# Tests the main workflow in one command: drilling the hole, then reaming.
 run 0 ream --bone bone.nrrd --tool peg.ply --path builtin:peg-hole --tool reamer.nrrd --path builtin:glenoid-ream --out reamed.nrrd --json
 has ticks removals removed_voxels removed_mm3 removed_by_class.0.name removed_by_class.0.voxels removed_by_class.0.mm3 tick_us.p50 tick_us.p99 \
     tick_us.max sha256 file_sha256
@@ -78,12 +78,12 @@ run 0 diff bone.nrrd bone.nrrd --json
 check "equal to itself" "$(value equal) $(value different_voxels) $(value chunks)" "true 0 [0]"
 run 0 export reamed.nrrd --out reamed.stl --json
 has triangles volume_mm3
-# Directly from the CT and with built-in tools: the same grid.
+# The same command, directly from the CT and with built-in tools, must give the same grid.
 run 0 ream --bone glenoid.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --voxel 0.5 --out direct.nrrd \
     --path builtin:glenoid-ream --json
 [ "$(value removed_voxels)" -gt 0 ] || fail "straight from a CT nothing was removed"
 
-# Path files: the output of info, and a tool that never comes near the bone.
+# Tests path files: the output of info, and a tool that never comes near the bone.
 printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,5000,0,0,1,0,0,0\n0.001,5000,0,0,1,0,0,0\n' >far.csv
 run 0 info far.csv --json
 check "a path" "$(value kind) $(value ticks)" "path 2"
@@ -94,7 +94,7 @@ refuse 2 'uses tool' ream --bone bone.nrrd --tool reamer.nrrd --path bad.csv --o
 $(printf 't_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool\n0,0,0,0,1,0,0,0,3\n' >bad.csv)
 X
 
-# A bone without a glenoid needs --at and --axis.
+# For a bone without a glenoid, --at and --axis are required.
 ct_text 20 20 20 0.5 '(i > 4 && i < 15) ? 500 : 0' >block.txt
 refuse 2 'pass --at X,Y,Z and --axis X,Y,Z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --out x.nrrd
 refuse 2 'pass --axis X,Y,Z' ream --bone block.txt --tool builtin:peg --path builtin:peg-hole --at 2,5,5 --out x.nrrd

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A good reaming of the generated scapula, a tilted one, one that is too deep and one off its
-# entry: the paths are made here from a tilt, an offset and a depth, with and without the tool
-# spinning. The metrics have these values, and the first line of the debrief ranks the
-# operations.
+# Compares four reamings of the generated scapula: a good one, a tilted one, one that is too deep,
+# and one with a displaced entry. The test makes the paths from a tilt, an offset and a depth, with
+# and without rotation of the tool. The metrics must have these values, and the first line of the
+# debrief must rank the operations.
 # Covers: REQ-DEBRIEF-RANK
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -13,16 +13,16 @@ near() {
     awk -v x="$2" -v e="$3" -v b="$4" 'BEGIN { d = x - e; exit !(x != "" && d <= b && d >= -b) }' || fail "$1 is '$2', expected $3 within $4"
 }
 
-# The glenoid's facts in the phantom's file.
+# Reads the facts about the glenoid from the phantom's file.
 at='-148.723 -18.868 54.133'
 axis='0.817462 0.406924 -0.407639'
 run 0 phantom scapula --spacing 1 --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 grep -aq "osteon_glenoid_at_mm:=$at" bone.nrrd || fail "the phantom's glenoid is elsewhere"
 
-# reaming NAME TILT OFFSET DEPTH RPM: moves the tool's tip, its z = 0, from 8 mm outside to
-# DEPTH along an axis that is tilted about the direction that is as superior as possible, and
-# that enters OFFSET mm off the centre along that direction.
+# reaming NAME TILT OFFSET DEPTH RPM: moves the tool's tip (z = 0) from 8 mm outside the face to
+# DEPTH along a tilted axis. The axis is tilted about the direction in the face that is as superior
+# as possible. Its entry is displaced from the centre by OFFSET mm in this direction.
 reaming() {
     awk -v at="$at" -v axis="$axis" -v tilt="$2" -v off="$3" -v depth="$4" -v rpm="$5" '
     BEGIN {
@@ -51,8 +51,8 @@ near "good: depth" "$(value metrics.reach_mm)" 3 0.1
 near "good: over-reaming" "$(value metrics.over_mm3)" 0 1
 reaming deep 0 0 12 120
 near "deep: depth" "$(value metrics.reach_mm)" 12 0.1
-# 8 mm of the reamer's 36 mm in bone would be 8 cm3; where the vault is narrower it is less.
-# Without a drill there is no hole.
+# If the reamer of 36 mm were 8 mm deep in bone everywhere, it would remove 8 cm3; it removes less
+# because the vault is narrower. Without a drill there is no hole.
 near "deep: over-reaming, mm3" "$(value metrics.over_mm3)" 4500 2500
 check "deep: a hole" "$(value metrics.hole)" false
 check "deep: plunges" "$(value metrics.technique.plunges)" 0
@@ -63,8 +63,8 @@ for rpm in 0 120; do
     reaming tilted 10 0 3 $rpm
     near "tilted: tilt" "$(value metrics.tilt_deg)" 10 0.1
     near "tilted: entry" "$(value metrics.entry_mm)" 0 0.1
-    # A tilt about an axis across the body's is one of version alone, except for the orientation
-    # of the scapula: the two errors together are the tilt.
+    # For an upright scapula, this tilt would only change the version. Because of the scapula's
+    # orientation, it also changes the inclination; the combination of both errors must be the tilt.
     near "tilted: errors" "$(awk -v a="$(value metrics.version_error_deg)" -v b="$(value metrics.inclination_error_deg)" 'BEGIN { print sqrt(a * a + b * b) }')" 10 0.5
     near "tilted: version is plan and error" "$(awk -v a="$(value metrics.version_planned_deg)" -v b="$(value metrics.version_error_deg)" 'BEGIN { print a + b }')" \
         "$(value metrics.version_deg)" 1e-4
@@ -73,7 +73,7 @@ for rpm in 0 120; do
     near "both: entry" "$(value metrics.entry_mm)" 2 0.1
 done
 
-# The first line is the same on the page and in the output for people.
+# The first line must be the same on the page and in the output for readers.
 for name in good tilted deep; do
     first=$("$json_get" metrics.verdict <$name.json)
     checks=$((checks + 1))

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The verdicts of osteon diff for grids that differ in one known way.
+# Tests the verdicts of osteon diff for grids with one deliberate difference each.
 # Covers: REQ-CLI-DIFF
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -18,7 +18,7 @@ pattern() {
     grep -q "\"name\": \"$1\"" out || fail "$2: no pattern $1 among$(grep '"text"' out)"
 }
 
-# without NAME B: checks that diff of a and B does not report it
+# without NAME B: checks that diff of a and B does not report the pattern
 without() {
     run 1 diff a.nrrd "$2.nrrd" --json
     checks=$((checks + 1))
@@ -57,7 +57,8 @@ pattern shift moved
 grep -q '(2, -1, 0)' out || fail "moved: $(grep text out)"
 without axis-swap moved
 
-# x and z exchanged: other dimensions, distinguished from a grid that only has other dimensions.
+# Exchanging x and z also changes the dimensions. This must be distinguished from a grid that
+# differs only in its dimensions.
 grid turned '(k >= 3 && k < 15 && j >= 4 && j < 13 && i >= 2 && i < 13) ? 200 + k + 20 * j + 3 * i * i : 0' 16 18 20
 pattern axis-swap turned
 check "turned: voxels that were compared" "$(value different_voxels)" null
@@ -75,13 +76,13 @@ grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
 grid swapped '(i > 3 && i < 9 && j > 2) ? 513 : 0'
 pattern byte-order swapped
 
-# Complete chunks are lost.
+# Tests a grid in which complete chunks are lost.
 grid a '(i >= 4 && j >= 4 && k >= 4) ? 300 : 0' 40 36 34
 grid lost '(i >= 4 && j >= 4 && k >= 4 && !(i >= 32 && j < 32 && k < 32)) ? 300 : 0' 40 36 34
 pattern lost-chunk lost
 check "lost: chunks" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
 
-# Kinds of files that cannot be compared, and invalid files.
+# Tests types of files that cannot be compared, and invalid files.
 run 0 voxelize builtin:peg --out peg.nrrd
 run 0 voxelize builtin:peg --voxel 0.6 --out peg6.nrrd
 run 0 diff peg.nrrd peg.nrrd
@@ -89,7 +90,7 @@ run 1 diff peg.nrrd peg6.nrrd
 refuse 2 'is a tool' diff a.nrrd peg.nrrd
 refuse 2 'text.csv' diff a.nrrd text.csv
 
-# The page: complete, self-contained, and written for equal grids too.
+# The page must be complete and self-contained, and must also be written for equal grids.
 grid a "$body"
 run 1 diff a.nrrd hole.nrrd --html page.html --limit 5
 checks=$((checks + 1))
@@ -106,7 +107,7 @@ fi
 run 0 diff a.nrrd a.nrrd --html page.html
 refuse 2 '.html' diff a.nrrd a.nrrd --html page.pdf
 
-# Notes are reported and have no effect on the verdict.
+# Notes must be reported and have no effect on the verdict.
 run 0 import text.txt --spacing 0.5 --threshold 100 --out noted.nrrd
 run 0 import text.txt --spacing 0.5 --threshold 1 --out plain.nrrd
 run 0 diff noted.nrrd plain.nrrd --json

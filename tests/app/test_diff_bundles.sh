@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Compares two bundles by digests: equal, different at a known position, not comparable, and
-# folders that are no bundles.
+# Tests the comparison of two bundles by digests: equal bundles, bundles that differ at a given
+# position, bundles that are not comparable, and folders that are not bundles.
 # Covers: REQ-DIFF-BUNDLES
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -16,7 +16,7 @@ run 0 diff a b --json
 check "equal" "$(value equal) $(value compared)" "true 1"
 run 0 diff a b
 
-# site WHAT PYTHON: makes folder b from a with cases.jsonl changed
+# site WHAT PYTHON: makes the folder b from the folder a with a changed cases.jsonl
 site() {
     python3 - "$1" <<END || fail "no python3"
 import json
@@ -51,8 +51,8 @@ tick[3]["sha256"] = "0" * 64'
     site short 'del records[-1]'
     run 1 diff a b
     grep -q 'no such record' out || fail "short: $(cat out)"
-    # For a user's own files the protocol holds the grids, so that the chunk is known without
-    # the files.
+    # For a user's own files the protocol contains the dims of the grids, so the chunk can be
+    # determined without the files.
     ct_text 40 36 34 1 'i * 20 + j + k' >ct.txt
     run 0 validate --only user --backends "$one" --ct ct.txt --cubic 0.5 --tool builtin:burr --out own
     mv a generated
@@ -68,7 +68,7 @@ tick[3]["sha256"] = "0" * 64'
     rm -r a
     mv generated a
     cp a/protocol.json b/
-    # Values that no bundle has: other types everywhere.
+    # Tests values of wrong types, which no bundle has, in all places.
     for value in '7' 'null' '[[1,[2]],"x",{}]' '{"leaves":3}' '"x"'; do
         site odd "rows[0]['reference'] = json.loads('''$value''')"
         run 1 diff a b

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs the commands of docs/guide: each page in a folder of its own, every line of its blocks that
-# begin with ```sh, in order. A line that ends in "# status N" must end with exit status N.
+# Runs the commands of docs/guide, each page in a folder of its own. The commands are the lines of
+# all blocks that begin with ```sh, in order. If a line ends in "# status N", its exit status must
+# be N.
 # Covers: REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP NIFTI PNG

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Every reader of the command is given something that is not a regular file: a pipe without a
-# writer, a folder, an endless device, a link to itself, and no file at all. Each command ends
-# soon, with status 2 and one line that names the file.
+# Passes inputs that are not regular files to every reader of the command: a pipe without a writer,
+# a folder, an endless device, a link to itself, and a missing file. Each command must end soon,
+# with status 2 and one line that contains the name of the file.
 # Covers: REQ-REGULAR-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -18,8 +18,8 @@ run 0 validate --only import/0 --backends 'cpu:isa=scalar,threads=1' --out bundl
 mkdir dump
 head -c 32 /dev/zero >key && chmod 600 key
 
-# ends STATUS STREAM FILE ARGUMENT...: checks that the command ends in time with this status,
-# and that `out` or `err` names FILE
+# ends STATUS STREAM FILE ARGUMENT...: checks that the command ends in time with this status, and
+# that the file STREAM (out or err) contains the name FILE
 ends() {
     expected=$1
     stream=$2
@@ -33,8 +33,7 @@ ends() {
     grep -qF -- "$file" "$stream" || fail "osteon $*: '$(head -c 300 "$stream")' does not name $file"
 }
 
-# The name is passed where the option expects a file, with the suffix that selects the reader
-# under test.
+# The name is passed in place of a file, with the suffix that selects the tested reader.
 for kind in pipe folder zero loop absent; do
     for suffix in nrrd nhdr nii nii.gz hdr txt stl obj ply 3ds csv session; do
         rm -f "it.$suffix"
@@ -65,7 +64,7 @@ for kind in pipe folder zero loop absent; do
     # A NRRD with detached data.
     printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspacings: 1 1 1\ndata file: %s\n' "$kind" >points.nhdr
     ends 2 err $kind import points.nhdr --out o.nrrd
-    # Replaces a file of a bundle, of a shard and of a dump.
+    # Replaces a file of a bundle, a file of a shard and a file of a dump.
     for name in manifest.json audit.log protocol.json cases.jsonl report.html; do
         rm -rf damaged
         cp -r bundle damaged
@@ -94,12 +93,13 @@ done
 checks=$((checks + 1))
 [ ! -e o.nrrd ] && [ ! -e o.png ] && [ ! -e merged ] || fail "an output was made of no regular file"
 
-# Allowed files: a link to a file, and standard input redirected from a file.
+# A link to a file and standard input redirected from a file must be accepted.
 ln -s ct.nrrd link.nrrd
 run 0 import link.nrrd --out again.nrrd
 cmp -s bone.nrrd again.nrrd || fail "a link to a file gives another bone"
 "$osteon" info /dev/stdin <ct.nrrd >out 2>err || fail "info of a redirected file: $(cat err)"
-# Where a pipe as standard input is not an operand, it is refused, with advice (test_pipes.sh).
+# If a pipe as standard input is not the operand, it must be refused, with advice (test_pipes.sh
+# tests the other cases).
 cat ct.nrrd | "$osteon" ream --bone /dev/stdin --tool builtin:peg --path builtin:peg-hole --out o.nrrd >out 2>err
 check "status of a pipe" $? 2
 grep -q "save it to a file first" err || fail "a pipe: $(cat err)"

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Proposed landmarks: import --landmarks auto, the file for 3D Slicer, version and inclination in
-# info, and the picture. The expected values are those with which the phantom is generated.
+# Tests proposed landmarks: import --landmarks auto, the file for 3D Slicer, version and inclination
+# in the output of info, and the picture. The expected values are those with which the phantom is
+# generated.
 # Covers: REQ-ANATOMY
 . "${srcdir:-.}/tests/app/lib.sh"
 needs PNG
@@ -22,7 +23,8 @@ trigonum=$(value meta.trigonum_mm)
 inferior=$(value meta.inferior_angle_mm)
 version=$(value version_deg)
 inclination=$(value inclination_deg)
-# The phantom is generated 2 degrees backward and 5 degrees upward, each varied by up to 2.
+# The phantom's face is generated with a rotation of 2 degrees backward and 5 degrees upward, each
+# varied by up to 2 degrees.
 near "generated version and inclination" "$version $inclination 0" "2 5 0" 3
 run 0 info ct.nrrd --set at= --set axis= --set side= --set trigonum= --set inferior-angle= --json
 check "angles without landmarks" "$(value version_deg 2>/dev/null)" ""
@@ -43,23 +45,23 @@ near "version and inclination" "$(value version_deg) $(value inclination_deg) 0"
 proposed=$(value meta.glenoid_at_mm)
 axis=$(value meta.glenoid_axis)
 
-# The file for 3D Slicer gives the same facts when it is read.
+# When the file for 3D Slicer is read, it must give the same facts.
 run 0 import ct.nrrd --landmarks points.mrk.json --out read.nrrd
 run 0 info read.nrrd --json
 check "glenoid from the file" "$(value meta.glenoid_at_mm)" "$proposed"
 near "axis from the file" "$(value meta.glenoid_axis)" "$axis" 0.000001
 check "a landmark that was read is not a proposal" "$(value meta.landmarks_proposed 2>/dev/null)" ""
-# Options override proposals.
+# Options must override proposals.
 run 0 import ct.nrrd --landmarks auto --trigonum 1,2,3 --out set.nrrd
 run 0 info set.nrrd --json
 check "trigonum of the option" "$(value meta.trigonum_mm)" "1 2 3"
 
-# A scapula that the CT cuts off 6 mm above its tip: the proposal is made with a warning.
+# If the CT ends 6 mm above the tip of the scapula, the proposal must be made with a warning.
 run 0 import ct.nrrd --crop 0:121,0:110,8:201 --landmarks auto --out short.nrrd
 checks=$((checks + 1))
 grep -q 'lies at the end of the CT' err || fail "no warning about a scapula that is cut off: $(cat err)"
 
-# The picture with the landmarks differs from the one without.
+# The picture with the landmarks must differ from the picture without landmarks.
 run 0 render bone.nrrd --view en-face --size 320x240 --out plain.png
 run 0 render bone.nrrd --view en-face --size 320x240 --overlay landmarks --out marked.png
 checks=$((checks + 1))

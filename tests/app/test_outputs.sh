@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Outputs are complete or absent; equal grids give equal files, even if an output replaces an
-# input.
+# Tests that outputs are complete or absent, and that equal grids give equal files, even if an
+# output replaces an input.
 # Covers: REQ-CLI-ATOMIC, AR-FILE-1
 . "${srcdir:-.}/tests/app/lib.sh"
 
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# Chunk size, the absence of compression, and threads change no byte.
+# The chunk size, the number of threads and the absence of compression must not change any byte.
 for chunk in 16 32 64; do
     run 0 import ct.nrrd --chunk $chunk --threads 1 --backend ref --out bone$chunk.nrrd
     cmp -s bone.nrrd bone$chunk.nrrd || fail "chunks of $chunk make another file"
@@ -21,7 +21,7 @@ run 0 import ct.nrrd --compress --out small2.nrrd
 cmp -s small1.nrrd small2.nrrd || fail "a compressed file holds more than its grid"
 run 0 diff bone.nrrd small1.nrrd
 
-# The threshold of a bone does not change when the bone is imported again.
+# When a bone is imported again, its threshold must not change.
 run 0 import ct.nrrd --threshold 400 --out dense.nrrd
 run 0 import dense.nrrd --out dense2.nrrd
 cmp -s dense.nrrd dense2.nrrd || fail "a bone at 400 HU is another when imported again"
@@ -31,7 +31,7 @@ cp bone.nrrd same.nrrd
 run 0 ream --bone same.nrrd --tool builtin:peg --path builtin:peg-hole --out same.nrrd
 cmp -s same.nrrd reamed32.nrrd || fail "--out equal to --bone makes another file"
 
-# Every format of the volume restores the same grid.
+# Every file format of the volume must give the same grid.
 for form in nrrd nii.gz txt; do
     [ $form = nii.gz ] && ! "$osteon" devices | grep -q '^  nifti *yes' && continue
     run 0 export ct.nrrd --out form.$form
@@ -39,7 +39,7 @@ for form in nrrd nii.gz txt; do
     run 0 diff bone.nrrd from_$form.nrrd
 done
 
-# A failure leaves existing files unchanged and creates no others.
+# A failure must leave existing files unchanged and create no other files.
 printf '0 0 0 500\n1 0 0 oops\n' >broken.txt
 cp bone.nrrd kept.nrrd
 refuse 2 'broken.txt:2' import broken.txt --out kept.nrrd
@@ -58,7 +58,8 @@ if [ -w /dev/full ]; then
     grep -qE 'No space left|disk is full' err || fail "a full device says: $(cat err)"
 fi
 
-# Killed at any moment: the file is complete or absent, and no temporary file remains.
+# If the command is killed at any moment, the file must be complete or absent, and no temporary file
+# may remain.
 run 0 export ct.nrrd --out whole.txt
 for delay in 0.01 0.03 0.05 0.08 0.12 0.2; do
     "$osteon" export ct.nrrd --out killed.txt --quiet &

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The patient's side, orientation, glenoid and landmarks: their sources, that every verb keeps
-# and uses them, and that a contradiction is an error.
+# Tests the facts about the patient (side, orientation, glenoid and landmarks): their sources, that
+# every verb preserves and uses them, and that a contradiction is an error.
 # Covers: REQ-PATIENT
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP NIFTI PNG
@@ -26,7 +26,7 @@ assumed='its orientation is assumed to be LPS'
 run 0 import plain.nrrd --out assumed.nrrd --json
 warned "$assumed"
 check "assumed" "$(value orientation_assumed) $(value meta.orientation)" "true assumed LPS"
-# Every use of the written files repeats the warning, as a volume and as a bone.
+# Every use of the written files, as a volume and as a bone, must repeat the warning.
 run 0 info assumed.nrrd --json
 warned "$assumed"
 check "info" "$(value orientation_assumed)" true
@@ -42,8 +42,8 @@ warned "$assumed"
 run 0 render assumed.nrrd --size 32x32 --out x.png
 warned "$assumed"
 refuse 2 'import the CT itself with --orientation RAS' import assumed.nrrd --orientation RAS --out x.nrrd
-# A stated orientation is a fact, without a warning. Voxel 1 of the file's x is voxel 2 from the
-# left: at -10 mm.
+# An orientation given by an option is stored as a fact, without a warning. Along the file's x,
+# voxel 1 becomes voxel 2 from the left, at -10 mm.
 run 0 import plain.nrrd --orientation RAS --out stated.nrrd --json
 quiet "a stated orientation"
 check "stated" "$(value orientation_assumed) $(value orientation) $(value meta.orientation)" "false RAS stated RAS"
@@ -57,7 +57,7 @@ refuse 2 'positions in a text CT are always LPS' import assumed.txt --orientatio
 refuse 2 'is a NRRD file; --form needs a NIfTI file' import plain.nrrd --form sform --out x.nrrd
 
 # -------------------------------------------------------------------- side
-# The right phantom without its facts: position, axis and side are requested or computed.
+# Tests the right phantom without its facts: position, axis and side must be requested or computed.
 run 0 phantom glenoid --out phantom.nrrd
 run 0 info phantom.nrrd --json
 at=$(value meta.glenoid_at_mm | tr ' ' ',')
@@ -101,7 +101,7 @@ for file in reamed.nrrd told2.nrrd told3.nii.gz told4.nrrd told6.nrrd; do
     for fact in $facts; do value "meta.$fact"; done >got
     cmp -s expected got || fail "$file has other facts: $(cat got)"
 done
-# Contradictions, and points outside the bone.
+# Tests contradictions, and points outside the bone.
 refuse 2 'contradicts told.nrrd, whose header has side right' ream --bone told.nrrd --side left $ream
 refuse 2 'contradicts told.nrrd, whose header has side right' import told.nrrd --side left --out x.nrrd
 refuse 2 'one of the two is wrong' import bare.nrrd --at "$at" --axis 1,0,0 --side left --out x.nrrd
@@ -162,7 +162,7 @@ run 0 import bone200.nrrd --threshold 200 --out x.nrrd
 run 0 import bone200.nrrd --threshold 300 --out x.nrrd
 run 0 import bone200.nrrd --out x.nrrd
 check "warnings of what is allowed" "$(wc -c <err | tr -d ' ')" 0
-# 28 voxels of 0.1 are 2.8 mm; another is 4 m.
+# 28 voxels of 0.1 mm are 2.8 mm long; 28 voxels of 99 mm are 2.8 m long.
 sized() {
     printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 28 2 2\nspace: LPS\nspace directions: (%s,0,0) (0,%s,0) (0,0,%s)\nencoding: text\n\n' "$1" "$1" "$1"
     awk 'BEGIN { for (i = 0; i < 112; i++) print 200 }'
@@ -181,8 +181,8 @@ run 0 import fits.nrrd --out x.nrrd
 quiet "a CT of 2.8 m"
 
 # ------------------------------------------------- before an operation begins
-# A block with its face at x = 23.5 mm; a second one with a head in front of it up to 17.5. The
-# axis +x points inward.
+# Makes a block with its face at x = 23.5 mm, and a second block with a head in front of its face
+# that extends to x = 17.5 mm. The inward axis is +x.
 ct_text 40 24 24 1 '(i < 24 ? 0 : 500)' >block.txt
 ct_text 40 24 24 1 '(i < 24 ? (i < 18 ? 400 : 0) : 500)' >headed.txt
 run 0 import block.txt --out block.nrrd --at 23.5,12,12 --axis 1,0,0
@@ -214,9 +214,10 @@ run 0 ream --bone nowhere.nrrd $peg --out x.nrrd
 warned 'check --at and --axis'
 
 # ----------------------------------------------------------- left and right
-# The left phantom is the right one mirrored. The plan's axis points less to the posterior than
-# the phantom's own, equally on both sides, so that its face is turned more to the posterior:
-# the retroversion is more than the phantom's 2 degrees, and equal on both sides.
+# The left phantom is the mirrored right phantom. On both sides the plan's axis points less to the
+# posterior than the phantom's own axis, by the same angle, so the planned face is rotated more to
+# the posterior. The retroversion must be greater than the phantom's 2 degrees, and equal on both
+# sides.
 for side in left right; do
     sign=$([ $side = left ] && echo -)
     run 0 phantom scapula --spacing 1,1,1 --side $side --out ct.nrrd

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Tests pipes: as input ("-", /dev/stdin, /dev/fd/N) and as output (-.nrrd, -.txt, -.stl). What is read from
-# a pipe must give the same bone as the file, and what is written to one the same bytes.
+# Tests pipes: as input ("-", /dev/stdin, /dev/fd/N) and as output (-.nrrd, -.txt, -.stl). Data read from a
+# pipe must give the same bone as the file, and data written to a pipe must have the same bytes as the file.
 #
 # Covers: REQ-PIPES
 . "${srcdir:-.}/tests/app/lib.sh"
@@ -31,7 +31,8 @@ done
 cat bone.nrrd | "$osteon" info - --digest --json >out || fail "info of a pipe"
 check "voxels of a pipe" "$("$json_get" solid_voxels <out)" "$("$osteon" info bone.nrrd --digest --json | "$json_get" solid_voxels)"
 
-# refused_pipe TEXT ARGUMENT...: standard input is a pipe of a NRRD; the command must end with status 2
+# refused_pipe TEXT ARGUMENT...: checks that a command whose standard input is a pipe with a NRRD file
+# ends with status 2
 refused_pipe() {
     text=$1
     shift
@@ -56,7 +57,7 @@ checks=$((checks + 1))
 grep -q "expected a pipe" err || fail "a device: $(cat err)"
 checks=$((checks + 1))
 "$osteon" import - --out o.nrrd 2>err <&- && fail "a closed input is a CT"
-# Without a folder for the copy, nothing is read.
+# If there is no folder for the copy of the pipe, nothing may be read.
 checks=$((checks + 1))
 cat ct.nrrd | TMPDIR=$scratch/none "$osteon" import - --out o.nrrd 2>err && fail "a pipe without a folder for its copy"
 grep -qF "$scratch/none" err || fail "a folder that is missing: $(cat err)"

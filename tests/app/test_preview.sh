@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# --preview of osteon import and osteon segment: one picture of 1600 x 1000 pixels, with the same
-# bytes from every backend and number of threads, and for the same CT in another folder.
-# tests/app/test_preview checks what the pictures show.
+# Tests the option --preview of osteon import and osteon segment. It writes one picture of 1600 x
+# 1000 pixels, whose bytes must depend neither on the backend nor on the number of threads nor on
+# the folder of the CT. tests/app/test_preview checks what the pictures show.
 # Covers: REQ-PREVIEW
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -15,7 +15,7 @@ if ! "$osteon" devices | grep -q '^  png *yes'; then
     finish
 fi
 
-# size PNG: prints the width and the height that the header of the file states
+# size PNG: prints the width and the height in the header of the file
 size() {
     od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4, $7 * 256 + $8 }'
 }
@@ -39,7 +39,8 @@ run 0 import ct.nrrd --out bone.nrrd --preview q.png --threshold 400
 [ "$(cksum <q.png)" != "$first" ] || fail "another threshold gives the same picture"
 checks=$((checks + 1))
 
-# Every kind of CT has a picture: a text, a built-in one, a bone, an empty one, one without orientation.
+# Every type of CT must have a picture: a text, a built-in CT, a bone, an empty CT, and a CT without
+# orientation.
 run 0 export ct.nrrd --out ct.txt
 run 0 import ct.txt --out bone.nrrd --preview text.png
 run 0 import builtin:glenoid --out bone.nrrd --preview builtin.png
@@ -54,7 +55,7 @@ for name in text builtin bone empty crop bare bare2; do
     check "$name" "$(size $name.png)" "1600 1000"
 done
 
-# A segmentation, with a part cut away, and an import of one label.
+# Tests a segmentation, with a part cut away, and an import of one label.
 at=$("$osteon" info ct.nrrd --json | "$json_get" meta.glenoid_at_mm | tr ' ' ,)
 run 0 segment ct.nrrd --out labels.nrrd
 plain=$(cksum <labels.nrrd)
@@ -75,7 +76,7 @@ check "the bone in a pipe" "$(cksum <piped.nrrd)" "$(cksum <bone.nrrd)"
 check "the picture in a pipe" "$(cksum <q.png)" "$(cksum <p.png)"
 refuse 2 "another output already" import ct.nrrd --out -.nrrd --preview -.png
 
-# A CT that cannot be read leaves neither file.
+# If the CT cannot be read, neither output file may remain.
 mkdir none && cd none || exit 99
 head -c 2000 ../ct.nrrd >short.nrrd
 refuse 2 "short.nrrd" import short.nrrd --out bone.nrrd --preview p.png

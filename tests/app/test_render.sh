@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon render: pictures without a display, with the same bytes from every backend, instruction
-# set and number of threads, and for a bone in any format.
+# Tests osteon render, which draws pictures without a display. The bytes must depend neither on the
+# backend, the instruction set and the number of threads, nor on the file format of the bone.
 # Covers: REQ-RENDER-SAME, REQ-VIEWS
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -34,7 +34,7 @@ check "by the reference, by other chunks" "$(value file_sha256)" "$first"
 run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
 [ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
 # OpenGL's picture equals the processor's except for a few pixels, which tests/render/test_gl
-# counts; only the renderer's name is checked here.
+# counts. This test checks only the name of the renderer.
 if "$osteon" devices | grep -q '^  gl *yes'; then
     run 0 render bone.nrrd --size 240x160 --style faces --renderer gl --out gl.png --json
     has opengl.version opengl.driver opengl.way opengl.software
@@ -45,7 +45,8 @@ else
     refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
 fi
 
-# Both verbs have the same views; export's is the mean of 2 x 2 samples, on any grid of a CT.
+# Both verbs must have the same views. A pixel of export's picture is the mean of 2 x 2 samples, on
+# any grid of a CT.
 for verb in render export; do
     refuse 2 "expected operator, en-face, lateral, medial, anterior, posterior, superior, inferior, tool or whole" \
         $verb bone.nrrd --out a.png --view glenoid
@@ -64,8 +65,7 @@ run 0 import ct.nrrd --cubic 1 --out coarse.nrrd
 run 0 export coarse.nrrd --slices --size 100 --out slices.png --json
 refuse 2 "expected one number for slices" export coarse.nrrd --slices --size 100x90 --out slices.png
 
-# Cut surfaces, planes, ghosts and lines: each is visible, and the same on other instruction
-# sets.
+# Cut surfaces, planes, ghosts and lines must be visible and equal on all instruction sets.
 refuse 2 "needs the uncut bone: pass --before BONE" render bone.nrrd --out a.png --colour depth
 refuse 2 "expected plan, across" render bone.nrrd --out a.png --clip sideways
 refuse 2 "are not a direction" render bone.nrrd --out a.png --clip 1,2,3,0,0,0

@@ -1,20 +1,20 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# No byte of any output depends on the implementation: backends ref and cpu, every instruction
-# set of this machine, 1, 2, 3 and 7 threads, the values of OpenMP's variables, and chunks of
-# 16, 32 and 64 voxels.
+# Tests that no byte of any output depends on the implementation. The test varies the backend (ref
+# and cpu), the instruction set, the number of threads (1, 2, 3 and 7), the environment variables of
+# OpenMP, and the chunk size (16, 32 and 64 voxels).
 #
-# Every configuration does the same work in its own folder, from one text, and its files are
-# compared with those of the reference by cmp:
+# Every configuration does the same work from one text in its own folder. Its files are compared
+# with those of the reference by cmp:
 #   import of text in order and shuffled, NRRD, NIfTI   bones, raw and gzip
 #   voxelize by both rules, one mesh and two            tools
 #   ream by built-in paths and by poses                 bones
 #   export                                              text, NIfTI, STL, PNG
 #   diff, info                                          page, JSON
 #
-# and the objects of --json without the lines that hold times. The keys that depend on chunks by
-# definition (chunk, chunk_dims, chunks, active_chunks, chunk_bytes of import and ream) are
-# compared among configurations with the same chunk size, all other keys among all.
+# and the objects of --json without the lines that contain times. The keys that depend on chunks by
+# definition (chunk, chunk_dims, chunks, active_chunks, chunk_bytes of import and ream) are compared
+# among configurations with the same chunk size, all other keys among all.
 #
 # By default each instruction set is combined with each number of threads once, and chunk sizes
 # rotate; OST_TEST_LONG=1 tests every combination.
@@ -31,12 +31,12 @@ have png && png=yes || png=no
 run 0 phantom glenoid --spacing 0.8 --out ct.nrrd
 run 0 export ct.nrrd --out ct.txt
 [ $nifti = yes ] && run 0 export ct.nrrd --out ct.nii.gz
-# The same lines in another order, by a key modulo a prime: the first lines of a scan may be
-# anywhere here.
+# Writes the same lines in another order, sorted by a key modulo a prime. The first lines of a scan
+# may be at any position in this file.
 grep -v '^#' ct.txt | awk '{ print (NR * 7919) % 10007, $0 }' | LC_ALL=C sort -n | cut -d' ' -f2- >shuffled.txt
 run 0 tool reamer --out reamer.stl
 run 0 tool peg --out peg.stl
-# Poses around the glenoid that turn, with moves that need poses in between.
+# Makes poses around the glenoid that rotate, with motions that need intermediate poses.
 run 0 info ct.nrrd --json
 # shellcheck disable=SC2046 # three numbers
 set -- $(value meta.glenoid_at_mm)
@@ -49,12 +49,12 @@ awk -v x="$1" -v y="$2" -v z="$3" 'BEGIN {
     }
 }' >poses.csv
 
-# timeless: removes the lines of a JSON object that hold times.
+# timeless: removes the lines of a JSON object that contain times.
 timeless() { grep -vE '^ *"(time_ms|run_ms|p50|p99|max)":' | sed 's/,$//'; }
-# chunkless: removes the keys that depend on chunks, which may be numbers or arrays.
+# chunkless: removes the keys that depend on chunks. Their values may be numbers or arrays.
 chunkless() { awk '/"(chunk|chunks|active_chunks|chunk_bytes)": [0-9]/ { next } /"chunk_dims": \[/ { skip = 1 } !skip { print } /\]/ { skip = 0 }'; }
 
-# verb OUTPUT ARGUMENT...: runs a verb whose object is stored in OUTPUT.json
+# verb OUTPUT ARGUMENT...: runs a verb and stores its JSON object in OUTPUT.json
 verb() {
     output=$1
     shift
@@ -68,7 +68,7 @@ verb() {
     case $1 in import | ream) ;; *) rm "$output.chunked.json" ;; esac
 }
 
-# work CHUNK OPTION...: does all the work, in the current folder
+# work CHUNK OPTION...: does all the work in the current folder
 work() {
     chunk=$1
     shift
@@ -134,7 +134,8 @@ for size in 32 16 64; do
         cmp -s "$file" "ref$size/${file#ref32/}" || fail "ref, chunks of $size: ${file#ref32/} is another than with 32"
     done
 done
-# A reference that removes nothing, or objects that were emptied above, would prove nothing.
+# The comparison would prove nothing if the reference removed no voxels, or if the filters removed
+# all lines of the objects.
 check "removed by the built-in paths" "$(grep -c '"removed_voxels": [1-9]' ref32/reamed.json)" 1
 check "removed by the poses" "$(grep -c '"removed_voxels": [1-9]' ref32/free.json)" 1
 check "digests kept in JSON" "$(grep -c '"sha256"' ref32/bone.json)" 4
@@ -157,7 +158,8 @@ for isa in $isas; do
     done
 done
 
-# OpenMP's variables: an odd number of threads, fewer than requested, a dynamic number.
+# Tests the environment variables of OpenMP: an odd number of threads, fewer threads than requested,
+# and a dynamic number.
 OMP_NUM_THREADS=5 OMP_SCHEDULE=dynamic,1 same "OMP_NUM_THREADS=5" 32
 OMP_THREAD_LIMIT=2 OMP_DYNAMIC=true same "OMP_THREAD_LIMIT=2" 32 --threads 7
 if [ "$long" = 1 ]; then

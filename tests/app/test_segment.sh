@@ -1,13 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon segment divides a CT into bones; osteon import --mask makes a bone of one of them.
+# Tests osteon segment, which divides a CT into bones, and osteon import --mask, which makes a bone
+# from one of them.
 # Covers: REQ-SEGMENT, REQ-MASK, REQ-MASK-NAMES, REQ-SELECT, REQ-CUT-HEAD, AR-SEG-6
 . "${srcdir:-.}/tests/app/lib.sh"
 
 # A CT as NRRD in text form: a block of 4 x 4 x 4 voxels of 500 HU, a block of 3 x 4 x 4, both with
 # soft tissue (50 HU) around them, and a bridge of one voxel between them at x = 6, y = 3, z = 3.
-# nrrd TYPE FORMULA: an NRRD of 12 x 7 x 7 voxels of 2 mm from (10, 20, 30) mm whose voxels an awk
-# formula of i, j and k gives
+# nrrd TYPE FORMULA: makes an NRRD of 12 x 7 x 7 voxels of 2 mm with its origin at (10, 20, 30) mm.
+# FORMULA is an awk formula of i, j and k that gives the voxels.
 nrrd() {
     printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: 12 7 7\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (10,20,30)\nencoding: text\n\n' "$1"
     awk "BEGIN { for (k = 0; k < 7; k++) for (j = 0; j < 7; j++) for (i = 0; i < 12; i++) { v = $2; print v } }"
@@ -31,8 +32,9 @@ run 0 segment ct.nrrd --out none.nrrd --threshold 501
 grep -q "no bone is so large" err || fail "a CT without bone: $(cat err)"
 run 0 info labels.nrrd --json
 check "facts" "$(value meta.segment_threshold) $(value meta.segment_min_voxels) $(value meta.segment_ball_1)" "120 1 22,26,36,0.5"
-# separation: the bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The voxels on both sides of
-# the bridge have equal heights; that of the right block is nearer to its marker, so the bridge belongs to this block.
+# separation: the bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The two voxels next to the
+# bridge have equal heights. The voxel of the right block is nearer to its marker, so the bridge belongs to the right
+# block.
 run 0 segment ct.nrrd --out two.nrrd --min-volume 0 --separate 1.5 --json
 check "the bridge is a neck" "$(value components) $(value segments.0.voxels) $(value segments.1.voxels)" "2 64 49"
 run 0 info two.nrrd --json
@@ -58,7 +60,8 @@ check "one hole is filled" "$(value segments.0.voxels) $(value segments.0.filled
 run 0 segment holes.nrrd --out filled.nrrd --fill --air -1000 --json
 check "both are" "$(value segments.0.filled)" 8
 
-# The bone of a label: its voxels keep their densities, and dense voxels elsewhere are gone.
+# In the bone of a label, the voxels with this label must have their densities, and all other voxels
+# must be empty.
 bone() { # bone FORMULA: compares bone.txt with the voxels of 120 HU or more of a formula of i, j and k
     run 0 export bone.nrrd --out bone.txt
     awk 'BEGIN { for (k = 0; k < 7; k++) for (j = 0; j < 7; j++) for (i = 0; i < 12; i++) { v = '"$1"'; print 10 + 2 * i, 20 + 2 * j, 30 + 2 * k, (v >= 120 ? v : 0) } }' >expected
@@ -75,11 +78,13 @@ check "both labels" "$(value mask_removed) $(value meta.mask_labels)" "1 1,2"
 run 0 import holes.nrrd --mask filled.nrrd:1 --mask-fill --out bone.nrrd --json
 check "filled" "$(value mask_filled)" 8
 bone "$inside && i >= 2 && i <= 9 ? (j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i == 4 || i == 7) ? 120 : 500) : 0"
-# A mask of another program: bytes, and a position a hundredth of a voxel away.
+# Tests a mask from another program, with voxels of one byte and a position that deviates by a
+# hundredth of a voxel.
 nrrd uint8 'i > 5 ? 71 : 3' | sed 's/(10,20,30)/(10.02,20,30)/' >other.nrrd
 run 0 import ct.nrrd --mask other.nrrd:71 --out bone.nrrd --json
 check "another program's mask" "$(value mask_voxels) $(value mask_removed)" "294 64"
-# Import with the options of segment is the same as import with the label map that segment writes.
+# Import with the options of segment must give the same bone as import with the label map that
+# segment writes.
 run 0 import ct.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone 28,26,36 --out bone.nrrd --json
 check "selected on import" "$(value bone_voxels) $(value bone_removed) $(value components) $(value meta.segment_ball_1)" "48 65 1 22,26,36,0.5"
 bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
@@ -149,7 +154,8 @@ if "$osteon" devices | grep -q "^  nifti *yes"; then
     check "a name of TotalSegmentator" "$(value mask_voxels) $(value meta.mask_labels)" "294 71"
     refuse 2 "named.nii: no label is named 'rib'; its labels are humerus, scapula_right" import ct.nrrd --mask named.nii:rib --out b.nrrd
 fi
-# A label map on a part of the lattice of the CT, one around it, and one whose axes point elsewhere
+# Tests a label map on a part of the lattice of the CT, one on a larger lattice, and one with
+# different axes
 nrrd uint8 1 | head -n $((9 + 3 * 7 * 7)) | sed 's/sizes: 12 7 7/sizes: 3 7 7/; s/(10,20,30)/(24,20,30)/' >part.nrrd
 run 0 import ct.nrrd --mask part.nrrd --out bone.nrrd --json
 check "a part" "$(value mask_voxels) $(value mask_removed)" "147 65"
@@ -163,12 +169,12 @@ nrrd uint8 'i <= 4' | sed 's/left-posterior/right-anterior/; s/(2,0,0) (0,2,0)/(
 run 0 import ct.nrrd --mask flipped.nrrd --out bone.nrrd --json
 check "other directions" "$(value mask_voxels) $(value mask_removed)" "245 65"
 bone "$inside && i >= 7 && i <= 9 ? 500 : 0"
-# The mask applies to the complete CT, of which --crop then takes a part.
+# The mask applies to the complete CT. The option --crop then selects a part of it.
 run 0 import ct.nrrd --mask other.nrrd:71 --crop 0:12,0:7,0:4 --out cropped.nrrd --json
 check "a crop" "$(value active_voxels) $(value mask_removed)" "37 64" # 3 layers of 12 voxels and the bridge
 
-# A humeral head that touches the glenoid: the shoulder is the scapula of the same seed, and a humerus. The voxels of the
-# scapula alone are the truth. Its grid is a part of the grid of the shoulder.
+# Tests a humeral head that touches the glenoid. The shoulder consists of the scapula with the same seed and a humerus.
+# The voxels of the scapula phantom are the expected result. Its grid is a part of the grid of the shoulder.
 run 0 phantom scapula --spacing 0.94,0.94,2 --out scapula.nrrd
 run 0 phantom shoulder --spacing 0.94,0.94,2 --out shoulder.nrrd
 run 0 segment scapula.nrrd --out truth.nrrd --json
@@ -201,7 +207,7 @@ run 0 import shoulder.nrrd --cut-head auto --bone $glenoid --out bone.nrrd --jso
 check "facts of the head" "$(value meta.segment_head_ball) $(value meta.segment_bone_1)" "$ball $glenoid"
 refuse 2 "cut-head: no spherical surface" segment ct.nrrd --out b.nrrd --cut-head auto
 
-# what is wrong is one line
+# errors must be reported in one line
 refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
 nrrd uint8 0 >void.nrrd
 refuse 2 "every voxel has label 0" import ct.nrrd --mask void.nrrd --out b.nrrd

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Sessions by the command: recorded, replayed on every backend, cut off, damaged and repaired;
-# for a difference its position is reported.
+# Tests sessions with the command: they are recorded, replayed on every backend, truncated, damaged
+# and repaired. The position of a difference must be reported.
 # Covers: REQ-FILM, REQ-PART-FILES, REQ-REPLAY, REQ-SESSION-FILE, REQ-VERIFY-ANSWERS
 . "${srcdir:-.}/tests/app/lib.sh"
 long=${OST_TEST_LONG:-0}
@@ -9,7 +9,7 @@ long=${OST_TEST_LONG:-0}
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# 7,652 ticks at once: two tools, from a built-in bone to a complete session.
+# Records 7,652 ticks with two tools, from a built-in bone to a complete session.
 run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --path builtin:glenoid-ream --out whole.nrrd \
     --record whole.session --json
 check "the session is named" "$(value session)" whole.session
@@ -26,14 +26,14 @@ check "info" "$(value kind) $(value ticks) $(value replayable_ticks) $(value end
 run 0 info whole.session
 grep -q "a session of 7,652 ticks in 7.651 s" out || fail "info says: $(head -1 out)"
 
-# A table, whose first columns are a path: the last part of the hole and the first contact of
-# the reamer.
+# Exports a table whose first columns are a path. It contains the last part of the hole and the
+# first contact of the reamer.
 run 0 export whole.session --out whole.csv --json
 check "lines of the table" "$(wc -l <whole.csv | tr -d ' ')" $((ticks + 1))
 cut -d, -f1-9 <whole.csv >path.csv
 sed -n '1p;2600,2660p;5000,5060p' whole.csv | cut -d, -f1-9 >short.csv
 
-# The same digests on every backend, instruction set and number of threads.
+# The digests must be the same on every backend, instruction set and number of threads.
 run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out short.nrrd --record short.session --backend ref --json
 short=$(value sha256)
 isas=$("$osteon" devices --json | tee devices.json >/dev/null; i=0; while isa=$("$json_get" backends.0.isas.$i <devices.json 2>/dev/null); do echo "$isa"; i=$((i + 1)); done)
@@ -56,7 +56,8 @@ if [ "$long" = 1 ]; then
     check "all of it on ref" "$(value equal) $(value sha256)" "true $whole"
 fi
 
-# Another chunk size, no sweep, a rate and own classes: the session holds them.
+# The session must contain a different chunk size, the option for no sweep, a rate and the user's
+# own classes.
 run 0 ream --bone ct.nrrd --chunk 16 --threshold 150 --sweep off --rate 333 --classes 'soft:150,hard:600' --tool builtin:peg --tool builtin:reamer \
     --voxel 0.75 --path short.csv --out other.nrrd --record other.session
 run 0 replay other.session --verify --video other.y4m --video-fps 40 --size 64x36 --json
@@ -64,8 +65,8 @@ check "other options" "$(value equal)" true
 check "a video of it" "$(($(wc -c <other.y4m) / (6 + 3 * 64 * 36))) $(value video.dropped)" "$(value video.frames) 0"
 frames=$(value video.frames)
 [ "$frames" -gt 1 ] || fail "a video of $frames frames"
-# The view options are those of osteon sim: each gives other pictures, and the same number of
-# them.
+# The view options are those of osteon sim. Each option must give different pictures and the same
+# number of pictures.
 run 0 replay other.session --video plain.y4m --video-fps 40 --size 320x180
 for look in "--colour depth" "--clip axial" "--ghost implant" "--overlay chunks" "--contact"; do
     run 0 replay other.session --video other2.y4m --video-fps 40 --size 320x180 $look --json
@@ -73,8 +74,8 @@ for look in "--colour depth" "--clip axial" "--ghost implant" "--overlay chunks"
     cmp -s other2.y4m plain.y4m && fail "$look is not to be seen"
     rm other2.y4m
 done
-# A signal while an encoder runs leaves no part of the video, neither immediately nor when the
-# encoder ends.
+# After a signal while an encoder runs, no part of the video may remain, neither immediately nor
+# after the end of the encoder.
 mkdir bin
 cat >bin/ffmpeg <<'EOF'
 #!/bin/sh
@@ -105,7 +106,8 @@ refuse 2 "v.avi: unknown format" replay other.session --video v.avi
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
 check "half of it" "$(value ticks) $(value end_compared)" "61 false"
 
-# Refused inputs: another bone, another tool, no bone, a file that is no session.
+# Tests inputs that must be refused: another bone, another tool, no bone, and a file that is not a
+# session.
 refuse 2 "is not the bone of this session" replay short.session --bone whole.nrrd
 refuse 2 "is not the tool 0 of this session" replay short.session --tool builtin:reamer --tool builtin:peg
 refuse 2 "1 tools given; the session has 2" replay short.session --tool builtin:peg
@@ -118,15 +120,15 @@ refuse 2 "--repair needs a session" info bone.nrrd --repair x.session
 refuse 2 "must end in .session" ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --out x.nrrd --record x.log
 refuse 2 "is a session, not a CT" import short.session --out x.nrrd
 
-# Cut off and damaged sessions: replay reports the damage, replays the complete part, and the
-# session can be repaired.
+# For a truncated or damaged session, replay must report the damage and replay the complete part. It
+# must be possible to repair the session.
 size=$(wc -c <whole.session | tr -d ' ')
 head -c $((size / 2)) whole.session >cut.session
 run 0 replay cut.session --json
 check "cut: equal" "$(value equal) $(value end_compared)" "true false"
 [ "$(value ticks)" -gt 1000 ] || fail "half of a session has $(value ticks) ticks"
 grep -q "the recording was cut off after tick" err || fail "cut: $(cat err)"
-# --verify: equal to the end, different, or equal as far as the file goes.
+# Tests the results of --verify: equal to the end, different, or equal up to the end of the file.
 run 0 replay whole.session --verify --json
 check "whole" "$(value complete) $(value equal) $(value verified_ticks) $(value recorded_ticks)" "true true $ticks $ticks"
 run 2 replay cut.session --verify --out cut.nrrd --json
@@ -137,8 +139,8 @@ grep -qF "cut.session: verified only up to tick $verified of at least $verified;
 [ ! -e cut.nrrd ] || fail "a bone of a recording that was not verified to its end"
 run 0 replay cut.session --verify --ticks 100 --json
 check "cut: as many as asked for" "$(value complete) $(value verified_ticks)" "false 100"
-# A damaged block in the middle: the ticks before it are compared, and the end record gives the
-# total.
+# If a block in the middle is damaged, the ticks before it must be compared, and the end record
+# gives the total.
 cp whole.session hole.session
 printf 'xxxx' | dd of=hole.session bs=1 seek=$((size / 2)) conv=notrunc 2>/dev/null
 run 2 replay hole.session --verify --json
@@ -155,7 +157,7 @@ printf 'x' | dd of=damaged.session bs=1 seek=$(($(wc -c <short.session) - 100)) 
 run 0 info damaged.session
 grep -q "bytes" err || fail "damaged: $(cat err)"
 
-# No disk space, and a link in place of the file: the operation does not start.
+# Without disk space, or with a link in place of the file, the operation must not start.
 ln -s victim link.session
 refuse 2 "link.session: is a symbolic link" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record link.session --quiet
 [ ! -e x.nrrd ] && [ ! -e victim ] || fail "a recording through a link"
@@ -163,8 +165,8 @@ if [ -w /dev/full ]; then
     refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record /dev/full --quiet
     [ ! -e x.nrrd ] || fail "a bone without its recording"
 fi
-# A disk that fills up during the recording: the bone is complete, and the command reports the
-# incomplete session.
+# If the disk becomes full during the recording, the bone must be complete, and the command must
+# report the incomplete session.
 (
     ulimit -f 600 # blocks of 512 or 1024 bytes: less than the session, more than the bone
     "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path path.csv --out limited.nrrd --compress \
@@ -176,7 +178,8 @@ run 0 info limited.nrrd
 run 0 info limited.session --json
 [ "$(value replayable_ticks)" -gt 0 ] || fail "nothing is left of a recording that met a limit"
 
-# The file is read by another program, from docs/spec/session.md alone; then a recording is changed.
+# Another program, written only from docs/spec/session.md, reads the file. Then a recording is
+# changed.
 if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
     check "read by another program" "$($tool check whole.session)" "$ticks ended"
@@ -199,12 +202,12 @@ if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     grep -q "differs from what was recorded from tick 70 on; pass --verify to find where" out || fail "without --verify: $(cat out)"
 fi
 
-# A wrong backend: the tick, chunk and voxel of the difference are reported.
+# With a wrong backend, the tick, chunk and voxel of the difference must be reported.
 LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
 if cp "$build/.libs/mirror.so" . 2>/dev/null; then
     run 0 replay short.session --verify --backend plugin:./mirror.so --json
-    # It omits its 62nd removal, the first with the reamer.
+    # The backend omits its 62nd removal, the first with the reamer.
     run 1 replay short.session --verify --backend plugin:./mirror.so,break=forgets --json
     check "forgotten" "$(value equal) $(value first_difference.tick) $(value first_difference.other_backend) $(value first_difference.other_agrees_with_recording)" \
         "false 61 ref true"
@@ -212,14 +215,14 @@ if cp "$build/.libs/mirror.so" . 2>/dev/null; then
     check "the reference removed it" "$(value first_difference.density_there)" 0
 fi
 if [ -e mirror.so ] && [ "$long" = 1 ]; then
-    # After the 20th removal a voxel far away becomes bone, which no tick's digest can show.
+    # After the 20th removal a distant voxel becomes bone. The digest of a tick cannot show this.
     run 1 replay short.session --verify --backend plugin:./mirror.so,break=slips --json
     check "slipped" "$(value first_difference.at) $(value first_difference.tick) $(value first_difference.chunk) \
 $(value first_difference.voxel.0) $(value first_difference.voxel.1) $(value first_difference.voxel.2)" "end 19 0 1 2 3"
     check "slipped: densities" "$(value first_difference.density_here) $(value first_difference.different_voxels)" "777 1"
 fi
 
-# Killed while reaming: the recorded part replays bit-identically.
+# If the command is killed while reaming, the recorded part must replay bit-identically.
 kills=1
 [ "$long" = 1 ] && kills=20
 k=0

@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Five minutes of a simulated operation with a force are recorded and replayed on the reference,
-# with every instruction set and 1 to 3 threads, and on every OpenCL device: each tick and the
-# bone are equal.
+# Records five minutes of a simulated operation with a force. Replays it on the reference, with
+# every instruction set and 1 to 3 threads, and on every OpenCL device. Each tick and the bone must
+# be equal.
 #
 #   OST_SESSION_SECONDS=N   another duration (default 300)
 #
-# Takes minutes: skipped without OST_TEST_LONG=1.
+# The test takes minutes, so it is skipped without OST_TEST_LONG=1.
 # Covers: REQ-REPLAY
 [ "${OST_TEST_LONG:-0}" = 1 ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
 . "${srcdir:-.}/tests/app/lib.sh"
@@ -14,8 +14,8 @@ seconds=${OST_SESSION_SECONDS:-300}
 
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
-# The hole, the reaming, and then the remaining time: the slow path takes a minute, and the
-# simulated operator stays at its end.
+# The operation consists of the hole and the reaming. The slow path takes a minute; for the
+# remaining time the simulated operator stays at its end.
 run 0 sim --headless --no-clock --bone bone.nrrd --device sim:tremor=300,friction=60 --tool builtin:peg --path builtin:peg-hole \
     --tool builtin:reamer --path builtin:glenoid-ream --seconds "$seconds" --record long.session --json
 check "ticks" "$(value ticks)" $((seconds * 1000))

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Tests osteon sim without a window: its output, and that an operation is the same with and
-# without a clock, live and replayed. No time is tested.
+# Tests osteon sim without a window: its output, and that an operation has the same result with and
+# without a clock, and in a replay. Times are not tested.
 # Covers: REQ-FILM, REQ-HAPTICS, REQ-REPLAY, REQ-MOTION, REQ-DEVICE-LOST
 . "${srcdir:-.}/tests/app/lib.sh"
 other=cpu:isa=scalar,threads=2
@@ -26,8 +26,8 @@ check "live, and again" "$(value equal) $(value ticks) $(value end_compared) $(v
 run 0 info live.session --json
 check "what drove it" "$(value header.device) $(value header.tick_ns)" "sim 1000000"
 
-# Without a clock and with other threads it is the same operation; another simulated operator
-# gives another one.
+# Without a clock and with a different number of threads, the operation must be the same. With
+# another simulated operator it must differ.
 run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --threads 2 --json
 check "without a clock" "$(value ticks) $(value missed) $(value sha256)" "500 0 $live"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=4 --seconds 2 --no-clock --json
@@ -37,8 +37,8 @@ check "the same hand" "$(value sha256)" "$shaking"
 run 0 sim --headless --bone bone.nrrd --device sim:grip=light,friction=20,tremor=300,seed=5 --seconds 2 --no-clock --json
 [ "$(value sha256)" != "$shaking" ] || fail "another seed shakes alike"
 
-# A renderer running at the same time changes nothing, and its picture is the same on every
-# instruction set.
+# A renderer that runs at the same time must not change the result, and its picture must be the same
+# on every instruction set.
 if "$osteon" devices | grep -q '^  png *yes'; then
     run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --picture seen.png --json
     has renderer.frames renderer.fps renderer.frame_ms.p50 renderer.frame_ms.p99 renderer.changed_chunks
@@ -62,7 +62,7 @@ fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.3 --size 64x48 --renderer points --json
 has renderer.fps_worst_1_percent
 [ "$(value renderer.frames)" -gt 0 ] || fail "no frame was drawn in 0.3 s"
-# The summary is short; --stats adds the times.
+# The summary must be short; --stats must add the times.
 run 0 sim --headless --bone bone.nrrd --seconds 0.05
 [ "$(wc -l <out)" -le 6 ] || fail "the summary is longer than six lines: $(cat out)"
 grep -q "deadlines missed: [0-9,]* of 50" out || fail "the summary does not state the missed deadlines: $(cat out)"
@@ -78,8 +78,8 @@ refuse 2 "cannot be combined" sim --headless --bone bone.nrrd --video a.y4m --vi
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
 refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
-# With a force less is removed than without, and the force on the hand is recorded; the session
-# still replays.
+# With a force, less bone must be removed than without, and the session must contain the force on
+# the hand. The session must replay.
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --force off --json
 free=$(value removed_voxels)
 run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 --no-clock --record felt.session --json
@@ -91,8 +91,8 @@ run 0 replay felt.session --verify --backend cpu:isa=scalar --json
 check "felt, and again" "$(value equal) $(value sha256)" "true $felt"
 run 0 export felt.session --out felt.csv
 awk -F, 'NR > 1 && $21 != 0 { n++ } END { exit n < 100 }' felt.csv || fail "no force is recorded"
-# Removal in some ticks only, force in all: the thesis' 333 Hz, a divisor of the loop's rate,
-# and a rate that is no divisor; each replays.
+# Tests removal in some ticks and force in all ticks, with the thesis' 333 Hz, a divisor of the
+# loop's rate, and a rate that is not a divisor. Each operation must replay.
 for rate in 333:200 250:150 70:42; do
     run 0 sim --headless --bone bone.nrrd --seconds 0.6 --no-clock --rate "${rate%:*}" --record rate.session --json
     check "removals at ${rate%:*} Hz" "$(value removals)" "${rate#*:}"
@@ -103,7 +103,8 @@ for rate in 333:200 250:150 70:42; do
     check "again at ${rate%:*} Hz" "$(value equal) $(value sha256)" "true $at_rate"
 done
 
-# Parameters from a file: printed, changed, recorded; a mistake is one line.
+# Tests parameters from a file: they are printed, changed and recorded. An error must be reported in
+# one line.
 "$osteon" sim --print-force-params >force.params || fail "--print-force-params"
 run 0 sim --headless --bone bone.nrrd --seconds 0.5 --no-clock --force-params force.params --record params.session --json
 check "the printed parameters are the defaults" "$(value sha256)" "$live"
@@ -123,7 +124,7 @@ run 0 sim --headless --bone bone.nrrd --path builtin:glenoid-ream --seconds 2.5 
 check "instant" "$(value force)" instant
 refuse 2 "device null cannot render a force; pass --force off" sim --headless --bone bone.nrrd --device null --force energy
 
-# Scripts and sessions as devices end before the given time.
+# Scripts and sessions that are used as devices end before the given time.
 run 0 sim --headless --bone bone.nrrd --device replay --path live.session --no-clock --json
 check "a session as a device" "$(value ticks) $(value sha256)" "500 $live"
 grep -q "no further poses" out || fail "a session's end: $(cat out)"
@@ -136,7 +137,7 @@ check "a tool that stays" "$(value ticks) $(value scheduling)" "50 as it was"
 run 0 sim --headless --bone bone.nrrd --device null --seconds 0.05
 grep -q "deadlines missed" out || fail "people read: $(cat out)"
 
-# A tracked device whose tracking is lost for 0.2 s in the middle, and in the last 0.2 s.
+# Tests a tracked device whose tracking is lost for 0.2 s in the middle, and in the last 0.2 s.
 awk 'BEGIN {
     print "t_s,x_m,y_m,z_m,qw,qx,qy,qz"
     for (i = 0; i <= 300; i++) {
@@ -154,8 +155,8 @@ grep -q "lost tracking 2 times, 0.399 s in all" out || fail "a drop-out: $(cat o
 refuse 2 "nowhere.csv: cannot open" sim --headless --bone bone.nrrd --device motion:nowhere.csv
 refuse 2 "bone.nrrd:1: " sim --headless --bone bone.nrrd --device motion:bone.nrrd
 
-# Operations that were stopped or killed in the middle and continued give the same bone as one
-# without a break.
+# An operation that is stopped or killed in the middle and then continued must give the same bone as
+# an operation without interruption.
 "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path builtin:peg-hole --path builtin:glenoid-ream --out all.nrrd \
     --record all.session >/dev/null || fail "a recording to cut"
 "$osteon" export all.session --out all.csv >/dev/null || fail "a table to cut"
@@ -179,7 +180,7 @@ check "a device that is elsewhere" "$(value faults) $(value fault_ticks)" "1 20"
 refuse 2 "is the session to resume" sim --headless --resume first.session --record first.session
 refuse 2 "is not the bone of this session" sim --headless --resume first.session --bone all.nrrd
 
-# Ended by a signal: the session is complete and records that reason.
+# If a signal ends the operation, the session must be complete and record the reason.
 "$osteon" sim --headless --bone bone.nrrd --seconds 20 --record asked.session --json >out 2>err &
 while [ ! -s asked.session ] && kill -0 $! 2>/dev/null; do sleep 0.05; done
 sleep 0.4
@@ -191,8 +192,8 @@ ticks=$(value ticks)
 run 0 info asked.session --json
 check "its session" "$(value ended) $(value replayable_ticks)" "true $ticks"
 
-# A disk that fills up during the operation: reported immediately, and the operation continues
-# to its end.
+# If the disk becomes full during the operation, this must be reported immediately, and the
+# operation must continue to its end.
 (
     ulimit -f 60 # blocks of 512 or 1024 bytes
     "$osteon" sim --headless --bone bone.nrrd --seconds 1.2 --record full.session >out 2>err
@@ -200,7 +201,7 @@ check "its session" "$(value ended) $(value replayable_ticks)" "true $ticks"
 check "status of a run on a full disk" $? 2
 grep -q "limit of a file's size is reached; the operation goes on, and the recording waits: there is room for" err || fail "a full disk: $(cat err)"
 grep -q "1,200 ticks; the time was over" out || fail "on a full disk: $(cat out)"
-# A pipe whose reader reads nothing for three seconds is like a slow disk.
+# A pipe whose reader reads nothing for three seconds simulates a slow disk.
 if [ "${OST_TEST_LONG:-0}" = 1 ] && mkfifo slow.session; then
     (sleep 4; cat >whole.session) <slow.session &
     run 0 sim --headless --bone bone.nrrd --seconds 5 --record slow.session
@@ -217,8 +218,8 @@ refuse 2 "--seconds 0: must be greater than 0" sim --headless --seconds 0
 refuse 2 "--seconds -1: must be from 0" sim --headless --seconds -1
 refuse 2 "needs one --path SESSION" sim --headless --device replay
 refuse 2 "must end in .session" sim --headless --record x.log
-# A lost device: the status is 3, all outputs are written, and the session can be replayed and
-# continued.
+# If the device is lost, the status must be 3, all outputs must be written, and it must be possible
+# to replay and continue the session.
 if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     OSTEON_OPENHAPTICS_LIBRARY=$build/.libs/fake_hd.so FAKE_HD_FAIL_READ_AT=200
     export OSTEON_OPENHAPTICS_LIBRARY FAKE_HD_FAIL_READ_AT
@@ -230,8 +231,8 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     run 0 replay lost.session --verify --json
     check "lost, and again" "$(value complete) $(value verified_ticks)" "true $lost_ticks"
     unset FAKE_HD_FAIL_READ_AT
-    # The limit of the force: a file's value has priority over the device's own, which has
-    # priority over the default.
+    # For the limit of the force, the value in a file has priority over the value of the device,
+    # which has priority over the default.
     OSTEON_DHD_LIBRARY=$build/.libs/fake_dhd.so
     export OSTEON_DHD_LIBRARY
     echo "max_force: 2" >two.force
@@ -268,8 +269,8 @@ if [ -e "$build/.libs/fake_hd.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     unset FAKE_DHD_TYPE
     limit sim "3 default"
 fi
-# Before the device moves nothing is removed, whatever the tools; a simulated operator starts
-# clear of the bone.
+# Before the device moves, no tool may remove anything: a simulated operator starts clear of the
+# bone.
 run 0 sim --headless --bone bone.nrrd --device null --seconds 1 --no-clock --json
 check "nothing is touched" "$(value ticks) $(value removed_voxels) $(value overlap_voxels)" "1000 0 0"
 for device in sim script; do
@@ -278,15 +279,15 @@ for device in sim script; do
 done
 run 0 sim --headless --bone bone.nrrd --device null --tool builtin:burr --tool builtin:peg --seconds 0.1 --no-clock --json
 check "nothing is touched by others" "$(value removed_voxels)" 0
-# With the motor off no path removes anything.
+# With the motor off, no path may remove anything.
 for path in peg-hole glenoid-ream glenoid-slow glenoid-press; do
     run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:$path --rpm 0 --out off.nrrd --json
     check "$path with the motor off" "$(value removals) $(value removed_voxels)" "0 0"
 done
 run 0 sim --headless --bone bone.nrrd --device sim --rpm 0 --seconds 0.5 --no-clock --json
 check "a hand that presses with the motor off" "$(value removed_voxels)" 0
-# With the motor on more is removed than by a tool that does not turn; the path gives the speed
-# row by row.
+# A tool with its motor on must remove more than a tool that does not rotate. The path contains the
+# speed in each row.
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --out on.nrrd --json
 turning=$(value removed_voxels)
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path builtin:glenoid-ream --rpm 1 --out on.nrrd --json
@@ -296,7 +297,7 @@ refuse 2 "at least 13.3 Hz" sim --headless --bone bone.nrrd --rate 5
 refuse 2 "unknown button 'lever'" sim --headless --bone bone.nrrd --device dhd --buttons lever=motor
 refuse 2 "device sim has no buttons" sim --headless --bone bone.nrrd --buttons 1=motor
 "$osteon" sim --print-force-params | grep -q '^speed' && fail "the motor's speed is no parameter of the force"
-# Suitable parameters depend on the device; each preset file is accepted.
+# Suitable parameters depend on the device. Each preset file must be accepted.
 for preset in "$source_folder"/presets/*.force; do
     run 0 sim --print-force-params --force-params "$preset" --json
     check "$(basename "$preset")" "$(value force_params.max_force)" "$(sed -n 's/^max_force: \([0-9.]*\) .*/\1/p' "$preset")"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The thesis' grids: Tables 3.1 and 3.2 for its five models, and its reamer at three
-# resolutions, made by phantom | import and tool | voxelize with the same digests on every
-# backend of OST_TEST_BACKENDS (tests/backends.h). The two largest models run with
-# OST_TEST_LONG=1.
+# Tests the grids of the thesis: Tables 3.1 and 3.2 for its five models, and its reamer at three
+# resolutions. The verbs phantom and import make the models, and the verbs tool and voxelize make
+# the reamers. The digests must be the same on every backend of OST_TEST_BACKENDS
+# (tests/backends.h). The two largest models run with OST_TEST_LONG=1.
 # Covers: AR-CUB-1, AR-CHK-1, AR-TOOL-2, REQ-TABLES
 . "${srcdir:-.}/tests/app/lib.sh"
 

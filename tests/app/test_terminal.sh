@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# No character that controls a terminal is printed. A file name and a note with escape
-# sequences, a newline, C1 controls, invalid UTF-8 and characters that change the text direction
-# are passed to every verb; its output, warnings, errors and JSON are checked.
+# Tests that no character that controls a terminal is printed. Every verb gets a file name and a
+# note with escape sequences, a newline, C1 controls, invalid UTF-8 and characters that change the
+# text direction. The test checks the verb's output, warnings, errors and JSON.
 # Covers: REQ-TERMINAL
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP PNG
 
 # ESC [ 3 1 m, BEL, newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate, a line separator
 evil=$(printf 'a\033[31mb\007c\nQZX\302\233e\2339f\342\200\256g\342\201\246h\342\200\250i')
-# Umlauts and other scripts are unchanged.
+# Umlauts and letters of other scripts must not be changed.
 kind=$(printf 'Schl\303\274ssel-\351\252\250')
 
-# clean WHAT: checks that files out and err hold no such character except newlines at the ends
-# of lines
+# clean WHAT: checks that the files out and err contain no such character except newlines at the
+# ends of lines
 clean() {
     checks=$((checks + 1))
     for stream in out err; do
@@ -48,11 +48,11 @@ printf 'wall_stiffness\033[31m: 7\n' >"$evil.params"
 cp -r bundle "$evil.bundle"
 echo more >"$evil.bundle/$evil"
 
-# Every verb, with the name as an existing file, a missing file and an output; with and without
+# Tests every verb with the name as an existing file, a missing file and an output, with and without
 # --json.
 for json in '' --json; do
     for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench devices bridge; do
-        # As an operand, an option, a value and a verb's name.
+        # The name is used as an operand, an option, a value and the name of a verb.
         shows $verb "$evil" $json
         shows $verb "--$evil" $json
         [ -n "$json" ] || shows $verb --threads "$evil"
@@ -88,7 +88,7 @@ done
 shows "$evil"
 shows help "$evil"
 
-# A fact in a file's header, which the program prints.
+# Tests a fact in the header of a file, which the program prints.
 { printf '# osteon %s: 1\n' "$(printf 'no\033]0;title\007te\302\233')"; printf '# note: \033[31mred\n'; cat <<END; } >noted.txt
 0 0 0 500
 1 0 0 500
@@ -105,7 +105,7 @@ sed "s/^type:/# $(printf 'k\033[31my')\ntype:/; s/^endian: little/&\nk\\\\ney:=$
 shows info noted2.nrrd
 shows info noted2.nrrd --json
 
-# JSON still holds the name itself, escaped.
+# JSON must contain the unchanged name in escaped form.
 run 0 info "$evil.nrrd" --json
 grep -qiF 'a\u001b[31mb\u0007c\nQZX' out || grep -q 'not UTF-8' out || fail "JSON has lost the name: $(head -c 300 out)"
 mv "$evil.nrrd" "$(printf 'a\033b\302\233c\342\200\256d').nrrd"
@@ -113,7 +113,7 @@ run 0 info "$(printf 'a\033b\302\233c\342\200\256d').nrrd" --json
 checks=$((checks + 1))
 grep -qiF 'a\u001bb\u009bc\u202ed.nrrd' out || fail "JSON has lost the name: $(head -c 300 out)"
 
-# Harmless characters are printed.
+# Harmless characters must be printed.
 mv bone.nrrd "$kind.nrrd"
 run 0 info "$kind.nrrd"
 checks=$((checks + 1))

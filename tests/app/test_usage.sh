@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The command's messages: help, man pages, wrong usage, and standard streams that are closed or
-# full.
+# Tests the messages of the command: help, man pages, wrong usage, and standard streams that are
+# closed or full.
 # Covers: REQ-CLI-STATUS, REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 
 verbs="phantom tool import segment voxelize ream replay sim render diff export info validate verify devices"
 
-# Every verb has a help text with usage and example, within 90 columns, and a man page with the
-# same options.
+# Every verb must have a help text with usage and an example, within 90 columns, and a man page with
+# the same options.
 run 0 --help
 cp out help_all
 run 0 --version
@@ -25,11 +25,12 @@ for verb in $verbs; do
     grep -o '^  --[a-z-]*' out | tr -d ' ' | grep -vxE -- '--(backend|threads|json|quiet|help)' | sort >options_help
     sed -n 's/^\.BI* \\-\\-\([a-z\\-]*\).*/--\1/p' "$page" | tr -d '\\' | sort >options_man
     cmp -s options_help options_man || fail "$verb: help and man page differ in options: $(diff options_help options_man | tr '\n' ' ')"
-    # --help has priority over mistakes in other options.
+    # The option --help must have priority over errors in other options.
     run 0 "$verb" --no-such-option --help
 done
 
-# Wrong usage: one line, status 2, nothing on standard output, and a suggestion.
+# After wrong usage, the status must be 2, there must be one line with a suggestion, and nothing on
+# standard output.
 refuse 2 'no verb given'
 refuse 2 'did you mean ream?' reem --bone x
 refuse 2 'did you mean voxelize?' voxelise
@@ -76,7 +77,7 @@ refuse 2 'cannot be combined' export a --out b.png --view lateral --slices
 refuse 2 'need a .png file' export a --out b.nrrd --view lateral
 refuse 2 'backend' import builtin:glenoid --out b.nrrd --backend nonsense
 
-# Options of backends; each message says what was expected.
+# Tests the options of backends. Each message must state the expected values.
 peg="voxelize builtin:peg --voxel 1 --out b.nrrd"
 refuse 2 "unknown backend 'cpux'; expected cpu, ref" $peg --backend cpux
 refuse 2 "unknown instruction set 'sse9'; expected auto, scalar" $peg --backend cpu:isa=sse9
@@ -102,8 +103,8 @@ grep -q "^  cpu *no *OSTEON_ISA" out || fail "devices with a wrong OSTEON_ISA: $
 unset OSTEON_ISA
 "$osteon" devices | grep -q '^  embree *yes' || refuse 3 'libembree-dev' $peg --backend cpu:voxelizer=embree
 
-# The output of devices agrees with the backend that a verb gets; an instruction set that it
-# does not list is refused.
+# The output of osteon devices must agree with the backend that a verb opens. An instruction set
+# that is not in this output must be refused.
 value_of() { # value_of KEY
     "$osteon" devices --json | "$json_get" "backends.0.$1"
 }
@@ -119,8 +120,8 @@ for isa in scalar avx2 avx512 avx512vbmi neon; do
 done
 check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
 
-# A library that ends the process by exit(1), as OpenMP does without memory for a thread's
-# stack, gives no verdict.
+# If a library ends the process by exit(1), as OpenMP does without memory for a thread's stack,
+# there must be no verdict.
 ct_text 8 8 8 1 'i * 100' >threads.txt
 OMP_STACKSIZE=1000000G "$osteon" import threads.txt --threads 2 --out threads.nrrd >out 2>err
 status=$?
@@ -130,7 +131,7 @@ case $status in
 esac
 [ $status -ne 2 ] || [ ! -e threads.nrrd ] || fail "import without room for threads left an output"
 
-# Standard streams that are closed or full are errors, and are never replaced by another file.
+# A closed or full standard stream must be an error and must never be replaced by another file.
 "$osteon" devices >/dev/full 2>err
 check "devices > /dev/full" $? 2
 grep -q 'standard output' err || fail "devices > /dev/full says: $(cat err)"

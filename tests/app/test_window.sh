@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window: the error without a display; a window under Xvfb that is moved,
-# resized, clicked and typed into, whose session replays; a window whose display ends, and one
-# that another client destroys, each of which ends with one line and its session. Events whose
-# order cannot be controlled here are tested in tests/window.
+# Tests osteon sim in a window. Without a display there must be an error. A window under Xvfb is
+# moved and resized and receives clicks and keys; its session must replay. If its display ends or
+# another client destroys the window, the program must end with one line and a complete session.
+# Events whose order this test cannot control are tested in tests/window.
 # Covers: REQ-WINDOW
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -33,19 +33,19 @@ run 0 import ct.nrrd --out bone.nrrd
 
 # Closing the window ends the program.
 opened window.session --json
-# Keys and clicks are sent after its first frames.
+# Keys and clicks are sent after the window's first frames.
 sleep 0.3
 xdotool mousemove --window "$window" 320 200
 xdotool mousedown 1 mousemove_relative 5 3 mousemove_relative 5 3 mouseup 1
 xdotool click 4 click 4 click 5
-# The tool starts clear of the bone and moves in with the motor on.
+# The tool starts clear of the bone and moves into the bone with the motor on.
 xdotool keydown space keydown w; sleep 2; xdotool keyup w keyup space
 xdotool keydown shift mousedown 1 mousemove_relative 4 4 mouseup 1 keyup shift
 xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyup ctrl
 xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
 sleep 0.2
-# shot: takes one more picture, whose name is then in $picture
+# shot: takes another picture and stores its name in $picture
 shots=0
 shot() {
     shots=$((shots + 1))
@@ -56,7 +56,7 @@ shot() {
         sleep 0.1
     done
 }
-# Checks that the last picture is what the window displays, even after the screen was cleared.
+# Checks that the window displays the last picture, even after the screen was cleared.
 on_screen() {
     [ -e "$picture" ] && command -v python3 >/dev/null || return 0
     set -- $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
@@ -66,7 +66,7 @@ on_screen() {
     done
     return 1
 }
-# The tool may still be moving: then a later picture is compared.
+# If the tool is still moving, a later picture is compared.
 for i in 1 2 3; do
     shot
     on_screen && break

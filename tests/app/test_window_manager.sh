@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window that a window manager controls: minimised, restored, maximised, moved
-# off the screen, made tiny and huge, closed by its frame. The loop runs all the time, and a
-# window that is not visible needs no processor time.
+# Tests osteon sim in a window that a window manager controls. The window is minimised, restored,
+# maximised, moved off the screen, made very small and very large, and closed by its frame. The loop
+# must run all the time, and a window that is not visible must not need processor time.
 # Covers: REQ-WINDOW
 . "${srcdir:-.}/tests/app/lib.sh"
 need_part window "built without a window"
@@ -46,8 +46,8 @@ goes_on() {
     before=$(wc -c <wm.session)
     soon "the loop goes on $1" grown
 }
-# spent: prints the CPU time of the window's thread in hundredths of a second; the name in
-# brackets may contain blanks.
+# spent: prints the CPU time of the window's thread in hundredths of a second. The name in brackets
+# may contain blanks.
 spent() { sed 's/.*) //' "/proc/$pid/task/$pid/stat" | awk '{ print $12 + $13 }'; }
 
 soon "a window manager" manages

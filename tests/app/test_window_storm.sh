@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon sim in a window that receives a seeded random sequence of keys, clicks, drags, resizes,
-# hiding and showing for ten minutes: it continues to run, its memory, threads and files stay
-# bounded, it ends on request, and its session replays. Runs only with OST_TEST_LONG=1, or with
-# OST_STORM_SECONDS=N for N seconds; OST_STORM_SEED=N selects another sequence.
+# Tests osteon sim in a window that receives a seeded random sequence of keys, clicks, drags,
+# resizes, hiding and showing for ten minutes. The program must continue to run with bounded memory,
+# threads and files. It must end on request, and its session must replay. Runs only with
+# OST_TEST_LONG=1, or with OST_STORM_SECONDS=N for N seconds; OST_STORM_SEED=N selects another
+# sequence.
 # Covers: REQ-WINDOW
 seconds=${OST_STORM_SECONDS:-600}
 [ "${OST_TEST_LONG:-0}" = 1 ] || [ -n "${OST_STORM_SECONDS:-}" ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
@@ -18,7 +19,8 @@ seed=${OST_STORM_SEED:-1}
 echo "seed $seed, $seconds s"
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
-# The memory that a sanitizer retains after a free is bounded, to distinguish it from a leak.
+# The memory that a sanitizer retains after a free is limited, so that it can be distinguished from
+# a leak.
 ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}quarantine_size_mb=8"
 export ASAN_OPTIONS
 opened storm.session --json
@@ -69,7 +71,7 @@ xdotool windowmap "$window" mousemove --window "$window" 250 160 key Escape keyd
 ended "Ctrl Q"
 check "the end's status" $status 0
 [ $status -eq 0 ] || tail -c 3000 err
-# Compares the last fifth with the second fifth.
+# Compares the last fifth of the records with the second fifth.
 if [ "$(wc -l <kept)" -ge 10 ]; then
     awk '{ m[NR] = $1; f[NR] = $2; t[NR] = $3; top = $1 > top ? $1 : top }
     END {

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The command without a usable OpenCL device: no driver, a broken one, or built
-# without OpenCL.  Everything else works, and the reason is reported.
+# Tests the command without a usable OpenCL device: without a driver, with a broken driver, or built
+# without OpenCL. All other functions must work, and the reason must be reported.
 # Covers: REQ-OPTIONAL
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# reason TEXT: checks the reason of the backend cl in the file out
+# reason TEXT: checks the reason that the file out contains for the backend cl
 reason() {
     i=0
     while name=$(value "backends.$i.name") && [ -n "$name" ]; do

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon ream --backend cl on a device that fails during the run: the output file
-# equals that of the backend cpu, one line reports the failure, and --no-failover
-# stops the run.  A library preloaded before the OpenCL loader injects the failure.
+# Tests osteon ream --backend cl on a device that fails during the run. The output file must equal
+# that of the backend cpu, one line must report the failure, and --no-failover must stop the run. A
+# library that is preloaded before the OpenCL loader injects the failure.
 # Covers: REQ-FAILOVER
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -84,7 +84,7 @@ many=$(cat launches)
 echo "# $many launches"
 [ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
 
-# The device fails in one of the first ticks and in one of the last.
+# The device fails in one of the first ticks, and in another run in one of the last ticks.
 for percent in 20 97; do
     FAIL_AT=$((many * percent / 100))
     export FAIL_AT

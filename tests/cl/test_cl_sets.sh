@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# osteon validate runs both kernel sets on an OpenCL device with results equal to
-# the reference, and reports for each which kernels and paths no case entered.
+# Tests that osteon validate runs both kernel sets on an OpenCL device with results equal to the
+# reference, and that it reports for each set which kernels and paths no case entered.
 # Covers: REQ-CL-SETS, REQ-VAL-PATHS
 . "${srcdir:-.}/tests/app/lib.sh"
 

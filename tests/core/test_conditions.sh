@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# src/core/conditions.h compiles with the compiler of this build, and does not compile if one of its
-# conditions is violated: each violation is simulated by the macro that a compiler would define.
+# Tests that src/core/conditions.h compiles with the compiler of this build, and that it does not
+# compile if one of its conditions is violated. To simulate a violation, the test defines the macro
+# that such a compiler would define.
 # Covers: AR-CC-1, AR-CC-2, AR-CC-3, AR-CC-4
 . "${srcdir:-.}/tests/app/lib.sh"
 
@@ -13,7 +14,7 @@ compiles() {
     words=$2
     shift 2
     echo '#include "core/conditions.h"' >unit.c
-    # CC is not quoted, since it may contain a launcher or options.
+    # CC is not quoted, because it may contain a launcher or options.
     if ${CC:-cc} -std=c11 -I"$source_folder/src" "$@" -fsyntax-only unit.c >log 2>&1; then got=yes; else got=no; fi
     check "conditions.h with '$*' compiles" "$got" "$expected"
     checks=$((checks + 1))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Definitions that the tests of DICOM series share: writing a series with make_series, and the voxels that series.h
-# states for it.
+# Definitions that the tests of DICOM series share. They write a series with make_series and compute its voxels by
+# the formula in series.h.
 . "${srcdir:-.}/tests/app/lib.sh"
 
 needs DCMTK OPENJPEG
@@ -8,7 +8,7 @@ make_series=$build/tests/dicom/make_series
 OSTEON_LIBEXECDIR=${OSTEON_LIBEXECDIR:-$build}
 export OSTEON_LIBEXECDIR
 
-# series FOLDER WORD...: writes a series into a folder, which may already contain others
+# series FOLDER WORD...: writes a series into a folder, which may already contain other series
 series() {
     mkdir -p "$1"
     "$make_series" "$@" >slices 2>make_series.err || {
@@ -63,7 +63,8 @@ formula() {
         if (x - low > 0.5 || x - low == 0.5 && low % 2 != 0) low++
         return low
     }
-    # A decimal times a power of ten that makes it an integer, so that a tie is recognised.
+    # Multiplies a decimal by the power of ten that makes it an integer, so that a tie is
+    # recognised.
     function decimals(text) { return index(text, ".") ? length(text) - index(text, ".") : 0 }
     function integer(text, digits) { return nearest_even(text * 10 ^ digits) }
     BEGIN {
@@ -84,14 +85,14 @@ formula() {
             a = slope[k % slopes + 1]; b = intercept[k % intercepts + 1]
             digits = decimals(a) > decimals(b) ? decimals(a) : decimals(b)
             density = nearest_even((v * integer(a, digits) + integer(b, digits)) / 10 ^ digits)
-            # The paddings are in ascending order or in descending order.
+            # The limits of the padding are in ascending or in descending order.
             if (paddings && (v - padding[1]) * (v - padding[paddings]) <= 0) density = -1024
             print number(p[1]), number(p[2]), number(p[3]), density
         }
     }' "$@" | sort -k3,3g -k2,2g -k1,1g
 }
 
-# voxels_of FILE: writes the voxels of a volume into the file voxels, in the form of formula
+# voxels_of FILE: writes the voxels of a volume to the file voxels, in the same form as `formula`
 voxels_of() {
     "$osteon" export "$1" --out voxels.txt >out 2>err || return
     awk '!/^#/ { print $1 + 0, $2 + 0, $3 + 0, $4 }' OFMT=%.12g voxels.txt | sort -k3,3g -k2,2g -k1,1g >voxels
@@ -112,7 +113,8 @@ same_voxels() {
     same "$1"
 }
 
-# same_bone WHAT FILE: the same for a bone, whose empty voxels are 0 or outside of its grid
+# same_bone WHAT FILE: compares the voxels of a bone with the file expected; empty voxels of the
+# bone are 0 or outside its grid
 same_bone() {
     voxels_of "$2" || fail "$1: cannot export $2: $(cat err)"
     for file in voxels expected; do
@@ -121,15 +123,16 @@ same_bone() {
     same "$1"
 }
 
-# plain: replaces numbers, names of files and quoted texts on standard input by #, FILE and FOLDER, so that a message
-# can be compared with that of docs/reference/dicom.md
+# plain: replaces numbers, file names and quoted texts on standard input by #, FILE and FOLDER, so that a message can
+# be compared with the message in docs/reference/dicom.md
 plain() {
     sed -E "s/^osteon [a-z]+: (warning: )?//; s#\\bct/[^ :;,')]+#FILE#g; s#\\bct\\b#FOLDER#g
             s/\\b[FG]\\b/FILE/g; s/\\bD\\b/FOLDER/g; s/\\b([NMXY]|UID)\\b/#/g
             s/'[^']*'/'#'/g; s/-?[0-9]+(\\.[0-9]+)*/#/g"
 }
 
-# documented FAULT: checks that a line of the file err is a message that docs/reference/dicom.md states for the fault
+# documented FAULT: checks that a line of the file err is a message that docs/reference/dicom.md contains for the
+# fault
 documented() {
     checks=$((checks + 1))
     awk -F'|' -v fault="$1" '/^## /{ on = $0 == "## Faults" } on && $2 == " " fault " " { print $4 }' \

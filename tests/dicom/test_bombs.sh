@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Files that need far more memory or time than their size suggests end soon with status 2 and one line, and the process
-# that parses them never has more memory than its limit.
+# Tests files that need far more memory or time than their size suggests. The import must end soon with status 2 and
+# one line, and the process that parses the file must never have more memory than its limit.
 # Covers: REQ-DICOM-CHILD
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
-# refuses FAULT SLICE WORD...: the import of a series ends within 60 s with status 2 and the documented line about a slice
+# refuses FAULT SLICE WORD...: checks that the import of a series ends within 60 s with status 2 and the documented line
+# about a slice
 refuses() {
     fault=$1
     file=$(slice_file "$2")

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Inverts bits of one file of a series, in each transfer syntax, and cuts it at random places. Each import ends soon,
-# with status 0, or with status 2, one line and no output; never by a signal. Prints the seed; OST_TEST_SEED repeats a
-# run, OST_TEST_LONG makes 200 files of each kind.
+# Inverts bits of one file of a series, in each transfer syntax, and truncates the file at random positions. Each
+# import must end soon, either with status 0, or with status 2, one line and no output, and never by a signal. The
+# test prints its seed; OST_TEST_SEED repeats a run, and OST_TEST_LONG makes 200 files of each type.
 # Covers: REQ-DICOM-CHILD
 . "${srcdir:-.}/tests/dicom/lib.sh"
 

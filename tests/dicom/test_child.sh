@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The process that parses DICOM files is replaced by programs that fail in every way. The command ends soon with one
-# line and no output, and no process is left behind.
+# Replaces the process that parses DICOM files by programs that fail in every way. The command must end soon with
+# one line and no output, and no process may remain.
 # Covers: REQ-DICOM-CHILD
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
@@ -10,7 +10,8 @@ mkdir lib
 OSTEON_LIBEXECDIR=$scratch/lib
 child=lib/osteon-dicom
 
-# fails TEXT COMMAND: replaces the process by a shell command; the series is refused with a message that contains TEXT
+# fails TEXT COMMAND: replaces the process by a shell command and checks that the series is refused with a message
+# that contains TEXT
 fails() {
     printf '#!/bin/sh\necho $$ >%s/pid\n%s\n' "$scratch" "$2" >$child
     chmod +x $child

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A folder with several series is listed, and one of them is chosen by number, description or UID. Folders in folders,
-# names of any form, files that are not DICOM and a DICOMDIR do not matter.
+# Tests a folder with several series: they are listed, and one of them is chosen by number, description or UID. Nested
+# folders, names of any form, files that are not DICOM and a DICOMDIR must have no effect.
 # Covers: REQ-DICOM-CHOICE
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
@@ -24,7 +24,7 @@ refuse 2 'thin bone' import ct --series 'thin bone' --out x.nrrd
 refuse 2 '77' import ct --series 77 --out x.nrrd
 [ ! -e x.nrrd ] || fail "a refused import left x.nrrd"
 
-# One series among other files, in nested folders, with names that are misleading.
+# Tests one series among other files, in nested folders, with misleading names.
 rm -rf ct
 series ct/one prefix=x.nrrd drop=1 drop=3
 series ct/two/three prefix='slice;*' drop=0 drop=2 drop=4
@@ -36,24 +36,25 @@ ln -s .. ct/two/up
 ln -s nowhere ct/two/broken
 formula >expected
 same_voxels "nested folders" ct
-# Nothing else in the folder is opened: a pipe would block the reader.
+# Other entries of the folder must not be opened: a pipe would block the reader.
 mkfifo ct/pipe
 ln -s /dev/zero ct/zero
 checks=$((checks + 1))
 timeout 60 "$osteon" export ct --out voxels.txt >out 2>err || fail "a pipe in the folder: status $?: $(cat err)"
 
-# A DICOMDIR stands for its folder, whose files it lists.
+# A DICOMDIR has the same meaning as its folder, whose files it lists.
 series index dims=8,6,1 prefix=D remove=*:PixelData remove=*:Rows set=*:SOPClassUID=1.2.840.10008.1.3.10
 mv index/D5 ct/DICOMDIR
 same_voxels "a folder with a DICOMDIR" ct
 same_voxels "a DICOMDIR" ct/DICOMDIR
 
-# A file is read alone: all frames of a multi-frame image, and no slice of a series of files.
+# A single file is read alone: all frames of a multi-frame image are read, but a slice of a series
+# of files is refused.
 series multi multiframe=1
 same_voxels "a file with several frames" multi/IM5
 refuse 2 'a volume needs at least two slices' export ct/one/x.nrrd5 --out x.nrrd
 
-# Folders that are too deep, and an empty folder.
+# Tests folders that are nested too deeply, and an empty folder.
 deep=deep/1/2/3/4/5/6/7/8/9/10/11/12/13/14/15/16/17/18
 mkdir -p $deep
 refuse 2 'folders deep' export deep --out x.nrrd

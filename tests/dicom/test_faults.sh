@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Makes every fault of faults.list in a series of its own. Exit status and message are those that the table in
-# docs/reference/dicom.md states, a message about a slice begins with the name of its file, and a refused series leaves
-# no output. Every row of the table has a fault in the list, or in the tests that are named below. The transfer syntax of
-# a fault that does not depend on it changes from line to line; with OST_TEST_LONG, the fault is made in every one.
-# No message and no output contains a value that identifies somebody.
+# Makes every fault of faults.list in a series of its own. Exit status and message must be those in the table of
+# docs/reference/dicom.md. A message about a slice must begin with the name of the slice's file, and a refused series
+# must leave no output. Every row of the table must have a fault in the list or in the tests that are named below. For
+# faults that do not depend on the transfer syntax, the syntax changes from line to line; with OST_TEST_LONG, such a
+# fault is made in every syntax. No message and no output may contain a value that identifies a person.
 # Covers: REQ-DICOM-FAULTS, REQ-DICOM-PRIVACY
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
@@ -13,7 +13,7 @@ words() {
     printf '%s\n' "$1" | sed 's/^ *//; s/ *$//'
 }
 
-# makes FAULT SERIES OPTIONS SLICE STATUS: makes a fault and checks the answer
+# makes FAULT SERIES OPTIONS SLICE STATUS: makes a fault and checks the result
 makes() {
     rm -rf ct bone.nrrd
     printf '%s\n' "$2" | sed 's/ + /\n/' >parts
@@ -56,7 +56,7 @@ while IFS='|' read -r fault series options slice status; do
     done
 done <list
 
-# test_child.sh makes the faults of the parser. The others need another build.
+# test_child.sh makes the faults of the parser. The other faults need a different build.
 sed 's/ *|.*//' list >made
 cat >>made <<'ROWS'
 the parser crashes

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Slices that are not on an even and straight grid, and slices that are ignored: with each option, the result has the
-# voxels that a formula states. The densities are linear in the position, so linear interpolation reproduces them
-# wherever all neighbours exist. Bones are compared, since import has the options: their voxels are cubes of 0.5 mm, as
-# those of the series, so that they are not resampled again.
+# Tests slices that are not on an equidistant and straight grid, and slices that are ignored. With each option, the
+# voxels of the result must follow a formula. The densities are linear in the position, so linear interpolation
+# reproduces them wherever all neighbours exist. The test compares bones, because the options belong to import. The
+# voxels of the bones are cubes of 0.5 mm, like those of the series, so that they are not resampled again.
 # Covers: REQ-DICOM, AR-DCM-2, AR-DCM-3, AR-DCM-4, AR-DCM-5
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
@@ -17,7 +17,7 @@ imports() {
     run 0 import ct $options --threshold 1 --out bone.nrrd
 }
 
-# Slices that are missing, and one that lies elsewhere: its densities are those of its position, 1 + 20 z.
+# Tests missing slices, and a displaced slice whose densities are those of its position, 1 + 20 z.
 imports --even-slices smooth=10 intercept=1 drop=2
 formula smooth=10 intercept=1 >expected
 same_bone "a missing slice" bone.nrrd
@@ -35,8 +35,9 @@ awk '{ if ($3 == -29) { i = ($1 + 10.25) / 0.5; j = ($2 - 20.5) / 0.5; before = 
 mv moved expected
 same_bone "a slice that lies elsewhere" bone.nrrd
 
-# A tilted gantry: slice k lies k * tilt further along the columns. Voxel Y of the straight grid is pixel
-# Y - k * tilt / 0.5 of slice k, and the density 10 (i + j + k) + 1 becomes 10 (i + Y + k - k * tilt / 0.5) + 1.
+# Tests a tilted gantry: slice k is displaced by k * tilt along the columns. Voxel Y of the straight grid is
+# pixel Y - k * tilt / 0.5 of slice k, and the density 10 (i + j + k) + 1 becomes 10 (i + Y + k - k * tilt /
+# 0.5) + 1.
 # sheared TILT: prints the voxels between the first and the last row of each slice
 sheared() {
     awk -v OFMT=%.12g -v tilt="$1" 'BEGIN {
@@ -52,7 +53,8 @@ for tilt in 0.5 -0.5 0.25 -0.25 0.1; do
     same_bone "a gantry tilted by $tilt mm for each slice" bone.nrrd
 done
 imports '--untilt --even-slices' smooth=10 intercept=1 tilt=0.5 drop=1 syntax=rle
-# Slice 1 exists where slices 0 and 2 do; elsewhere it is a mixture with air, which is below the threshold.
+# Slice 1 has bone where slices 0 and 2 have bone. Elsewhere it is a mixture with air, which is below the
+# threshold.
 sheared 0.5
 awk '$3 != -29.5 || ($2 >= 21.5 && $2 <= 23)' expected >both && mv both expected
 same_bone "a missing slice of a tilted gantry" bone.nrrd
@@ -63,7 +65,7 @@ awk 'BEGIN {
 }' | sort -k3,3g -k2,2g -k1,1g >expected
 same_bone "a slice that lies beside the others" bone.nrrd
 
-# What is ignored changes no voxel.
+# Ignored data must not change any voxel.
 formula intercept=1 >expected
 cp expected plain
 for words in 'double=2:0 double=4:0' 'thickness=3' '+ prefix=loc dims=9,7,2 columns=0,0,-1 set=*:ImageType=ORIGINAL\PRIMARY\LOCALIZER'; do
@@ -77,7 +79,7 @@ for words in 'double=2:0 double=4:0' 'thickness=3' '+ prefix=loc dims=9,7,2 colu
     same_bone "$words" bone.nrrd
 done
 
-# Densities beyond int16.
+# Tests densities beyond int16.
 imports --clamp bits=16 values=0,65535 slope=2 intercept=-100
 formula bits=16 values=0,65535 slope=2 intercept=-100 | awk '{ if ($4 > 32767) $4 = 32767; if ($4 < 1) $4 = 0; print }' >expected
 same_bone "--clamp" bone.nrrd

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Nothing that identifies a person, a place or a time leaves a DICOM series. make_series plants such values in every
-# attribute that may have one; here, each output of each command on valid series is searched for them, byte by byte.
-# Only the list of series contains the description and the UID by which a series is chosen. test_faults.sh searches the
-# messages and outputs of broken series in the same way.
+# Tests that no output contains data of a DICOM series that identify a person, a place or a time. make_series writes
+# identifying values into every attribute that may have one. This test searches each output of each command on valid
+# series for these values, byte by byte; test_faults.sh does so for broken series. Only the list of series may contain
+# the description and the UID by which a series is chosen.
 # Covers: REQ-DICOM-PRIVACY
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
-# The search must find what make_series plants.
+# The search must find the values that make_series writes.
 series ct dims=12,12,8
 checks=$((checks + 1))
 while read -r text; do
@@ -35,7 +35,7 @@ says info labels.nrrd
 says ream --bone ct --tool builtin:peg --path builtin:peg-hole --at -8,22,-28 --axis 1,0,0 --out reamed.nrrd --record s.session --debrief d.html --json
 for file in reamed.nrrd s.session d.html; do [ ! -e $file ] || searched $file; done
 
-# Several series of several patients.
+# Tests several series of several patients.
 rm -rf ct
 series ct number=3 description=first
 series ct number=4 description=second prefix=b patient=2 study=2

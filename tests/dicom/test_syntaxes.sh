@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A series in each transfer syntax, pixel format and orientation has exactly the values and positions that series.h
-# states for it. Lossy syntaxes have them within their error, with a warning.
+# Tests that a series in each transfer syntax, pixel format and orientation has exactly the values and positions
+# given in series.h. Values in lossy syntaxes may deviate within the error of the syntax, with a warning.
 # Covers: REQ-DICOM, AR-DCM-1
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
@@ -21,17 +21,18 @@ for syntax in $lossless; do
     imports syntax=$syntax bits=8 allocated=8 values=0,255 dims=7,5,3
     imports syntax=$syntax multiframe=1
 done
-# Signed pixels of 12 bits are extended by their sign. The encoders of DCMTK store all 16 bits.
+# Signed pixels of 12 bits must be sign-extended. The encoders of DCMTK store all 16 bits.
 for syntax in implicit explicit big deflated rle jpeg2000; do
     imports syntax=$syntax signed=1 values=-2048,2047 intercept=0
 done
-# Bits that are not stored are ignored, wherever they are.
+# Bits that are not stored must be ignored at any position.
 for syntax in implicit explicit big deflated rle; do
     imports syntax=$syntax junk=1
     imports syntax=$syntax junk=1 signed=1 values=-2048,2047 intercept=0
     imports syntax=$syntax junk=1 bits=10 high=12 values=0,1023
 done
-# Frames in several fragments, with and without a table of offsets. (RLE has one fragment for a frame.)
+# Tests frames in several fragments, with and without a table of offsets. (RLE has one fragment per
+# frame.)
 for syntax in jpeg-sv1 jpeg-ls jpeg2000; do
     for offsets in 0 1; do
         imports syntax=$syntax dims=64,48,3 fragment=1 offsets=$offsets
@@ -40,8 +41,9 @@ for syntax in jpeg-sv1 jpeg-ls jpeg2000; do
     imports syntax=$syntax dims=64,48,3 multiframe=1 fragment=1
 done
 
-# Lossy syntaxes: JPEG of the highest quality, NEAR 2, and 80 dB. DCMTK changes the values and the intercept together.
-# near ERROR WORD...: compares every voxel within an error
+# Tests lossy syntaxes: JPEG of the highest quality, NEAR 2, and 80 dB. DCMTK changes both the values and the
+# intercept.
+# near ERROR WORD...: checks that every voxel deviates by at most ERROR
 near() {
     most=$1
     shift
@@ -60,7 +62,8 @@ near 3 syntax=jpeg-extended smooth=50
 near 2 syntax=jpeg-ls-near smooth=50
 near 3 syntax=jpeg2000-lossy smooth=50
 
-# Rescale by slice, padding as air, and the position of voxels in every orientation along the axes.
+# Tests rescaling by slice, padding as air, and the positions of voxels in every orientation along
+# the axes.
 imports slope=1,2,0.5 intercept=-1024,0,10.25
 imports padding=0
 imports padding=63,2000

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Definitions that the walks share; each script includes this file after tests/app/lib.sh.
+# Definitions for the scripts that call `walk`. Each script includes this file after
+# tests/app/lib.sh.
 
 skip() {
     echo "skipped: $*"
@@ -13,11 +14,12 @@ walk=$build/tests/faults/walk
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 echo "# seed $seed"
 excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto:libexpat:libomp:libgomp
-# OpenCL has no device here, since its libraries are C++.
+# OpenCL is disabled in these tests, because its libraries are written in C++.
 export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$excepted
 mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME"
 
-# sample N: sets the number of faults for each command that follows; all with OST_TEST_LONG=1
+# sample N: sets the number of faults for each of the following commands; with OST_TEST_LONG=1 all
+# faults are tested
 sample() {
     runs=$1
     [ -z "${OST_TEST_LONG:-}" ] || runs=0

@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# For every verb one allocation of a command fails. The command must end by itself with the
-# status that it has without the fault, or with 2 or 3 and a message; its files must be right or
-# absent, and no other file may remain. By default some allocations fail, drawn with the printed
-# seed; with OST_TEST_LONG=1 all of them (200 for a campaign, which takes seconds).
-# OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
+# Makes one allocation of a command fail, for every verb. The command must end by itself, with the
+# status that it has without the fault, or with 2 or 3 and a message. Its files must be right or
+# absent, and no other file may remain. By default, randomly chosen allocations fail, and the seed
+# is printed. With OST_TEST_LONG=1 each allocation fails in turn (200 for a campaign, which takes
+# seconds). OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
 #
 # Excluded are allocations within libraries that crash or end the program themselves: assimp,
 # the run-time libraries of OpenMP, the drivers of OpenGL and OpenCL, and libcrypto, where about
@@ -53,6 +53,6 @@ walk_over --loose bundle -- validate --cpu-only --only mesh --jobs 1 --out bundl
 sample 2
 walk_over -- compare cpu --only import/0
 walk_over -- validate --export-cases cases --only import/0
-# A row that cannot run is reported, and the other rows run.
+# A row that cannot run must be reported, and the other rows must run.
 walk_over --loose-output -- bench --quick --suite tick --filter tick
 finish

@@ -1,21 +1,22 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One allocation, open or read of a campaign fails, in the process that compares or in a worker.
-# Then the bundle is complete and says EQUAL, or there is none and the status is 2 or 3 with a
-# message. The status is never 1: a worker without memory, descriptors or files is no evidence
-# about its backend. Some faults are drawn with the printed seed; with OST_TEST_LONG=1 all of a
-# worker and 100 of each kind of the process that compares.
+# Makes one allocation, open or read of a campaign fail, in the process that compares or in a
+# worker. Then either the bundle must be complete with the verdict EQUAL, or there must be no bundle
+# and the status must be 2 or 3 with a message. The status must never be 1, because a worker without
+# memory, descriptors or files is no evidence about its backend. The faults are chosen at random,
+# and the seed is printed. With OST_TEST_LONG=1, all faults of a worker are tested, and 100 faults
+# of each type in the process that compares.
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
 
 one='cpu:isa=scalar,threads=1'
-# Files that contain times or the environment. The lists of software are complete, or there is
-# no bundle.
+# These files contain times or the environment. The lists of software must be complete, or there
+# must be no bundle.
 varying=audit.log:environment.json:junit.xml:manifest.json:report.html:times.json
 
-# walk_campaign KIND PROCESSES ARGUMENT...: K-th calls of KIND fail in the processes that OST_FAIL_IN=PROCESSES selects
-# (--quiet: the one that compares)
+# walk_campaign KIND PROCESSES ARGUMENT...: makes calls of type KIND fail in the processes that OST_FAIL_IN=PROCESSES
+# selects (--quiet selects the process that compares)
 walk_campaign() {
     kind=$1
     processes=$2
@@ -23,8 +24,8 @@ walk_campaign() {
     walk_over --kind $kind --in "$processes" --loose $varying -- validate --jobs 1 --backends "ref;$one" --quiet --out bundle "$@"
 }
 
-# Fails each allocation of the lists of software: no list may lack a library or have another
-# digest.
+# Makes each allocation for the lists of software fail. No list may lack a library or have a
+# different digest.
 checks=$((checks + 1))
 "$walk" --runs 0 "$library" "$build/tests/faults/write_software" || fail "the lists of software"
 

@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One open or read of a command fails (no descriptor, or an I/O error). The status must be the
-# one without the fault, or 2 or 3 with a message; files must be right or absent. For osteon
-# verify each call fails in turn; the status must never be 1, which means that a bundle was
-# changed. For other verbs that read files some calls fail, drawn with the printed seed, or all
-# with OST_TEST_LONG=1. OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
+# Makes one open or read of a command fail, because there is no descriptor or because of an I/O
+# error. The status must be the status without the fault, or 2 or 3 with a message, and files must
+# be right or absent. For osteon verify each call fails in turn, and the status must never be 1,
+# which would mean that a bundle was changed. For other verbs that read files, randomly chosen calls
+# fail, and the seed is printed; with OST_TEST_LONG=1 each call fails in turn. OST_TEST_ONLY=TEXT
+# selects the commands that contain TEXT.
 # Covers: REQ-REGULAR-FILES
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
@@ -19,7 +20,7 @@ walk_over --kind read -- verify "$scratch/bundle"
 make_inputs
 sample 1
 
-# each ARGUMENT...: walks a command whose opens fail with EMFILE and with EIO
+# each ARGUMENT...: runs `walk` on a command whose opens fail with EMFILE and with EIO
 each() {
     OST_FAIL_ERRNO=24 walk_over --kind open --loose .session -- "$@"
     OST_FAIL_ERRNO=5 walk_over --kind open --loose .session -- "$@"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Mesh files with more triangles than the documented limit must be refused before memory is
-# allocated for them. The address space is 1 GB here, and the files would need 3 GB or more.
+# allocated for them. The test limits the address space to 1 GB; the files would need 3 GB or more.
 # Covers: REQ-MESH-LIMITS
 . "${srcdir:-.}/tests/app/lib.sh"
 need_part assimp "no meshes without assimp"
@@ -19,7 +19,8 @@ within_limit() {
     echo "$? $(cat err)"
 }
 
-# A binary STL of 80,000,000 triangles (0x04c4b400). Only its first bytes are stored on the disk.
+# Makes a binary STL of 80,000,000 triangles (0x04c4b400). Only its first bytes are stored on the
+# disk.
 {
     head -c 80 /dev/zero
     printf '\000\264\304\004'
@@ -29,7 +30,7 @@ if dd if=/dev/null of=huge.stl bs=1 seek=4000000084 2>/dev/null; then
         "2 osteon info: huge.stl: byte 80: 80000000 triangles; at most 8388608 are read: simplify the mesh"
     rm huge.stl
 fi
-# The same number of triangles in a shorter file, which is refused because of its size alone.
+# Makes a shorter file with the same number of triangles, which must be refused because of its size.
 {
     head -c 80 /dev/zero
     printf '\000\264\304\004'
@@ -38,7 +39,8 @@ fi
 check "80 million triangles that are not there" "$(within_limit short.stl)" \
     "2 osteon info: short.stl: byte 80: the header states 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
 
-# An OBJ of 19 MB. Its polygons of 900 corners, at two bytes per corner, make 9,000,000 triangles.
+# Makes an OBJ of 19 MB. Its polygons have 900 corners, with two bytes per corner, and give
+# 9,000,000 triangles.
 awk 'BEGIN {
     for (i = 0; i < 9; i++) printf "v %d %d 0\n", 10 * (i % 3), 10 * int(i / 3)
     for (i = 0; i < 100; i++) corners = corners " 1 2 3 4 5 6 7 8 9"

@@ -9,14 +9,14 @@ cp "$build/.libs/thesis_f32.so" . || {
     exit 77
 }
 
-# The reference must equal its own dump. The thesis' backend differs, and in the same way as a
-# plugin and as its dump.
+# The reference must equal its own dump. The thesis' arithmetic must differ, in the same way as a
+# plugin and as a dump of this plugin.
 run 0 validate --worker ref --dump same --only import/1
 run 0 compare same --json
 check "equal" "$(value equal)" true
 run 1 compare plugin:./thesis_f32.so --only import/1 --json
 has stages.0.different_voxels margins.0.stages.0.bins.21 margins.0.stages.0.max_2_20
-# Class and position must be those that validate reports.
+# The class and the position must be those that osteon validate reports.
 place() { for key in stage class class_hint chunk.0 chunk.1 chunk.2 voxel.0 voxel.1 voxel.2 reference got; do value "$1.0.$key"; done; }
 place cases >compared
 run 1 validate --backends plugin:./thesis_f32.so --only import/1 --json
@@ -52,9 +52,9 @@ own="--only user --ct ct.txt --cubic 0.7 --tool builtin:peg"
 }
 refuse 2 "needs --ct, --tool or --path" compare own --cubic 0.7
 
-# A margin derived by hand: the sample at 2.3 mm on a lattice of 1 mm would leave its voxel, which
-# ends at 2.5 mm, if it moved by 0.2 of a voxel: floor(0.2 * 2^20) = 209715. The dump has no
-# sample in voxel (2, 1, 1).
+# Tests a margin derived by hand. The sample at 2.3 mm on a lattice of 1 mm would leave its voxel,
+# which ends at 2.5 mm, if it moved by 0.2 of a voxel. The margin is floor(0.2 * 2^20) = 209715. The
+# dump has no sample in voxel (2, 1, 1).
 awk 'BEGIN { for (k = 0; k < 5; k++) for (j = 0; j < 6; j++) for (i = 0; i < 7; i++)
     print (i == 2 && j == 1 && k == 1 ? 2.3 : i), j, k, 200 + i + 10 * j + 100 * k }' >off.txt
 run 0 validate --worker ref --dump moved --only user --ct off.txt --spacing 1,1,1 --tool builtin:peg
@@ -108,7 +108,8 @@ run 0 validate --worker ref --dump refused --only reach/2
 run 2 compare refused
 grep -q "no grid of these cases found" err || fail "a dump of a refused import: $(cat err)"
 
-# With > instead of >= at the threshold, the class must be named, and every voxel at the border differs.
+# If the threshold is compared by > instead of >=, every voxel at the threshold differs, and the class
+# must be reported.
 if command -v python3 >/dev/null; then
     run 0 validate --export-cases thresholds --only import/1
     cp -r same greater
@@ -125,7 +126,7 @@ END
     case $(value cases.0.class_text) in *"the threshold itself, are missing and nothing denser: > in place of >="*) ;; *) fail "> for >=: $(value cases.0.class_text)" ;; esac
     check "> for >=: voxels, on the border, unexplained" "$(value margins.0.stages.0.voxels) $(value margins.0.stages.0.bins.0) $(value margins.0.stages.0.unexplained)" \
         "$(cat count) $(cat count) 0"
-    # One voxel of another density is a different mistake.
+    # A single voxel with a different density is another type of mistake.
     printf '\0\0' | dd of=greater/import-1/chunks.raw bs=1 seek=$((2 * $(python3 -c '
 import array, sys
 v = array.array("h", open(sys.argv[1], "rb").read()); print(v.index(max(v)))' greater/import-1/chunks.raw))) conv=notrunc 2>/dev/null
@@ -175,7 +176,8 @@ for file in cases.json poses-1/case.json poses-1/samples.txt poses-1/path.csv po
 done
 refuse 2 "inputs: File exists" validate --export-cases inputs --only poses/1
 
-# A Python program computes the steps before the voxels from docs/spec/arithmetic.md alone.
+# A Python program that was written only from docs/spec/arithmetic.md computes the steps before the
+# voxels.
 if command -v python3 >/dev/null; then
     steps=$source_folder/examples/dump/steps.py
     for family in steps sweep mesh; do

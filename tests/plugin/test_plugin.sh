@@ -10,7 +10,7 @@
 # mirror.so is linked to the library, and so are other plugins.
 LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
-# A crash must end the process, even if a sanitizer would report it instead.
+# A crash must end the process, so sanitizers must not handle it.
 ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}handle_segv=0
 export ASAN_OPTIONS
 for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses old_table; do
@@ -49,7 +49,7 @@ for case in import/1 mesh/1 sweep/1; do
     check "$case equal" "$(value equal)" true
 done
 
-# The same must hold if each stage receives the reference's grids.
+# The same must be true if each stage receives the reference's grids.
 run 0 compare plugin:mirror.so --only sweep/1 --apart
 
 # fails WHAT TEXT CASE: checks that an error at run time is reported in a line with TEXT and fails
@@ -65,8 +65,8 @@ fails lost "the device?went away" sweep/1
 fails report "reported chunk -3" sweep/1
 fails stats "-1 active chunks" sweep/1
 fails voxelize "but no object" mesh/1
-# Steps that a plugin computes itself must be compared and named. An older table has no slot for
-# the steps and receives the host's.
+# Steps that a plugin computes itself must be compared, and a wrong step must be named. A plugin
+# with an older table has no slot for the steps and receives the host's steps.
 fails snap "snap 0: mesh digest is" mesh/1
 fails steps "steps 0: step yz (pose 1) is" sweep/1
 run 0 validate --only sweep/1 --backends plugin:mirror.so
@@ -77,7 +77,8 @@ grep -q '^ *supplied by src/core and not compared: sweep, map, boxes, poses and 
 refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
 refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
 
-# The example, built as a user would build it, must behave like the one that make check built.
+# The example plugin, built as a user would build it, must behave like the one that make check
+# built.
 if [ "${MAKE:-}" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     cp -r "$source_folder/examples/plugin" example
     chmod -R u+w example

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Links osteon with an OpenCL program in which one line of a kernel is changed. osteon validate
-# must detect the change, locate and classify the difference, and write a small case that one
-# command reproduces. On the unchanged kernel the same case must be equal.
+# Links osteon with an OpenCL program in which one line of a kernel is changed. osteon validate must
+# detect the change, locate and classify the difference, and write a small case that one command
+# reproduces. With the unchanged kernel, the result of this case must be equal.
 #
 #   kernels --one line changed--> tests/validation/osteon_broken --validate--> bundle
 #

@@ -22,7 +22,7 @@ refuse 2 "must be I/N" validate --shard 3/2 --out c
 refuse 2 "plonk" validate --backends plonk --out c
 refuse 2 "--worker needs --trace or --dump" validate --worker ref
 refuse 2 "not a folder" verify nowhere
-# With only the reference, nothing is compared, and no file may say that anything is equal.
+# If only the reference runs, nothing is compared, and no file may state that anything is equal.
 run 3 validate --only import/0 --backends ref --out alone
 check "why" "$(cat err)" "osteon validate: nothing was compared: no backend other than the reference ran a case that the reference accepted"
 check "what the reference alone is called" "$(sed -n 's/^  verdict  *//p' out)" "NOT COMPARED (a reduced run: no evidence)"
@@ -35,8 +35,9 @@ grep -q "manifest.json is missing" out || fail "an empty folder: $(cat out)"
 [ ! -e c ] || fail "an output appeared"
 check "what is left beside the bundle" "$(find . -maxdepth 1 -name '*.part-*' | wc -l | tr -d ' ')" 0
 
-# noticed STATUS WHAT NAME: checks that verify finds folder x changed (1) or incomplete (2) and
-# names NAME. For every file, the first byte, the middle byte and the last byte are changed.
+# noticed STATUS WHAT NAME: checks that verify reports the folder x as changed (1) or incomplete (2)
+# and names the file NAME. For every file, the first byte, the middle byte and the last byte are
+# changed.
 noticed() {
     checks=$((checks + 1))
     "$osteon" verify x >out 2>err

@@ -7,7 +7,7 @@ root=${srcdir:-.}
 ledger=$root/docs/qualification/gates.md
 status=0
 
-# named FILE: prints the names after "gate" and "check"; fuzz-${target##*/} is printed as
+# named FILE: prints the names after "gate" and "check". The name fuzz-${target##*/} is printed as
 # fuzz-*.
 named() {
     sed -nE 's/^[[:blank:]]*(gate|check) "?([a-z][a-z-]*)(\$\{[^}]*\})?"? .*/\2\3/p' "$1" | sed 's/\$.*/*/' | sort -u

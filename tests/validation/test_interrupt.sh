@@ -44,7 +44,7 @@ for signal in INT:2 TERM:15 HUP:1; do
     nothing_left "SIG$signal"
 done
 
-# SIGKILL runs no handler. The workers end nevertheless, and traces have no name. The unfinished
+# After SIGKILL no handler runs. The workers must still end, and traces have no name. The unfinished
 # folder remains under a name that shows its state.
 "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
 pid=$!
@@ -72,15 +72,15 @@ end_worker() {
     kill -"$1" "$(workers cpu | sed -n '1s,/proc/\([0-9]*\)/cmdline,\1,p')"
     wait $pid
 }
-# A worker that crashes fails its current case; the other cases run.
+# If a worker crashes, its current case fails, and the other cases must run.
 end_worker SEGV
 check "status after a worker's crash" $? 1
 check "verdict after a worker's crash" "$(value equal)" false
 check "crashed cases" "$(value results.crashed)" 1
 nothing_left "a worker's crash"
 
-# SIGKILL comes from outside, usually from the kernel when memory runs out, and is no evidence
-# about the backend. Therefore there is no verdict, and the status is 2 (formerly 1, "crashed").
+# A SIGKILL comes from another process or from the kernel, usually because memory is exhausted, and
+# is no evidence about the backend. Therefore there must be no verdict, and the status must be 2.
 end_worker KILL
 check "status after a worker's death" $? 2
 checks=$((checks + 1))

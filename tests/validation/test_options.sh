@@ -30,7 +30,8 @@ if [ -e "$build/.libs/mirror.so" ]; then
     checks=$((checks + 1))
     grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "another result than the bundle's: $(cat out)"
 
-    # A backend that does not end is stopped after the limit, and its case has a verdict of its own.
+    # A backend that does not end must be stopped after the limit, and its case must have a verdict
+    # of its own.
     run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
     check "late" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
     check "the other backend" "$(value results.equal)" 1

@@ -52,8 +52,8 @@ else
     echo "no python3: the form of sbom.spdx.json is not checked"
 fi
 
-# No field of the list may refer the reader elsewhere, and independent checkers must accept the
-# bill of materials.
+# No field of the list may refer the reader to another document, and independent checkers must
+# accept the bill of materials.
 checks=$((checks + 2))
 ! grep -q 'see its package\|not known here' b/soup.csv || fail "soup.csv: $(grep 'see its package\|not known here' b/soup.csv | head -n 2)"
 ! grep -q '"supplier": "NOASSERTION"' b/sbom.spdx.json || ! command -v dpkg-query >/dev/null || fail "a package without its supplier: $(grep -c '"supplier": "NOASSERTION"' b/sbom.spdx.json)"

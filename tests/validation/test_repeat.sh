@@ -7,7 +7,7 @@
 #
 #   one run == another run == shards 1/3, 2/3, 3/3 --merge-->
 #
-# test_bundle.sh does the same with a few cases. This test takes minutes and runs only with
+# test_bundle.sh tests the same with a few cases. This test takes minutes, so it runs only with
 # OST_TEST_LONG=1. OST_TEST_TIER selects another tier.
 # Covers: REQ-EVIDENCE REQ-SHARDS
 . "${srcdir:-.}/tests/app/lib.sh"

@@ -30,7 +30,7 @@ check "checked" "$(value signatures_checked)" true
 check "its meaning" "$(value signatures.0.meaning)" "performed as the protocol says"
 check "its key" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
 
-# A reviewer signs as well, with an encrypted key of the other kind.
+# A reviewer also signs, with an encrypted key of the other type.
 sleep 1
 run 0 sign b --key reviewer.key --by "A. Reviewer" --meaning "reviewed and accepted"
 sleep 1
@@ -55,14 +55,14 @@ refuse 2 "--sign needs --out" validate --sign tester.key
 refuse 2 "line of UTF-8" sign b --key tester.key --meaning "$(printf 'two\nlines')"
 if grep -rl "PRIVATE KEY" b; then fail "a private key is in the bundle"; fi
 
-# The bundle's own digest is the same with and without signatures.
+# The digest of the bundle must be the same with and without signatures.
 run 0 validate --only import/0 --backends "$one" --out plain --quiet
 check "results_root" "$("$json_get" results_root <b/manifest.json)" "$("$json_get" results_root <plain/manifest.json)"
 run 1 verify plain --trust trusted
 grep -q "signatures/ has no signature" out || fail "no signature: $(cat out)"
 
-# Independent verification: the PAE (pre-authentication encoding) is computed here, and openssl
-# verifies the signature.
+# Verifies the signature independently: the test computes the PAE (pre-authentication encoding), and
+# openssl verifies the signature.
 "$python" - b trusted <<'PY' || fail "openssl and the specification do not agree"
 import base64, glob, hashlib, json, subprocess, sys
 bundle, keys = sys.argv[1:]
@@ -152,10 +152,10 @@ rm -rf x y; cp -r b x
 run 1 verify x --trust trusted/reviewer.pem
 check "signers that are not trusted" "$(grep -c 'by no trusted key' out)" 2
 run 1 verify x --trust stranger.pem
-# A signature by a trusted key is valid, but belongs to another bundle.
+# Tests a valid signature by a trusted key that belongs to another bundle.
 run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet
 fresh; rm "$envelope"; cp other/signatures/* x/signatures/; broken "about another bundle"
-# Without --trust the contents of the envelope are still compared.
+# The contents of the envelope must be compared even without --trust.
 run 1 verify x
 grep -q "about another bundle" out || fail "another bundle's envelope without --trust: $(cat out)"
 # osteon sign must refuse a changed bundle and a bundle with broken signatures.

@@ -54,7 +54,7 @@ run 0 validate --merge shards --out merged --json
 check "passed in the merged bundle" "$(value suite.passed)" 1
 run 0 verify merged
 
-# If no test ran, there is no evidence.
+# If no test ran, there must be no evidence.
 printf '#!/bin/sh\nexit 77\n' >suite/tests/run-test
 run 3 $campaign --with-suite suite --out none
 checks=$((checks + 1))
@@ -138,7 +138,7 @@ run 1 verify without
 checks=$((checks + 1))
 grep -q 'suite.json belongs to no bundle of this protocol' out || fail "a suite put in: $(cat out)"
 
-# The build's own program must run a test as make check does.
+# The program tests/run-test of the build must run a test in the same way as make check.
 if [ -x "$build/tests/core/test_pose" ]; then
     "$build/tests/run-test" tests/core/test_pose.c >out 2>&1
     check "tests/run-test tests/core/test_pose.c" $? 0

@@ -32,7 +32,8 @@ for stage in 0 1 2 3; do
     grep -q "\"$(value "stages.$stage.name")\": \"$(value "stages.$stage.sha256")\"" b/protocol.json || fail "stage $(value "stages.$stage.name") of import is not in protocol.json"
 done
 
-# verify computes the results again from the files alone, in any order, and not from other files.
+# verify must compute the results again from the user's files, given in any order. Other files must
+# be refused.
 run 0 verify b
 run 0 verify b --rerun --path $path --tool $mesh --ct second.nrrd --ct $ct --json
 check "made again" "$(value rerun)" true
@@ -64,7 +65,7 @@ run 0 validate --only user --backends "$one" --tool $mesh --shard 1/1 --out alon
 run 0 validate --merge alone --out single
 check "merge of one" "$(head -n 1 out)" "EQUAL: 1 case from 1 shard"
 
-# A case that is a part of a user's case needs the files; without them it is refused.
+# A reduced case of a user's files needs these files; without them it must be refused.
 echo '{"osteon_case": 1, "id": "user/1", "tier": "smoke", "seed": "1", "keep": {"crop": [[2, 0, 0], [20, 18, 12]], "ticks": [[0, 9]], "no_tools": [1]}}' >part.json
 run 0 validate --case part.json --backends "$one" --ct $ct --tool $mesh --tool builtin:burr --path $path --json
 check "part" "$(value equal)" true
