@@ -31,7 +31,7 @@ def links(path):
 
 
 def main():
-    """Prints a line for each fault; returns the exit status."""
+    """Prints a line for each fault. Returns the exit status."""
     os.chdir(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("srcdir", "."))
     pages = sorted(glob.glob("*.md") + [page for folder in ("docs", "examples", "presets")
                                         for page in glob.glob(folder + "/**/*.md", recursive=True)])

@@ -6,8 +6,8 @@
     steps.py cases my-dump
     osteon compare my-dump
 
-It implements sections 9, 11 and 12 of docs/spec/arithmetic.md with Python's integers, which have any
-width; it needs nothing but Python 3.9.  The rows of path.csv already contain the turn of a motor.
+This program implements sections 9, 11 and 12 of docs/spec/arithmetic.md with Python's integers, which have
+any width.  It needs only Python 3.9.  The rows of path.csv already contain the rotation of a motor.
 docs/spec/dumps.md describes the files.
 """
 import csv
@@ -18,11 +18,11 @@ import struct
 import sys
 from fractions import Fraction
 
-VERTICES_MAX = 65536  # of a snap file
+VERTICES_MAX = 65536  # maximum number of vertices in a snap file
 
 
 def rhe(numerator, denominator=1):
-    """AR-INT-2: the nearest integer; of two equally near ones, the even one."""
+    """Returns the nearest integer, or the even one of two equally near integers (AR-INT-2)."""
     return round(Fraction(numerator, denominator))  # Python rounds halves to even
 
 
@@ -43,7 +43,7 @@ def read_obj(name):
 
 
 def tool_grid(meshes, s):
-    """AR-TOOL-2: the dims and the corner of the grid around all meshes."""
+    """Returns the dims and the corner of the grid around all meshes (AR-TOOL-2)."""
     used = [v[i] for v, triangles in meshes for t in triangles for i in t]
     corner = [rhe(2 * min(c) - s, 2 * s) * s - s for c in zip(*used)]
     far = [rhe(2 * max(c) + s, 2 * s) * s + s for c in zip(*used)]
@@ -51,7 +51,7 @@ def tool_grid(meshes, s):
 
 
 def snap(mesh, dims, corner, s):
-    """AR-MESH-3, AR-MESH-4 and AR-DIG-7: a mesh of snap-N.json, and its vertices."""
+    """Returns a mesh of snap-N.json and its vertices (AR-MESH-3, AR-MESH-4, AR-DIG-7)."""
     vertices, triangles = mesh
     f = max(n for n in range(11) if max(dims) << n <= 1 << 20)
     used = {i for t in triangles for i in t}
@@ -82,7 +82,7 @@ def norm(q):
 
 
 def rotation(q):
-    """AR-POSE-4: M, whose quotient by norm(q) is the rotation."""
+    """Returns the matrix M of AR-POSE-4. M divided by norm(q) is the rotation."""
     w, x, y, z = q
     return [[w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
             [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
@@ -90,13 +90,13 @@ def rotation(q):
 
 
 def image(pose, c):
-    """AR-SWEEP-1: the image of a corner."""
+    """Returns the position of a corner at a pose (AR-SWEEP-1)."""
     t, q = pose[:3], pose[3:]
     return [rhe(sum(m * v for m, v in zip(row, c)), norm(q)) + t[a] for a, row in enumerate(rotation(q))]
 
 
 def pose_count(a, b, tool, s):
-    """AR-SWEEP-2, AR-SWEEP-3: the number of poses from a to b; None is an error."""
+    """Returns the number of poses from a to b, or None if the motion is refused (AR-SWEEP-2, AR-SWEEP-3)."""
     p = sum(x * y for x, y in zip(a[3:], b[3:]))
     if 2 * p * p < norm(a[3:]) * norm(b[3:]):
         return None
@@ -111,7 +111,7 @@ def pose_count(a, b, tool, s):
 
 
 def pose_between(a, b, k, n):
-    """AR-SWEEP-4: pose k of n."""
+    """Returns pose k of n (AR-SWEEP-4)."""
     if sum(x * y for x, y in zip(a[3:], b[3:])) < 0:
         b = b[:3] + [-c for c in b[3:]]
     return [rhe((n - k) * x + k * y, n) for x, y in zip(a, b)]
@@ -132,7 +132,7 @@ def events(ticks, world, tools, s):
         elif due:
             a, turn = turns[tick["tool"]]
             n = pose_count(a, b, tools[tick["tool"]], s) if turn <= 60 * 10**9 // 4 else None
-            if n is None:  # the world stays as before the tick
+            if n is None:  # a refused tick does not change the world
                 yield True, None
                 continue
             poses = [b] if n == 1 else [pose_between(a, b, k, n) for k in range(1, n + 1)]
@@ -146,7 +146,7 @@ def events(ticks, world, tools, s):
 
 
 def pairs(ticks, world, tools, s):
-    """The same for a case with the member "bone", in which each tick sweeps from the tick before it."""
+    """Does the same for a case with the member "bone", in which each sweep begins at the previous tick."""
     for before, tick in zip([None] + ticks, ticks):
         a, b, n = None, tick["pose"], 1
         if before and before["tool"] == tick["tool"] and not tick["lifted"] and world["sweep"]:
@@ -159,7 +159,7 @@ def pairs(ticks, world, tools, s):
 
 
 def pose_of(pose, bone, tool):
-    """AR-MAP-1 to AR-MAP-5: a pose of steps-N.json."""
+    """Returns a pose of steps-N.json (AR-MAP-1 to AR-MAP-5)."""
     t, m, n = pose[:3], rotation(pose[3:]), norm(pose[3:])
     s, one = bone["spacing"], 1 << 20
     divisor = n * tool["voxel"]
@@ -179,7 +179,7 @@ def pose_of(pose, bone, tool):
 
 
 def bone_grid(case):
-    """AR-CUB-1: the bone's grid; cases of the family "steps" have it already."""
+    """Returns the bone's grid (AR-CUB-1). Cases of the family "steps" already contain it."""
     if "bone" in case:
         grid = case["bone"]
         return {"dims": grid["dims"], "spacing": grid["spacing_pm"][0], "origin": grid["origin_pm"]}
@@ -189,7 +189,7 @@ def bone_grid(case):
 
 
 def read_path(name):
-    """AR-POSE-2, AR-PATH-3: the ticks of path.csv."""
+    """Returns the ticks of path.csv (AR-POSE-2, AR-PATH-3)."""
     ticks = []
     with open(name, encoding="ascii") as file:
         for row in csv.DictReader(file):

@@ -23,7 +23,7 @@ def comment_before(lines, at):
     while first > 0 and not lines[first].lstrip().startswith("/*"):
         first -= 1
     if not lines[first].startswith("/*"):
-        return None  # it belongs to the declaration before
+        return None  # the comment belongs to the previous declaration
     return " ".join(line.strip(" */") for line in lines[first:at]).strip()
 
 
@@ -42,7 +42,7 @@ def members_documented(lines, at):
 
 
 def faults_of(path):
-    """Yields a line for each fault of a header, and counts what was checked in the last one."""
+    """Yields a line for each fault of a header. The last line contains the number of checked declarations."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().split("\n")
     for at, line in enumerate(lines):
@@ -61,7 +61,7 @@ def faults_of(path):
 
 
 def main():
-    """Prints a line for each fault; returns the exit status."""
+    """Prints a line for each fault. Returns the exit status."""
     folder = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.environ.get("srcdir", "."), "include", "osteon")
     results = [result for path in sorted(glob.glob(os.path.join(folder, "*.h"))) for result in faults_of(path)]
     faults = [text for text, _ in results if text]

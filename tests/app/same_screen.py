@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""same_screen.py XWD X Y PNG: checks that the middle of the picture is on the screen, with its upper left corner at X, Y."""
+"""same_screen.py XWD X Y PNG: checks that the screen shows the middle of the picture, if the picture's upper left corner
+is at X, Y."""
 import struct
 import sys
 import zlib
 
 
 def screen(path):
-    """Returns the rows of bytes and the bytes per row of a file that Xvfb -fbdir writes: 32 bits per pixel, blue first."""
+    """Returns the rows and the number of bytes per row of a file that Xvfb -fbdir writes. A pixel has 32 bits, blue first."""
     data = open(path, "rb").read()
     head = struct.unpack(">25I", data[:100])
     size, width, height, order, bits, line, colours = head[0], head[4], head[5], head[7], head[11], head[12], head[19]

@@ -64,7 +64,7 @@ def random_indices(image):
 
 
 def compare(ours, theirs):
-    """Compares random voxels; returns (why they differ or None, greatest distance of two centres in mm)."""
+    """Compares random voxels. Returns (description of a difference or None, greatest distance of two centres in mm)."""
     if sorted(ours.values.shape) != sorted(theirs.values.shape):
         return f"{ours.values.shape} voxels, not {theirs.values.shape}", 0
     at = random_indices(ours)
@@ -84,7 +84,7 @@ def compare(ours, theirs):
 
 
 def interpolate(image, points):
-    """Interpolates linearly between voxel centres; outside of the centres, the nearest ones are used."""
+    """Interpolates linearly between voxel centres. Outside of the outermost centres, the nearest values are used."""
     at = indices_at(image, points)
     low = np.clip(np.floor(at), 0, np.maximum(np.array(image.values.shape) - 2, 0)).astype(int)
     part = np.clip(at - low, 0, np.minimum(1, np.array(image.values.shape) - 1))
@@ -128,7 +128,7 @@ def compare_resampled(bone, theirs):
 
 
 class Case:
-    """The comparison of one input: what differs, what is worth a note, and what agrees."""
+    """The result of comparing one input: differences, notes, and agreements."""
 
     def __init__(self, path, scratch):
         self.path = path
@@ -272,7 +272,7 @@ def generate(folder):
 
 
 def find_inputs(folder):
-    """Returns the volumes below a folder: files of a known kind, and folders that contain DICOM files themselves."""
+    """Returns the volumes below a folder: files of supported types, and folders that directly contain DICOM files."""
     found = []
     for path, folders, names in os.walk(folder):
         folders.sort()

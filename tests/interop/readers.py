@@ -28,7 +28,7 @@ class Unreadable(Exception):
 
 
 def dicom_files(folder):
-    """Returns the files below a folder that begin as DICOM files do."""
+    """Returns the files below a folder that begin like DICOM files."""
     found = []
     for path, _, names in os.walk(folder):
         for name in names:
@@ -66,7 +66,7 @@ def nrrd_data(path, text):
 
 
 def read_plain(path):
-    """Reads an NRRD, raw or gzip. LPS is assumed unless the space names the patient's axes."""
+    """Reads an NRRD, raw or gzip. If the space does not name the patient's axes, LPS is assumed."""
     with open(path, "rb") as file:
         head, _, data = file.read().partition(b"\n\n")
     fields = dict(line.split(": ", 1) for line in head.decode().split("\n")[1:] if ": " in line)
@@ -182,7 +182,7 @@ def kind_of(path):
 
 
 def read_all(path):
-    """Returns {name of a reader: Image} and {name: why not} of the readers that are for this kind of file."""
+    """Returns {name of a reader: Image} and {name of a reader: reason for a failure} for the readers of this type of file."""
     kind, images, refused = kind_of(path), {}, {}
     for name, (read, kinds) in READERS.items():
         if kind not in kinds:

@@ -100,7 +100,7 @@ class Pose:
 
 
 def least_root(ratio):
-    """Returns the least n >= 1 with n^2 >= ratio."""
+    """Returns the smallest n >= 1 with n^2 >= ratio."""
     n = max(1, math.isqrt(ratio.numerator // ratio.denominator))
     while n * n < ratio:
         n += 1

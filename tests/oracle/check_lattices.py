@@ -89,8 +89,8 @@ def axis_coordinates(rng, step):
 
 
 def facts(rng, grid):
-    """Returns comments with facts: mostly true, sometimes repeated, false or broken. `grid` is the grid
-    of the samples, or None."""
+    """Returns comments with facts. Most facts are true; some are repeated, false or broken. `grid` is the grid of the
+    samples, or None."""
     lines = []
     if grid is None or rng.random() < 0.6:
         return lines

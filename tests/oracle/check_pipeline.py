@@ -196,7 +196,7 @@ def imports(runner):
     check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
     check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
                                                   head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
-    # The text has few decimals but contains the spacing as a fact. Therefore the third of a voxel
+    # The text has few decimals, but contains the spacing as a fact. Therefore the third of a voxel
     # that rounding hides in the first layer is determined.
     check_import(runner, "origin-in-text", ct_text(rng, (12, 10, 9), ("0.48828125",) * 3, ("0.02", "0", "0"), 1,
                                                    head="# osteon dims: 12 10 9\n# osteon spacing_mm: 0.48828125 0.48828125 0.48828125\n"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that the bone's position is that of the body, for balls and ellipsoids in CTs of random position and spacing.
+"""Checks that a bone has the position of the body from which it is made, for balls and ellipsoids in random CTs.
 
     body (mm) --partial volumes--> CT.nrrd --osteon import--> BONE.nrrd --> centroid, volume
 
@@ -39,7 +39,7 @@ import time
 from itertools import accumulate
 
 RULES = ("linear", "nearest", "thesis")
-SUB = 3  # columns per voxel along x and along y; along z the fraction is exact
+SUB = 3  # number of columns per voxel along x and along y; along z the fraction is exact
 
 
 def ct_of(centre, radii, spacing, margin=2):
@@ -158,8 +158,8 @@ def lattice(rng, least=0.4):
 
 
 def beats(spacing, cubic):
-    """Returns True if the cubic voxel is nearly but not exactly the CT's. The same fraction f then
-    occurs all over a face."""
+    """Returns True if the cubic voxel has nearly, but not exactly, the size of the CT's voxel. The same fraction f then
+    occurs on the entire face."""
     return any(s != cubic and abs(s / cubic - 1) < 0.15 for s in spacing)
 
 

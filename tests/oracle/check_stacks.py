@@ -54,7 +54,7 @@ def ordered(names):
 
 
 def rect_of(slices, spacing, code, clamp):
-    """slices: {name: (width, height, bits, rows)}. Returns the grid in LPS."""
+    """Returns the grid in LPS. slices is {name: (width, height, bits, rows)}."""
     names = ordered(sorted(slices))
     width, height, bits, _ = slices[names[0]]
     if any(slices[name][:3] != (width, height, bits) for name in names):

@@ -44,7 +44,7 @@ def orient(sizes, directions, origin):
     (a, b, c), (d, e, f), (g, h, i) = directions
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) == 0:
         raise oracle.Refused("no space")
-    best = max(itertools.permutations(range(3)),  # in the document's order; max returns the first of equal ones
+    best = max(itertools.permutations(range(3)),  # in the document's order, because max returns the first of equal values
                key=lambda keeps: abs(directions[0][keeps[0]] * directions[1][keeps[1]] * directions[2][keeps[2]]))
     axis = [best.index(w) for w in range(3)]
     spacing = [abs(directions[axis[w]][w]) for w in range(3)]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A second implementation of the arithmetic of osteon: numbers, texts, grids, chunks, digests.
 
-It is written from docs/spec/arithmetic.md alone, in Python's integers and fractions, without
-regard to speed. Every rule is implemented as the document states it, and its identifier is given.
+It was written only from the text of docs/spec/arithmetic.md, with Python's integers and fractions, without
+regard to speed. Every rule is implemented as the document states it, next to its identifier.
 This implementation and the C library have only the document in common. If they differ, one of
 the two (or the document) is wrong.
 
@@ -185,8 +185,7 @@ class Text:
 
     @staticmethod
     def _fields(line):
-        """AR-CT-1: splits a line into fields, which are separated by blanks, of which one may be a comma or
-        semicolon."""
+        """Splits a line into fields (AR-CT-1). A separator consists of blanks and at most one comma or semicolon."""
         line = line.strip(" \t")
         return re.split(r"[ \t]*[,;][ \t]*|[ \t]+", line) if line else []
 
@@ -234,7 +233,7 @@ class Text:
 
 
 class Axis:
-    """An axis in AR-CT-3: its coordinates, their steps, the unit for which they hold, and the spacing."""
+    """An axis in AR-CT-3: its coordinates, their steps, the unit for which the steps are valid, and the spacing."""
 
     def __init__(self, coordinates, units, rounded=0):
         self.c = sorted(set(coordinates))
@@ -297,7 +296,7 @@ class Axis:
 
 def spacing_from_steps(axes, thirds=False):
     """Performs AR-CT-3 steps 4 and 5 for one axis, and AR-CT-7 for several axes. Returns a spacing or None."""
-    leading = max(axes, key=lambda axis: axis.steps[-1])  # the first of equals
+    leading = max(axes, key=lambda axis: axis.steps[-1])  # the first of equal axes
     ratio = leading.ratio
     ends = [axis.feasible() for axis in axes]
     low, high = max(a for a, _ in ends), min(b for _, b in ends)
@@ -407,7 +406,7 @@ def samples_digest(text):
 
 
 def axis_taps(n, s, c, rule):
-    """Applies AR-CUB-2 to AR-CUB-4 along one axis. Returns for each cubic voxel the rect voxels used,
+    """Applies AR-CUB-2 to AR-CUB-4 along one axis. Returns for each cubic voxel the rect voxels that it is computed from,
     each with its weight (a Fraction)."""
     taps = []
     for i in range(ceil(Fraction(n * s, c))):

@@ -40,7 +40,7 @@ class Pose:
                 (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z))
 
     def image(self, point):
-        """Returns the image of a point of the tool, by AR-SWEEP-1."""
+        """Returns the position of a point of the tool at this pose, by AR-SWEEP-1."""
         return tuple(rhe(Fraction(sum(m * c for m, c in zip(row, point)), self.norm)) + t for row, t in zip(self.matrix, self.t))
 
 
@@ -92,7 +92,7 @@ class Motor:
 
 
 def ticks_of_rows(rows, rpm):
-    """AR-MOTOR-7: converts a device's rows to rows of ticks, which still have device poses."""
+    """Converts the rows of a device to rows of ticks by AR-MOTOR-7. The ticks still have the poses of the device."""
     before = None
     for row in rows:
         m = 1
@@ -224,7 +224,7 @@ def integer(text, least, most):
 
 
 def read_rows(content):
-    """AR-PATH-1 to AR-PATH-3: returns the rows, and whether a column has the name `lifted`."""
+    """Returns the rows by AR-PATH-1 to AR-PATH-3, and whether there is a column `lifted`."""
     names, rows, first = None, [], True
     for line in content.splitlines():
         fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
@@ -254,8 +254,8 @@ def read_rows(content):
 
 
 def read_path(content, max_gap=None):
-    """AR-PATH-4, AR-PATH-5: returns a list of rows, each with a pose. max_gap is None or (T in ns, D in
-    pm), where None means no limit."""
+    """Returns a list of rows with poses by AR-PATH-4 and AR-PATH-5. max_gap is None or (T in ns, D in pm); T or D may be
+    None, which means no limit."""
     rows, says = read_rows(content)
     ticks, lost = [], False
     for row in rows:

@@ -3,8 +3,8 @@
 
 The crossing of a row with a triangle's plane is computed as a fraction and
 compared with voxel centres, whereas the C code evaluates a determinant. The
-ownership rule is checked here against the limit that it represents: a point
-moved by (e, e^2) with small e.
+self-check compares the ownership rule with the limit that the rule represents: a
+point that is moved by (e, e^2) for small e.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ UNIT_PM = {"um": 10**6, "mm": 10**9, "cm": 10**10, "m": 10**12, "inch": 25400000
 
 
 def vertex_pm(value, unit="mm"):
-    """AR-MESH-2: the value is a binary float and is taken exactly."""
+    """Converts a coordinate to picometres by AR-MESH-2. The value is a binary float and is converted exactly."""
     pm = rhe(Fraction(value) * UNIT_PM[unit])
     if abs(pm) > LENGTH_MAX:
         raise Refused("a vertex beyond 8 m")
@@ -88,7 +88,7 @@ def owns(corners, y, z):
 
 
 def crossings(mesh):
-    """AR-VOX-1..3: returns for every owned row (j, k) a list of (first voxel of the crossing, delta)."""
+    """Returns for every owned row (j, k) a list of (first voxel of the crossing, delta), by AR-VOX-1..3."""
     nx, ny, nz = mesh.geometry.dims
     half = Fraction(2**mesh.geometry.fraction_bits, 2)
     rows = {}

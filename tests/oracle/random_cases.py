@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs random cases, each of which is given to the oracle and to a program. Both must agree or both must refuse."""
+"""Runs random cases. Each case is passed to the oracle and to a program, which must agree or both refuse the case."""
 
 import os
 import time

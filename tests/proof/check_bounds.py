@@ -32,7 +32,7 @@ LENGTH = 8 * 10**12
 SPACING = 10**11
 N_MAX = 2**60 + 2**52  # OST_ROTATION_N_MAX, which ost_map_make and ost_sweep_count check
 N_MIN = 2**59
-Q_MAX = 1074815566  # 1.001 * 2^30 + 1
+Q_MAX = 1074815566  # bound of a quaternion's component: 1.001 * 2^30 + 1
 IMAGE = 1386 * 10**10  # bound of a corner's image under a rotation
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes random changes to a bundle of evidence: osteon verify must detect each and name the file.
+"""Makes random changes to a bundle of evidence. osteon verify must detect each change and name the file.
 
     a bundle --one random change--> osteon verify: status 1 (2 if a file is absent) and the file's name --> restored --> the next
 
@@ -171,7 +171,7 @@ class Changes:
 
     def log_forged(self, f):
         lines = f["audit.log"].splitlines(True)
-        del lines[self.rng.randrange(len(lines) - 1)]  # not the last line: a chain without its end is still valid
+        del lines[self.rng.randrange(len(lines) - 1)]  # the last line is excluded, because a chain without its end is still valid
         self.log(f, lines)
         f["manifest.json"] = manifest(f)
         return ["audit.log"]

@@ -63,7 +63,7 @@ class Block:
 
 
 class Page(html.parser.HTMLParser):
-    """Collects the blocks of the page in their order; text belongs to the innermost block."""
+    """Collects the blocks of the page in their order. A text belongs to its innermost block."""
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
@@ -125,7 +125,7 @@ class Section:
 
 
 def sections_of(page):
-    """Splits the page at its headings; the sources of a section are the links of its lines 'From ...'."""
+    """Splits the page at its headings. The sources of a section are the links in its lines 'From ...'."""
     sections = [Section("")]
     for block in page.blocks:
         if block.tag == "h2":
@@ -190,7 +190,7 @@ class Bundle:
 
 
 class Claim:
-    """A section that is being checked; it can open files only through its links."""
+    """A section that is being checked. It can open files only through its links."""
 
     def __init__(self, bundle, section):
         self.bundle, self.section = bundle, section
@@ -907,7 +907,7 @@ def check(bundle, text):
 # ---------------------------------------------------- the check is checked
 
 def figures_of(text):
-    """Returns the position of one digit of each visible figure: between tags, in the body."""
+    """Returns the position of one digit of each visible figure. A figure is visible if it is in the body, between tags."""
     body = text.index("<body")
     places = []
     for between in re.finditer(r">([^<]+)<", text[body:]):
@@ -944,9 +944,8 @@ def examine(folder, rng, figures):
 
 
 def made(scratch):
-    """Makes small bundles with files of the user, with equal and different results. With OST_TEST_LONG
-    also makes a bundle in which nothing was compared, one of a complete tier, and one with
-    margins of every stage."""
+    """Makes small bundles with files of the user, with equal and different results. With OST_TEST_LONG also makes three
+    further bundles: one in which nothing was compared, one of a complete tier, and one with margins of every stage."""
     build = os.getcwd()
     one = "cpu:isa=scalar,threads=1"
     ct = os.path.join(scratch, "ct.txt")

@@ -163,8 +163,8 @@ def equal_said_not_run(f):
 
 
 def lack(f, backend, stage):
-    """In an equal backend's results, marks the first record of a stage as one for which the backend
-    lacks a function."""
+    """Changes the results of an equal backend: marks the first record of a stage as a record for which the backend lacks
+    the function."""
     lines = lines_of(f)
     one = lines[0]
     records = ["case 0 " + one["input_sha256"]] + ["%s %d %s" % (r["stage"], r["item"], r["sha256"]) for r in one["reference"]]
@@ -394,7 +394,8 @@ def tools_nested_deep(f):
 # -------------------------------------- other encodings of the same content, other names
 
 def line_replaced(f, old, new):
-    """Replaces the first occurrence in cases.jsonl as text; json.dumps would write it as osteon does."""
+    """Replaces the first occurrence in the text of cases.jsonl. json.dumps is not used, because it would write the usual
+    form."""
     text = f["cases.jsonl"]
     assert old in text, old
     f["cases.jsonl"] = text.replace(old, new, 1)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of the campaign's structural coverage, from llvm-cov's export.
+"""Makes the tables of the campaign's structural coverage from the export of llvm-cov.
 
   decisions.py SOURCE FOLDER TIER check    fails if a decision is neither reached nor listed, or a listed one is reached
   decisions.py SOURCE FOLDER TIER write    also writes docs/qualification/coverage.csv and coverage.md,
@@ -25,7 +25,7 @@ import re
 import sys
 
 SCOPE = ("src/core/", "src/cpu/", "src/cl/kernels/")
-# Parts that decide no voxel: texts, files, the list and the options of backends, clocks, matrices of floats.
+# Code that determines no voxel value: texts, files, the list and the options of backends, clocks, matrices of floats.
 APART = ("src/core/backend.c", "src/core/clock.h", "src/core/decimal.c", "src/core/file.c", "src/core/isa.c", "src/core/length.c",
          "src/core/memory_stream.c", "src/core/mesh.c", "src/core/mesh_facts.c", "src/core/meta.c", "src/core/path.c", "src/core/pose.c",
          "src/core/pose_doubles.c", "src/core/printable.c", "src/core/report.c",
@@ -119,7 +119,8 @@ def function_at(functions, line):
 
 
 def missing(measured, source):
-    """Returns (file, function, condition, what) of everything that was not reached, except assertions, which never fail."""
+    """Returns (file, function, condition, what) for everything that was not reached. Assertions are omitted, because they
+    never fail."""
     rows = set()
     for name, file in measured.items():
         silent = {f for f, (_, _, count) in file["functions"].items() if count == 0}
@@ -151,7 +152,8 @@ def counts(file):
 
 
 def table_of(data):
-    """Yields file, lines, lines reached, sides of branches, sides reached, conditions, conditions shown by MC/DC."""
+    """Yields for each file: the file, lines, reached lines, sides of branches, reached sides, conditions, and conditions
+    shown by MC/DC."""
     for name in sorted(data):
         if data[name]["functions"]:
             yield (name,) + counts(data[name])
@@ -185,7 +187,7 @@ def reasons_of(path):
 
 
 def check(decisions, reasons, files):
-    """Pairs each decision with its reason; returns the pairs and the number of mistakes, which it prints."""
+    """Pairs each decision with its reason and prints the mistakes. Returns the pairs and the number of mistakes."""
     pairs, mistakes = [], 0
     for decision in sorted(decisions):
         of = [r for r in reasons if r.matches(decision)]

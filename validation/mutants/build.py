@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scratch build, from which single objects and programs are made again with a mutant.
+"""Makes a scratch build, and makes single objects and programs of it again with a mutant.
 
     make V=1 --log--> commands of every object and program
     mutant --overlay/--> objects that its file is in --link--> program
 
-The build's own files are never written to, so that several jobs can use one
+The files of the build are never changed, so that several jobs can use one
 build.  A mutated object is the first on the linker's command line, so that the
-linker does not take the archive's member with the same symbols.
+linker does not use the archive's member with the same symbols.
 """
 import functools
 import os
@@ -25,7 +25,7 @@ class BuildError(Exception):
 
 
 def end_all():
-    """Kills every process group that runs; called by a signal handler."""
+    """Kills every running process group. Called by a signal handler."""
     for group in list(LIVE):
         try:
             os.killpg(group, signal.SIGKILL)
@@ -34,7 +34,7 @@ def end_all():
 
 
 def run(command, cwd, limit, env=None, output=None):
-    """Runs a command in a process group of its own; returns (status, text). status is None after a timeout."""
+    """Runs a command in a process group of its own. Returns (status, text); status is None after a timeout."""
     p = subprocess.Popen(command, cwd=cwd, env=env, stdin=subprocess.DEVNULL, stdout=output or subprocess.PIPE, stderr=subprocess.STDOUT if not output else None,
                          start_new_session=True)
     LIVE.add(p.pid)
@@ -76,13 +76,13 @@ def _words(line):
 
 
 def parse_log(text):
-    """Returns ({object: words of its command}, {program: words of its link command}) of a `make V=1`'s log."""
+    """Returns ({object: words of its command}, {program: words of its link command}) from a log of `make V=1`."""
     objects, programs = {}, {}
     for line in text.splitlines():
         if line.startswith("libtool: compile:"):
             words = shlex.split(line[len("libtool: compile:"):])
         elif re.match(r"(ccache )?\S*(gcc|clang|cc)\S* .*-c -o ", line):
-            # automake's `test -f 'a.c' || echo '../'`a.c
+            # automake writes a source as `test -f 'a.c' || echo '../'`a.c
             words = _words(re.sub(r"`test -f '([^']*)' \|\| echo '([^']*)'`", r"\2", line))
         elif line.startswith("libtool: link:") and " -o " in line:
             words = shlex.split(line[len("libtool: link:"):])
@@ -118,7 +118,7 @@ class Build:
         return None
 
     def _users(self):
-        """Returns {file: objects that it is compiled into}, from the dependency files that the compiler wrote."""
+        """Returns {file: objects that depend on it}, from the dependency files that the compiler wrote."""
         users = {}
         for name, words in self.objects.items():
             found = {self._source_of(words)}
@@ -137,7 +137,7 @@ class Build:
         return users
 
     def _command(self, words, overlay, out):
-        """Returns the compile command with the overlay's files before the tree's, without debug information and warnings."""
+        """Returns the compile command, which uses the overlay's files before the tree's, without debug information and warnings."""
         result, skip = [], 0
         for i, word in enumerate(words):
             if skip:
@@ -177,11 +177,11 @@ class Build:
         return path
 
     def objects_of(self, file, within=None):
-        """Returns the objects that a file is compiled into, only those of `within` (a prefix or a tuple of them)."""
+        """Returns the objects that depend on a file and whose names begin with `within`, a prefix or a tuple of prefixes."""
         return sorted(o for o in self.users.get(file, []) if within is None or o.startswith(within))
 
     def compile(self, names, overlay, folder, limit=COMPILE_LIMIT):
-        """Compiles objects; returns (status, those that differ): "not compiled", "identical" or "differs"."""
+        """Compiles objects. Returns (status, the objects that differ); status is "not compiled", "identical" or "differs"."""
         changed = []
         for name in names:
             out = os.path.join(folder, name.replace("/", "__"))
@@ -197,13 +197,14 @@ class Build:
 
     @functools.cache
     def _strings(self):
-        """Returns the arguments of build-aux/source-strings for the kernels, as make uses them; make takes seconds to print them."""
+        """Returns the arguments of build-aux/source-strings for the kernels, as used by make. They are cached, because make
+        takes seconds to print them."""
         rule = subprocess.run(["make", "-n", "-s", "-W", "../src/cl/kernels/common.h", "src/cl/embedded.c"], cwd=self.folder, capture_output=True, text=True).stdout
         found = re.search(r"build-aux/source-strings (cl .*?) >", rule.replace("\\\n", " "))
         return shlex.split(found.group(1)) if found else []
 
     def embedded(self, overlay, folder):
-        """Makes the object of the OpenCL program with the overlay's kernels; None if it cannot be made."""
+        """Makes the object of the OpenCL program with the overlay's kernels. Returns None if it cannot be made."""
         name = next((o for o in self.objects if re.search(r"src/cl/.*embedded\.o$", o)), None)
         if not name or not self._strings():
             return None

@@ -2,8 +2,8 @@
 """Splits C and OpenCL C into tokens with their byte offsets.
 
 Comments, strings and preprocessor lines other than #define yield no token that
-may be changed.  Neither do assertions, attributes and the arguments of
-ost_fail, since a change there has no effect on results.
+may be changed.  Assertions, attributes and the arguments of ost_fail yield none
+either, because a change there has no effect on results.
 """
 import re
 from typing import NamedTuple
@@ -51,7 +51,7 @@ def tokens(text):
             body = _of_define(text, at)
             if body is not None:
                 inner = re.sub(r"\\\n", "  ", text[body:at + len(word)])
-                # Comments in a body are skipped. Offsets remain valid: a continuation is two characters, as are its blanks.
+                # Comments in a body are skipped. Offsets remain valid, because a continuation is replaced by two blanks.
                 out.append(Token("op", ";", -1))
                 out += [Token(k, w, body + a) for k, w, a in _tokens(inner, 0, len(inner)) if k in ("name", "number", "op")]
                 out.append(Token("op", ";", -1))
@@ -84,7 +84,7 @@ def _without_fixed(found):
         if found[i].text in FIXED and i + 1 < len(found) and found[i + 1].text == "(":
             end = match(found, i + 1)
             if end is not None:
-                # A token replaces the call, so that its two neighbours do not become adjacent.
+                # A token replaces the call, so that the tokens before and after the call do not become adjacent.
                 out.append(Token("fixed", found[i].text, found[i].at))
                 i = end + 1
                 continue

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Determines the outcome of one mutant: it is compiled, compared, linked, and run until a difference is found."""
+"""Determines the outcome of one mutant. The mutant is compiled, compared, linked, and run until a difference is found."""
 import os
 import shutil
 import threading
@@ -21,7 +21,7 @@ class Measurement:
         self.build, self.campaign, self.tiers, self.tests_limit_s = build, campaign, tiers, tests_limit_s
         self.lock = threading.Lock()
         self.test_seconds = {}
-        self.note = {} # of each thread: what is known of a mutant that no tier noticed
+        self.note = {} # for each thread, information about a mutant that no tier detected
 
     def measure(self, m, folder):
         """Returns {"outcome", "by", "stage", "how", "seconds"}. `folder` belongs to the job and is emptied."""
@@ -54,7 +54,7 @@ class Measurement:
         program = os.path.join(folder, "osteon")
         if self.build.link("osteon", changed, program)[0] != 0:
             return ("not compiled",)
-        # The kernels are unmutated. A device's compiler takes longer for them than all cases, so its cache is shared.
+        # The kernels are not mutated. A device's compiler takes longer for them than all cases, so its cache is shared.
         compiled = os.path.join(self.campaign.work, "pocl")
         os.makedirs(compiled, exist_ok=True)
         os.symlink(compiled, os.path.join(scratch, "pocl"))
@@ -93,7 +93,7 @@ class Measurement:
         return ("survived",)
 
     def _test(self, name, changed, folder, scratch, instead=()):
-        """Returns None if a test passes, else the way in which it ended."""
+        """Returns None if a test passes, otherwise a description of its end."""
         if name not in self.test_seconds:
             with self.lock:
                 plain = os.path.join(folder, "plain")
@@ -105,7 +105,7 @@ class Measurement:
                 os.remove(plain)
         limit = self.test_seconds[name]
         if limit is None:
-            return None  # fails or times out without the mutant: no evidence
+            return None  # no evidence, because the test also fails or times out without the mutant
         program = os.path.join(folder, "test")
         if self.build.link(name, changed, program, instead)[0] != 0:
             return None
@@ -120,7 +120,8 @@ class Measurement:
         return process.end(False)
 
     def _kernel(self, m, overlay, folder, scratch):
-        """Runs a mutated kernel on the device here, then as C. Equal code from the C compiler means an identical mutant."""
+        """Runs a mutated kernel on the device of this machine, then as C. If the C compiler generates equal code, the mutant
+        is identical."""
         state, changed = self.build.compile(self.build.objects_of(m.file, ("tests/cl/", *PARTS)), overlay, folder)
         if state != "differs":
             return (state,)

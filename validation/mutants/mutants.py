@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures which mutants of the backends' code the campaign notices.
+"""Measures which mutants of the backends' code the campaign detects.
 
     sources --operators--> mutants --sample--> each: compile, compare, link, run
                                                  --> a row of results.csv
@@ -62,7 +62,7 @@ def imported(source, folder):
 
 
 def measured(path):
-    """Returns the identifiers of the existing rows."""
+    """Returns the identifiers of the mutants that already have a row."""
     if not os.path.exists(path):
         return set()
     with open(path, newline="") as f:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operators: faults that programmers make in kernels, as replacements of tokens.
+"""Operators that make mutants. An operator simulates a mistake of programmers in kernels by replacing tokens.
 
 Each operator is a function that takes a source (Source) and yields
 (offset, length, replacement).  The function's name is the operator's name.
@@ -14,7 +14,7 @@ from lex import match, tokens
 
 
 class Mutant(NamedTuple):
-    id: str           # stable: independent of other lines
+    id: str           # stable, because it does not depend on other lines
     file: str
     line: int
     operator: str
@@ -49,7 +49,7 @@ class Source:
         return before.kind in ("name", "number") or before.text == "]"
 
     def pointer(self, i):
-        """Returns true if the * at index i declares a pointer: no blank follows it."""
+        """Returns true if the * at index i declares a pointer, which means that no blank follows it."""
         return self.word(i) == "*" and not self.text[self.t[i].at + 1:self.t[i].at + 2].isspace()
 
     def cast_before(self, i):
@@ -57,7 +57,7 @@ class Source:
         return self.word(i - 3) == "(" and bool(re.fullmatch(r"\w+_t|u?(int|long|short|char)\d*|unsigned|float|double|__m\d+i?|ost_i128", self.word(i - 2)))
 
     def _calls(self):
-        """Computes for each token the index of the name of the call of which it is a direct argument, or None."""
+        """Computes for each token the call of which it is a direct argument: the index of the call's name, or None."""
         inside, stack = [], []
         for i, t in enumerate(self.t):
             inside.append(stack[-1] if stack else None)
@@ -156,7 +156,7 @@ def negation(s):
 
 
 def branches(s):
-    """Exchanges the two results of ?:, as when a minimum is written as a maximum."""
+    """Exchanges the two results of ?:, so that a minimum becomes a maximum."""
     for i, t in enumerate(s.t):
         if t.text != "?" or t.at < 0:
             continue
@@ -246,7 +246,7 @@ OTHER_SIGN = {
 
 
 def _is_type(s, i):
-    """Returns true if the type at index i is that of a value: a cast, a local, a member, not a pointer."""
+    """Returns true if the type at index i is that of a value (in a cast, a local or a member) and not of a pointer."""
     return s.word(i + 1) == ")" or s.kind(i + 1) == "name"
 
 
@@ -464,7 +464,7 @@ def applied(text, m):
 
 
 def from_file(file, text, other, seen):
-    """Returns the mutant that turns a source into another one, made by an external generator; None if they are equal."""
+    """Returns the mutant that changes a source into another source, made by an external generator; None if both are equal."""
     if text == other:
         return None
     begin = len(os.path.commonprefix([text, other]))
@@ -473,8 +473,8 @@ def from_file(file, text, other, seen):
 
 
 def sample(mutants, count, seed):
-    """Returns `count` mutants, from each stratum (file and operator) in proportion to its size. The first n of them are
-    a sample of n."""
+    """Returns a sample of `count` mutants. Each stratum (file and operator) contributes in proportion to its size. The
+    first n mutants of the sample are a sample of n."""
     strata = {}
     for m in mutants:
         strata.setdefault((m.file, m.operator), []).append(m)

@@ -5,7 +5,7 @@ import re
 
 FOLDERS = ["src/core", "src/cpu", "src/cl"]
 
-# Files of these folders that decide no voxel of a campaign: only the test suite can find faults in them.
+# Files of these folders that determine no voxel value of a campaign. Only the test suite can find faults in them.
 OUTSIDE = {
     "src/core/clock.h": "time stamps",
     "src/core/decimal.c": "numbers of text files",
@@ -59,9 +59,9 @@ def is_shared(file):
 
 
 def subjects(file, available):
-    """Returns all of a tier's backends that run a file's code, those most likely to find a fault first.
+    """Returns all backends of a tier that run a file's code, beginning with those that are most likely to find a fault.
 
-    The list is empty if there are none.  A mutant has survived a tier only if it was run on all of them.
+    A mutant has survived a tier only if it was run on all of these backends.
     """
     def those(*patterns):
         return list(dict.fromkeys(s for p in patterns for s in available if re.fullmatch(p, s)))
@@ -74,7 +74,7 @@ def subjects(file, available):
     if file.startswith("src/cpu/ref/"):
         return ["ref"]
     if is_kernel(file):
-        # A CPU's device uses the kernel set for CPUs by default.
+        # An OpenCL device that is a CPU uses the kernel set for CPUs by default.
         mine, gpus = "cl:(?!.*kernels=gpu).*", "cl:.*kernels=gpu.*"
         return those(mine) if file.endswith("_cpu.cl") else those(gpus, mine)
     if file.startswith("src/cl/"):
@@ -84,14 +84,14 @@ def subjects(file, available):
     isa = re.search(r"_(avx2|avx512|neon)\.c$", file)
     if not isa:
         return those("cpu:isa=scalar,.*grain=1.*" if file.endswith("scalar.c") else cpus[0], *cpus)
-    # A set uses the functions of the one below it that it does not replace (src/cpu/kernels.c); a backend without a named
-    # set uses the last one.
+    # An instruction set uses the functions of the next lower set that it does not replace (src/cpu/kernels.c). A backend
+    # without a named set uses the last set.
     above = {"avx2": "avx2|avx512.*", "avx512": "avx512.*", "neon": "neon"}[isa.group(1)]
     return those(f"cpu:isa={isa.group(1)},.*grain=1.*", f"cpu:isa={isa.group(1)},.*", f"cpu:isa=({above}),.*", "cpu:(?!isa=).*")
 
 
 def tests(file, programs):
-    """Returns the test programs for a file, those of its own part first."""
+    """Returns the test programs for a file, beginning with those for the file's own part."""
     base = re.sub(r"_(avx2|avx512|neon|scalar)$", "", os.path.splitext(os.path.basename(file))[0])
     wanted = ("tests/cl/", "tests/core/", "tests/cpu/", "tests/ref/", "tests/simd/", "tests/mesh/", "tests/api/", "tests/oracle/", "tests/validation/")
     if not file.startswith("src/cl/"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a measurement: mutants.csv with a row per file, and mutants.md for readers."""
+"""Makes the tables of a measurement: mutants.csv with a row per file, and mutants.md for readers."""
 import csv
 import math
 import os
@@ -9,8 +9,8 @@ import scope
 
 COLUMNS = ["file", "scope", "generated", "drawn", "not built here", "not compiled", "identical", "differing", "equivalent", "no result", "smoke", "by crash or time",
            "standard", "tests", "survived"]
-# Kinds of mutants that no campaign can notice: the program is equivalent for every input, or differs only in time,
-# memory, messages, or for input that is refused earlier.
+# Kinds of mutants that no campaign can detect. The mutated program is equivalent for every input, or it differs only in
+# its running time, its memory use, its messages, or for input that is refused earlier.
 KINDS = ("equivalent", "no result")
 REASONS = ["id", "kind", "file", "text", "old", "new", "reason"]
 
@@ -25,7 +25,7 @@ def interval(hits, count, z=1.96):
 
 
 def read(paths):
-    """Returns {id: row} with the last row of each mutant, all tiers in which it was run, joined in "tiers", and the seed
+    """Returns {id: row}. A row is the last row of the mutant, with all tiers in which it was run in "tiers", and the seed
     by which it was drawn."""
     rows = {}
     for path in paths:
@@ -39,7 +39,8 @@ def read(paths):
 
 
 def reasons(path):
-    """Returns {id: row} of the mutants that were examined by hand; a row is valid only for the line's text in it."""
+    """Returns {id: row} of the mutants that were examined by hand. A row is valid only for the text of the line that it
+    contains."""
     if not os.path.exists(path):
         return {}
     with open(path, newline="") as f:
@@ -137,8 +138,8 @@ def markdown(files, rows, known, command):
 
 
 def judge(files, rows, known, least, explained):
-    """Returns the defects of a measurement as lines: too few mutants noticed, by the upper end of the interval; survivors
-    without a reason."""
+    """Returns the defects of a measurement as lines: too few detected mutants, judged by the upper end of the interval, and
+    survivors without a reason."""
     every = total([f for f in files if f["scope"] == "campaign"], "all")
     hits, count = every["smoke"] + every["standard"], every["differing"] - every["equivalent"] - every["no result"]
     wrong = []

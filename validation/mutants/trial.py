@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs a program on the campaign's cases and finds the first difference from the unmutated program.
 
-A backend's trace (validation/trace.h) goes through a pipe and is compared,
-record by record, with the digests of the unmutated program's; the run ends at
-the first difference.  Except for their ends, the traces of all backends are equal
-byte by byte, so this is the comparison of a campaign.
+A backend's trace (validation/trace.h) is read from a pipe and compared,
+record by record, with the digests of the trace of the unmutated program.  The run
+ends at the first difference.  Except for their ends, the traces of all backends
+are equal byte by byte, so this comparison is equivalent to that of a campaign.
 
 A mutant of code that all backends share changes both sides of that comparison.
 Then the campaign itself runs, and its verdict decides.
@@ -48,7 +48,7 @@ def environment(scratch):
 
 
 class Process:
-    """A program in its own process group, with limits; its pipe is read until a deadline."""
+    """A program in its own process group, with limits. Its output is read from a pipe until a deadline."""
 
     def __init__(self, command, scratch, cpu_s, limits, trace=False, wall_s=None):
         self.deadline = time.monotonic() + (wall_s if wall_s is not None else 5 * cpu_s + 20)
@@ -62,7 +62,7 @@ class Process:
         self.pipe, self.late = read, False
 
     def read(self):
-        """Returns the next bytes; empty at the end and after the deadline."""
+        """Returns the next bytes. They are empty at the end and after the deadline."""
         left = self.deadline - time.monotonic()
         if left <= 0 or not select.select([self.pipe], [], [], left)[0]:
             self.late = True
@@ -76,7 +76,8 @@ class Process:
         return lines[-1][:200] if lines else ""
 
     def end(self, kill):
-        """Waits, or kills the process group. Returns the exit status, negative for a signal, None after the deadline."""
+        """Waits for the process, or kills its group. Returns the exit status (negative for a signal), or None after the
+        deadline."""
         try:
             if not kill and not self.late:
                 try:
@@ -120,9 +121,9 @@ def family_names(source):
 
 
 def records(process, stages):
-    """Yields (head, digest of the body) of the records of a trace from the process's pipe, except the end record.
+    """Yields (head, digest of the body) for each record of a trace, which is read from the process's pipe.
 
-    The end record has the paths that the backend entered and its times, which are not results.
+    The end record is omitted: it has the paths that the backend entered and its times, which are not results.
     """
     end = stages.index("end")
     data = b""
@@ -159,7 +160,7 @@ class Campaign:
         self.stages = stages
         self.program, self.work, self.limits, self.factor = program, work, limits, factor
         self.families = families
-        self.tried = {f: [1, 2.0] for f in self.families}  # mutants noticed, seconds spent
+        self.tried = {f: [1, 2.0] for f in self.families}  # number of detected mutants, and seconds spent
         self.known, self.took, self.lists = {}, {}, {}
         self.lock = threading.Lock()
         os.makedirs(work, exist_ok=True)
@@ -167,7 +168,7 @@ class Campaign:
     def subjects(self, tier, scratch):
         """Returns the backends of a tier that are available here, as the campaign lists them."""
         if tier not in self.lists:
-            # One small case suffices: the list of backends does not depend on the cases.
+            # One small case is sufficient, because the list of backends does not depend on the cases.
             command = [self.program, "validate", "--json", "--tier", tier, "--only", "mesh/0"]
             status, text, _ = self._verdict(command, scratch, 7200)
             try:
@@ -180,7 +181,7 @@ class Campaign:
         return [program, "validate", "--tier", tier, "--only", family, "--worker", subject, "--trace", "@TRACE@"]
 
     def baseline(self, tier, subject, family, scratch):
-        """([(head, digest)], CPU seconds) of the unmutated program. The records that all subjects make must be equal."""
+        """Returns ([(head, digest)], CPU seconds) of the unmutated program. The records that all subjects make must be equal."""
         with self.lock:
             return self._baseline(tier, subject, family, scratch)
 
@@ -208,12 +209,12 @@ class Campaign:
         return made, max(self.limits.least_s, self.factor * seconds)
 
     def common(self, made):
-        """Returns the records that every subject makes: a backend whose voxels are on a device does not sample."""
+        """Returns the records that every subject makes. A backend whose voxels are on a device, for example, does not sample."""
         sample = self.stages.index("sample")
         return [(head, digest) for head, digest in made if struct.unpack_from("<I", head, 4)[0] != sample]
 
     def order(self):
-        """Returns the families, those that noticed the most mutants per second first."""
+        """Returns the families, beginning with those that detected the most mutants per second."""
         return sorted(self.families, key=lambda f: -self.tried[f][0] / self.tried[f][1])
 
     def differs(self, program, tier, subject, family, scratch):
@@ -246,10 +247,10 @@ class Campaign:
         return None
 
     def shared(self, program, tier, subject, scratch):
-        """Does the same for code that all backends share: here the campaign of the mutated program must notice the mutant.
+        """Does the same for code that all backends share. In this case the campaign of the mutated program must detect the mutant.
 
-        A campaign of the case whose trace differs runs first, or one of a small case with the checks of values that are
-        known in advance; then the complete campaign.
+        First runs a campaign of the case whose trace differs or, if there is none, of a small case with the checks of
+        values that are known in advance. Then runs the complete campaign.
         Returns two values: (subject, case, stage, how) or None, and True if a result changed.
         """
         suspect = None
@@ -273,7 +274,7 @@ class Campaign:
         return None, suspect is not None
 
     def _noticed(self, command, scratch):
-        """Returns (case, stage, how) if a campaign's verdict differs from the unmutated program's, else None."""
+        """Returns (case, stage, how) if a campaign's verdict differs from that of the unmutated program, otherwise None."""
         key = tuple(command[1:])
         if key not in self.took:
             status, _, seconds = self._verdict([self.program, *command[1:]], scratch, 7200)

@@ -259,7 +259,7 @@ class Table(unittest.TestCase):
                          [6, 1, 1, 4, 1, 2, 1, 1])
 
     def test_last_row_counts(self):
-        """When a survivor is run again by name, it must keep its sample's seed and receive the new outcome."""
+        """If a survivor is run again by name, its row must have the seed of its sample and the new outcome."""
         path = os.path.join(tempfile.mkdtemp(prefix="osteon-mutants-"), "r.csv")
         self.addCleanup(shutil.rmtree, os.path.dirname(path))
         with open(path, "w", newline="", encoding="utf-8") as f:
@@ -274,7 +274,7 @@ class Table(unittest.TestCase):
         row = {"file": "src/core/a.c", "line": "1", "operator": "bound", "old": "<", "new": "<=", "text": "a", "how": "", "by": "", "tiers": "smoke"}
         rows = {str(i): {**row, "id": str(i), "outcome": o} for i, o in enumerate(["killed by smoke"] * 60 + ["survived"] * 40)}
         files = [table.count_file("src/core/a.c", 100, list(rows.values()), {})]
-        self.assertEqual(table.judge(files, rows, {}, 69, False), [])  # the interval's upper limit is 69.1 %
+        self.assertEqual(table.judge(files, rows, {}, 69, False), [])  # the upper limit of the interval is 69.1 %
         self.assertEqual(len(table.judge(files, rows, {}, 70, False)), 1)
         self.assertEqual(len(table.judge(files, rows, {}, 0, True)), 40)
         known = {str(i): {"id": str(i), "kind": kind, "text": "a", "reason": "r"} for i, kind in
