@@ -13,7 +13,7 @@
  * stage and replaces it by the reference's result before the next stage.
  *
  *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
- *   given tool, bone as the reference had it before the tick --ost_world_step--> report, changed leaves
+ *   given tool, the reference's bone before the tick --ost_world_step--> report, changed leaves
  */
 #ifndef OST_VALIDATION_PERFORM_H
 #define OST_VALIDATION_PERFORM_H

@@ -286,7 +286,7 @@ typedef struct proof {
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* protects the members below and *out */
-    int next;             /* next scene */
+    int next;             /* number of the next scene */
     int problem_at;       /* number of the scene that out->first_problem describes; -1 if there is none */
     ost_error err;
 } proof;

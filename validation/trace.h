@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A trace holds all results of one backend for a list of cases, in order. The results are stored as bytes,
- * so that those of two backends can be compared.
+ * A trace contains all results of one backend for a list of cases, in order. The results are stored as
+ * bytes, so that those of two backends can be compared.
  *
  *   case, rect, cubic, resample, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
  *   case, ...

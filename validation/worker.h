@@ -60,8 +60,8 @@ ost_status worker_program(char path[], size_t size, ost_error *err);
 /* Starts a worker. argv ends with NULL; argv[0] is the program's file. trace_fd and user_fd become the worker's
    descriptors WORKER_TRACE and WORKER_USER; -1 means none. worker_wait_any kills the worker after limit_s seconds. */
 ost_status worker_start(char *const argv[], int trace_fd, int user_fd, double limit_s, worker *out, ost_error *err);
-/* Waits until one of the workers ends or exceeds its time limit. *which receives its index. The other workers
-   continue. */
+/* Waits until one of the workers ends or exceeds its time limit. Sets *which to this worker's index. The other
+   workers continue. */
 ost_status worker_wait_any(worker *const workers[], int count, int *which, worker_result *out, ost_error *err);
 ost_status worker_wait(worker *w, worker_result *out, ost_error *err);
 /* Kills the worker and waits until it has ended. */

@@ -146,7 +146,7 @@ def events(ticks, world, tools, s):
 
 
 def pairs(ticks, world, tools, s):
-    """Does the same for a case with the member "bone", in which each sweep begins at the previous tick."""
+    """Yields the same as events for a case with the member "bone", in which each sweep begins at the previous tick."""
     for before, tick in zip([None] + ticks, ticks):
         a, b, n = None, tick["pose"], 1
         if before and before["tool"] == tick["tool"] and not tick["lifted"] and world["sweep"]:

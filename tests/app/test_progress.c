@@ -87,7 +87,7 @@ static bool read_until(child *c, const char *pattern, int limit_ms)
     return found;
 }
 
-/* Ends the command. Returns true if it was still running. */
+/* Ends the command. Returns true if the command was still running. */
 static bool stop(child *c)
 {
     int how;

@@ -32,16 +32,16 @@ run 0 segment ct.nrrd --out none.nrrd --threshold 501
 grep -q "no bone is so large" err || fail "a CT without bone: $(cat err)"
 run 0 info labels.nrrd --json
 check "facts" "$(value meta.segment_threshold) $(value meta.segment_min_voxels) $(value meta.segment_ball_1)" "120 1 22,26,36,0.5"
-# separation: the bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The two voxels next to the
-# bridge have equal heights. The voxel of the right block is nearer to its marker, so the bridge belongs to the right
-# block.
+# Tests --separate. The bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The two voxels next to
+# the bridge have equal heights. The voxel of the right block is nearer to its marker, so the bridge belongs to the
+# right block.
 run 0 segment ct.nrrd --out two.nrrd --min-volume 0 --separate 1.5 --json
 check "the bridge is a neck" "$(value components) $(value segments.0.voxels) $(value segments.1.voxels)" "2 64 49"
 run 0 info two.nrrd --json
 check "fact of the separation" "$(value meta.segment_separate_mm)" 1.5
 run 0 segment ct.nrrd --out one.nrrd --min-volume 0 --separate 3 --json
 check "a greater depth" "$(value components)" 1
-# selection, on segment and on import
+# Tests the selection of bones by segment and by import.
 run 0 segment ct.nrrd --out right.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone 28,26,36 --json
 check "the bone at a position" "$(value components) $(value components_found) $(value segments.0.voxels)" "1 2 48"
 run 0 info right.nrrd --json
@@ -50,10 +50,10 @@ run 0 segment ct.nrrd --out left.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --b
 check "the largest bone" "$(value components) $(value segments.0.voxels)" "1 64"
 run 0 segment ct.nrrd --out both.nrrd --min-volume 0 --cut-ball 22,26,36,0.5 --bone largest --bone 28,26,36 --json
 check "two selected bones" "$(value components)" 2
-# growth: soft tissue belongs to a component that reaches the threshold
+# Tests --growth: soft tissue that is connected to a component is added to the component.
 run 0 segment ct.nrrd --out grown.nrrd --growth 50 --json
 check "growth" "$(value segments.0.voxels)" 588
-# fill: a hole of soft tissue, and one with air
+# Tests --fill on two holes: one contains only soft tissue, the other also contains air.
 nrrd int16 "$inside && i >= 2 && i <= 9 && !(j >= 2 && j <= 3 && k >= 2 && k <= 3 && (i == 4 || i == 7)) ? 500 : i == 7 && j == 2 && k == 2 ? -900 : 50" >holes.nrrd
 run 0 segment holes.nrrd --out filled.nrrd --fill --json
 check "one hole is filled" "$(value segments.0.voxels) $(value segments.0.filled)" "120 4"
@@ -207,7 +207,7 @@ run 0 import shoulder.nrrd --cut-head auto --bone $glenoid --out bone.nrrd --jso
 check "facts of the head" "$(value meta.segment_head_ball) $(value meta.segment_bone_1)" "$ball $glenoid"
 refuse 2 "cut-head: no spherical surface" segment ct.nrrd --out b.nrrd --cut-head auto
 
-# errors must be reported in one line
+# Errors must be reported in one line.
 refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
 nrrd uint8 0 >void.nrrd
 refuse 2 "every voxel has label 0" import ct.nrrd --mask void.nrrd --out b.nrrd

@@ -123,7 +123,8 @@ static void launch(machine *base, enum test_kernel kernel, const kernel_arg *arg
     run_items(base, kernel, copies, range);
     for (unsigned i = 0; i < count; i++)
         if (args[i].bytes > 0) {
-            memcpy(args[i].data, copies[i].data, args[i].bytes); /* the kernel must not change its inputs */
+            /* inputs are copied as well, because the kernel must not change them */
+            memcpy(args[i].data, copies[i].data, args[i].bytes);
             free(copies[i].data);
         }
 }

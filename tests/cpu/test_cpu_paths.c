@@ -192,7 +192,7 @@ static void a_team_takes_each_item_once(void **state)
             }
 }
 
-/* The 3 x 3 x 3 chunks of 64^3 hold 7.1 million voxels, more than 2^22, although the grid has only 2.2 million. */
+/* The 3 x 3 x 3 chunks of 64^3 contain 7.1 million voxels, more than 2^22, although the grid has only 2.2 million. */
 static void many_chunks_share_a_removal(void **state)
 {
     (void)state;

@@ -25,6 +25,6 @@ refuses() {
 
 # 2.25 GB of zeros, deflated to 2.4 MB. With the sanitizers, the memory of the parser is not limited.
 [ -n "${OST_SAN_CFLAGS:-}" ] || refuses 'the parser needs too much memory' 1 dims=8,6,2 syntax=deflated bomb=1:9
-# 200,000 sequences within each other, after the pixels
+# After the pixels, the file has 200,000 nested sequences.
 refuses 'a file that is truncated or damaged, or an image without pixels' 1 dims=8,6,2 'append=1:fafffafffffffffffeff00e0ffffffff*200000'
 finish

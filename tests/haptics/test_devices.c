@@ -165,7 +165,7 @@ static void a_force_meets_the_hands_spring(void **state)
             assert_true(fabs(x) >= (1.0 - 0.26) / hands[h].k * 1000 - 0.0275);
             assert_true(fabs(x) <= (1.0 + 0.26) / hands[h].k * 1000 + 0.0275);
             assert_true(sign * x > 0);
-            /* Friction holds the device at rest. */
+            /* Friction keeps the device at rest. */
             assert_true(read_x_mm(device) == x);
             /* A force beyond the limit of the motors is clamped. A force that is not finite counts as zero. */
             for (int i = 0; i < 2000; i++) {

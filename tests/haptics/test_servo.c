@@ -378,7 +378,7 @@ static void the_thread_is_afterwards_as_it_was(void **state)
 typedef struct placed {
     int core;   /* core of the loop */
     int away;   /* number of ticks that ran on another core */
-    bool apart; /* true if a thread created in the meantime may not run on that core */
+    bool apart; /* true if a thread that is created after ost_servo_core_leave may not run on the core of the loop */
 } placed;
 
 static void *where_am_i(void *user)

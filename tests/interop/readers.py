@@ -24,7 +24,7 @@ class Image:
 
 
 class Unreadable(Exception):
-    """The reader does not read this file."""
+    """Raised if a reader does not support a file."""
 
 
 def dicom_files(folder):

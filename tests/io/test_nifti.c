@@ -398,7 +398,7 @@ static void oblique(void **state)
     ost_volume_free(&v);
 }
 
-/* Without libnifti the kind of the file must still be recognized, and the error must name the package to install. */
+/* Without libnifti the type of the file must still be recognized, and the error must name the package to install. */
 static void without_libnifti(void **state)
 {
     (void)state;

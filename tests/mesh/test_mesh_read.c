@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests mesh files: the same box in every format must give the same mesh, and an STL must be read
- * back as it was written. Also tests units and the errors for broken files.
+ * Tests mesh files: the same box in every format must give the same mesh, and reading back a written STL
+ * file must give the same mesh. Also tests units and the errors for broken files.
  *
  * Covers: AR-MESH-1, AR-MESH-2
  */

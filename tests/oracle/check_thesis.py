@@ -105,7 +105,7 @@ def tables():
 
 
 def pose_centre():
-    """By Alg. 2.1 the centre of the reamer's box moves with the voxel size."""
+    """Checks that by Alg. 2.1 the centre of the reamer's box moves with the voxel size."""
     centres = []
     for voxel in (MM, MM // 2):
         ends = []

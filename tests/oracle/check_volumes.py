@@ -86,7 +86,6 @@ def rect_of(sizes, directions, origin, values, kind, clamp, nan_as_air):
     return oracle.Grid(dims, spacing, first, voxels)
 
 
-# ----------------------------------------------------------------- the files
 # --------------------------------------------------------------- the files
 
 

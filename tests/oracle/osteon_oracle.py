@@ -27,7 +27,7 @@ LENGTH_MAX = 8 * 10**12
 
 
 class Refused(Exception):
-    """An input that is an error according to the document."""
+    """Raised for an input that is an error according to the document."""
 
 
 # ------------------------------------------------------------------ numbers
@@ -58,7 +58,7 @@ DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.
 
 @functools.lru_cache(maxsize=None)
 def decimal(text):
-    """AR-LEN-2: returns (exact value, decimal places) if the complete text is a number, or None."""
+    """Returns (exact value, decimal places) by AR-LEN-2 if the complete text is a number, otherwise None."""
     match = DECIMAL.fullmatch(text)
     if not match:
         return None
@@ -79,7 +79,7 @@ def length(value_mm):
 
 
 def shortest_decimal(value, bits):
-    """AR-LEN-4: returns the decimal that a finite float32 or float64 represents."""
+    """Returns the decimal that a finite float32 or float64 represents, by AR-LEN-4."""
     exact = Fraction(value)
     if exact == 0:
         return exact
@@ -529,7 +529,6 @@ def grid_digest(grid, kind):
 
 
 # --------------------------------------------------------------- self-check
-# -------------------------------------------------------------- self-test
 
 
 def self_check():

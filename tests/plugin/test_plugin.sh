@@ -7,7 +7,7 @@
 # Covers: REQ-PLUGIN
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# mirror.so is linked to the library, and so are other plugins.
+# mirror.so and other plugins are linked to the library.
 LD_LIBRARY_PATH=$build/.libs${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 export LD_LIBRARY_PATH
 # A crash must end the process, so sanitizers must not handle it.

@@ -86,7 +86,7 @@ static void a_turn_moves_the_corners(void **state)
 
 static void the_documents_map(void **state)
 {
-    /* The worked example of docs/spec/arithmetic.md section 12. */
+    /* Checks the worked example of docs/spec/arithmetic.md section 12. */
     (void)state;
     ost_error err = {0};
     ost_geometry bone = cubic_geometry(256, 234, 428, 470 * UM, (ost_pm3){-57340 * UM, -54755 * UM, 0});

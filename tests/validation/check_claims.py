@@ -904,7 +904,7 @@ def check(bundle, text):
     return problems
 
 
-# ---------------------------------------------------- the check is checked
+# ------------------------------------------------- test of the check itself
 
 def figures_of(text):
     """Returns the position of one digit of each visible figure. A figure is visible if it is in the body, between tags."""

@@ -390,7 +390,6 @@ def tools_nested_deep(f):
     remake(f)
 
 
-# ------------------------------------------ other writings of the same, other names
 # -------------------------------------- other encodings of the same content, other names
 
 def line_replaced(f, old, new):

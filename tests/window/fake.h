@@ -31,7 +31,7 @@ typedef struct fake {
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
-    /* The numbers of calls that were made. */
+    /* The numbers of calls. */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
     int requested_major, requested_minor, requested_robustness, viewport[2], polls;
     bool waited;

@@ -66,9 +66,9 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
             status = ost_fail(err, OST_ERR_INPUT, "%s: shard %s is there twice", folder, name);
         json_decref(common);
     }
+    /* the file FAULTS_FILE is absent if the bundle has only selected cases */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
-        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err); /* the file is absent if the bundle has
-                                                                            only selected cases */
+        status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err);
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {
         m->suite_limit = json_incref(json_object_get(protocol, "suite"));
         status = bundle_find_json(folder, SUITE_FILE, &m->suite, err);

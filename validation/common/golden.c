@@ -36,7 +36,7 @@ static void scatter(lab *l)
     const ost_geometry g = {
         .dims = {2, 2, 2}, .spacing = {LAB_MM, LAB_MM, 2 * LAB_MM}, .origin = {10 * LAB_MM, 20 * LAB_MM, 30 * LAB_MM}};
     for (int i = 0; i < 9; i++) {
-        const int v = i < 8 ? 7 - i : 5; /* voxel 5 = (1, 0, 1) again, with the same density */
+        const int v = i < 8 ? 7 - i : 5; /* the ninth sample repeats voxel 5 = (1, 0, 1) with the same density */
         s[i] = (ost_sample){.x = (10 + v % 2) * LAB_MM,
                             .y = (20 + v / 2 % 2) * LAB_MM,
                             .z = (30 + 2 * (v / 4)) * LAB_MM,
@@ -191,8 +191,8 @@ static void classes(lab *l)
 }
 
 /*
- * Digests of two grids.  tests/oracle/check_digests.py reads the digests below
- * and compares them with those of an independent implementation of AR-DIG.
+ * Checks the digests of two grids. tests/oracle/check_digests.py reads the digests below and compares them
+ * with those of an independent implementation of AR-DIG.
  *
  * The bone has 65 x 1 x 33 voxels of 1 mm with the first centre at (1, -2, 3) mm,
  * threshold 120, and the density 100 + i % 1000 at voxel i: 3 x 1 x 2 leaves,

@@ -247,7 +247,7 @@ class Campaign:
         return None
 
     def shared(self, program, tier, subject, scratch):
-        """Does the same for code that all backends share. In this case the campaign of the mutated program must detect the mutant.
+        """Tests a mutant in code that all backends share. In this case the campaign of the mutated program must detect the mutant.
 
         First runs a campaign of the case whose trace differs or, if there is none, of a small case with the checks of
         values that are known in advance. Then runs the complete campaign.
