@@ -6,8 +6,8 @@
  *
  *   pose of the hand --ost_force_step--> pose of the tool, hand force --ost_safety_step--> force for a device
  *
- * The motor is off.  Therefore the tool stops at the bone while the hand advances, and the spring
- * between tool and hand is stretched.  No bone is removed.  A program that also removes bone passes
+ * The motor is off. Therefore the tool stops at the bone while the hand advances, and the spring
+ * between tool and hand is stretched. No bone is removed. A program that also removes bone passes
  * the tool's pose of each step to ost_world_step (example 03).
  */
 #include <osteon/osteon.h>

@@ -17,9 +17,9 @@
  *   tick    a bone voxel's centre by AR-MAP; the nearest tool voxel of the other kind,
  *           over the poses of the event                            2^-20 voxel of the tool
  *
- * A voxel is counted at the stage at which it first differs.  It is counted as
- * inherited if the stage's input (the rect grid, the tool) already differs.  A
- * density below the threshold that was not set to 0 has no border.  A difference for
+ * A voxel is counted at the stage at which it first differs. It is counted as
+ * inherited if the stage's input (the rect grid, the tool) already differs. A
+ * density below the threshold that was not set to 0 has no border. A difference for
  * which there is no border is counted as unexplained: rounding cannot be its cause.
  */
 #ifndef OST_VALIDATION_MARGIN_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Runs every stage of one case on one backend and writes the results into the
- * trace.  Only the files perform*.c call the stages of a backend under test.
+ * trace. Only the files perform*.c call the stages of a backend under test.
  *
  *   samples --ct_to_rect--> rect --rect_to_cubic--> cubic --cubic_to_chunks--> bone
  *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
@@ -27,7 +27,7 @@ enum { PERFORM_ALL_VOXELS = 1 << 18 };
 /* Called after each record is written. NULL may be passed to perform instead of a callback. */
 typedef void perform_watch(void *user, trace_stage stage, uint32_t item);
 
-/* Runs a case. *why receives the error line of a failed stage; why must not be NULL. The function itself fails only
+/* Runs a case. Stores the error line of a failed stage in *why; why must not be NULL. The function itself fails only
    if the trace cannot be written or memory is exhausted. */
 ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, perform_watch *watch,
                    void *user, ost_error *why, ost_error *err);

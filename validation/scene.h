@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inputs of a case, which are equal for every backend.  They are integers and
+ * The inputs of a case, which are equal for every backend. They are integers and
  * depend only on the case's name and the campaign's seed.
  *
  *   plan_case --scene_make--> samples, snapped meshes, ticks
  *
  * Files and the floats of meshes and phantoms are converted to these integers
- * before any backend runs.  The digest of the input is computed from the integers.
+ * before any backend runs. The digest of the input is computed from the integers.
  */
 #ifndef OST_VALIDATION_SCENE_H
 #define OST_VALIDATION_SCENE_H

@@ -8,7 +8,7 @@
  *                      ---- r = sqrt(34), ... tool voxels -> the tool
  *
  * R is between r and the next eighth of a tool voxel, so that a distance that is
- * rounded up to eighths would exclude the cube.  The middle of the cube is so near
+ * rounded up to eighths would exclude the cube. The middle of the cube is so near
  * to a multiple of two tool voxels that the distance of its cell of 2^3 tool voxels
  * is also r.  tests/validation/test_scene checks these properties of the numbers
  * below.

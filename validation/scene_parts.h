@@ -49,8 +49,8 @@ ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, o
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 
 /*
- * Adds a tool of 2 x 257 x 256 voxels, which has more than 2^16 rows.  Column 0 is
- * solid.  In column 1 six rows are solid, each filled by a needle whose ends are
+ * Adds a tool of 2 x 257 x 256 voxels, which has more than 2^16 rows. Column 0 is
+ * solid. In column 1 six rows are solid, each filled by a needle whose ends are
  * the smallest triangles of the lattice.
  */
 ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);

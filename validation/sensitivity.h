@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures whether the campaign would have found an error.  Mistakes that a port
+ * Measures whether the campaign would have found an error. Mistakes that a port
  * could contain are made deliberately, one at a time, at random positions and
  * rates, and the code that compares backends compares the results.
  *

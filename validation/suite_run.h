@@ -25,7 +25,7 @@ typedef struct suite_options {
 /* Returns OST_ERR_INPUT with an error line if the folder contains no program tests/run-test. */
 ost_status suite_find(const char *folder, ost_error *err);
 
-/* Runs the tests. *out receives the content of suite.json; the caller owns the reference. */
+/* Runs the tests. Sets *out to the content of suite.json, which the caller owns. */
 ost_status suite_run(const suite_options *o, json_t **out, ost_error *err);
 
 #endif

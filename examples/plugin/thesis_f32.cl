@@ -13,15 +13,15 @@
  *   Alg. 2.9   its chunks
  *   Alg. 2.10  a bone voxel's tool voxel               thesis_class
  *
- * MUL_ADD(a, b, c) is a * b + c.  It marks the expressions that a compiler may
- * contract, so that they are rounded once instead of twice.  An OpenCL compiler may
+ * MUL_ADD(a, b, c) is a * b + c. It marks the expressions that a compiler may
+ * contract, so that they are rounded once instead of twice. An OpenCL compiler may
  * contract them unless its options forbid it; in engine_c.c, the option contract=
  * decides.
  *
  * The thesis does not define whether a row meets a triangle; this file uses edge
- * functions with the tie rule of AR-VOX-2, in floats.  The function round() of
+ * functions with the tie rule of AR-VOX-2, in floats. The function round() of
  * Alg. 2.1 rounds ties to even, as in Table 3.5; that of Alg. 2.3 rounds them away
- * from zero.  A voxel's position is its centre, and chunk ranges are half-open.
+ * from zero. A voxel's position is its centre, and chunk ranges are half-open.
  * docs/design/thesis-notes.md has the reasons.
  */
 #ifdef __OPENCL_VERSION__

@@ -5,8 +5,8 @@
  *
  *   osteon  --table of osteon/plugin.h-->  thesis_plugin.c  --engine.h-->  engine_c.c or engine_cl.c
  *
- * The plugin is an example of the interface and shows the effects of the thesis' arithmetic.  It is
- * not meant to be fast.  A bone is one dense array.  A chunk without active voxels is set to zero
+ * The plugin is an example of the interface and shows the effects of the thesis' arithmetic. It is
+ * not meant to be fast. A bone is one dense array. A chunk without active voxels is set to zero
  * in this array, as if its buffer were deleted.
  *
  * The file has more than 500 lines, because all slots of the table are in one place.

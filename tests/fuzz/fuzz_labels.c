@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Imports a small CT with arbitrary bytes as its label map and as a file of names.  The result must
+ * Imports a small CT with arbitrary bytes as its label map and as a file of names. The result must
  * be an error of one line, or a bone with no more voxels than the CT.
  */
 #include "fuzz.h"

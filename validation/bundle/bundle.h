@@ -4,7 +4,7 @@
  *
  *   bundle_begin --> folder OUT.part-XXXXXX --files, log--> bundle_end: manifest, fsync, rename
  *
- * audit.log is a hash chain.  Each line has the form
+ * audit.log is a hash chain. Each line has the form
  *
  *   SHA-256 TAB UTC TAB action TAB detail
  *

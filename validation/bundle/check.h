@@ -31,8 +31,8 @@ typedef struct check_how {
 } check_how;
 
 /*
- * Runs the cases again in workers.  On the reference, the digests of the inputs
- * and of all records must equal those in the bundle.  On how->backend, the digests
+ * Runs the cases again in workers. On the reference, the digests of the inputs
+ * and of all records must equal those in the bundle. On how->backend, the digests
  * must equal those of the bundle's results for this backend or, if the bundle has
  * no such results, those of the reference.
  */

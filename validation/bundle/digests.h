@@ -4,9 +4,9 @@
  *
  *   {stage, item, sha256 of the body, leaves}
  *
- * The `leaves` member lists the digests of leaves of 32^3 voxels (AR-DIG-2).  For a
+ * The `leaves` member lists the digests of leaves of 32^3 voxels (AR-DIG-2). For a
  * complete grid it lists all leaves in order; for a tick it lists a pair [number,
- * digest] for each leaf that the tick changed.  Two sites that exchange only these
+ * digest] for each leaf that the tick changed. Two sites that exchange only these
  * digests can find the stage, the tick and the chunk that differ.
  *
  * The digest lines of a case contain the same digests without those of leaves, one line per record. They

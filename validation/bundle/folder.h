@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The files of a bundle's folder, and how they are opened.  A bundle may come
+ * The files of a bundle's folder, and how they are opened. A bundle may come
  * from an untrusted source.
  *
  *   folder --folder_list--> names and sizes; anything else is reported as a problem

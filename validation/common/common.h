@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Mistakes that all backends have in common cannot be found by comparing them
- * with each other.  These checks compare the reference with results that do not
+ * with each other. These checks compare the reference with results that do not
  * depend on any program:
  *
- *   golden     small grids, worked out by hand from docs/spec/arithmetic.md
+ *   golden     small grids, computed by hand from docs/spec/arithmetic.md
  *   volume     bodies whose volume is given by a formula
  *   relation   two computations that must give the same value for each voxel
  *

@@ -15,7 +15,7 @@
  * The thesis does not specify some details, which are chosen here: the intersection
  * of a triangle and a row (edge functions with the tie rule of AR-VOX-2, all in
  * floats), ties of round() away from zero, the half voxel of a centre, and the
- * half-open range of chunks (docs/design/thesis-notes.md).  Integers of the function
+ * half-open range of chunks (docs/design/thesis-notes.md). Integers of the function
  * table are converted to the nearest float: vertices from the lattice, matrices from
  * the map.
  */

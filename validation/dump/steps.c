@@ -6,7 +6,7 @@
  *   file --dump_read_steps--> words --dump_write_steps--> file
  *
  * The files do not contain the box of a pose, because docs/spec/arithmetic.md
- * prescribes no box (AR-REM-5).  The words of the box are copied from the
+ * prescribes no box (AR-REM-5). The words of the box are copied from the
  * reference's record.
  */
 #include "validation/dump/parts.h"

@@ -7,9 +7,9 @@
  *   case, difference --candidates--> worker on the backend, reference here --same stage and class?--> keep --> ...
  *
  * The method is delta debugging with many candidates per process, because opening a
- * device takes longer than running a small case.  The number of processes and the
- * time of each process are limited.  No decision depends on a clock, so two runs
- * give the same small case.  The result is small, but not the smallest possible.
+ * device takes longer than running a small case. The number of processes and the
+ * time of each process are limited. No decision depends on a clock, so two runs
+ * give the same small case. The result is small, but not the smallest possible.
  */
 #ifndef OST_VALIDATION_MINIMISE_H
 #define OST_VALIDATION_MINIMISE_H
