@@ -7,7 +7,7 @@
     osteon compare my-dump
 
 This program implements sections 9, 11 and 12 of docs/spec/arithmetic.md with Python's integers, which have
-any width.  It needs only Python 3.9.  The rows of path.csv already contain the rotation of a motor.
+any width. It needs only Python 3.9. The rows of path.csv already contain the rotation of a motor.
 docs/spec/dumps.md describes the files.
 """
 import csv

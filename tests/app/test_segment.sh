@@ -100,7 +100,7 @@ run 0 import ct.nrrd --spacing 4 --bone 46,32,42 --cut-ball 34,32,42,0.5 --out b
 check "positions refer to the spacing of the options" "$(value bone_voxels)" 48
 run 0 import ct.nrrd --mask labels.nrrd:2 --bone largest --out bone.nrrd --json
 check "a mask applies before the selection" "$(value mask_voxels) $(value bone_voxels)" "48 48"
-# Names: the segments of 3D Slicer in the header of an NRRD, and files of names
+# Tests names: the segments of 3D Slicer in the header of an NRRD, and files of names.
 segments() { sed 's/^encoding: text$/encoding: text\nSegment0_Name:=Scapula, right\nSegment0_LabelValue:=71\nSegment1_LabelValue:=3\nSegment1_Name:=humerus\nSegment2_Name:=Humerus\nSegment2_LabelValue:=4/'; }
 segments <other.nrrd >named.seg.nrrd
 refuse 2 "named.seg.nrrd: the labels 3 and 4 are both named 'humerus'" import ct.nrrd --mask named.seg.nrrd:humerus --out b.nrrd
@@ -137,7 +137,8 @@ refuse 2 "wrong.txt: not a text file" import ct.nrrd --mask other.nrrd:scapula -
 refuse 2 "mask-names needs --mask" import ct.nrrd --mask-names names.txt --out b.nrrd
 sed 's/^dimension: 3/dimension: 4/; s/^sizes: /sizes: 2 /' named.seg.nrrd >layers.seg.nrrd
 refuse 2 "layers.seg.nrrd:3: a segmentation in layers, because segments overlap; in 3D Slicer, export it" import ct.nrrd --mask layers.seg.nrrd:humerus --out b.nrrd
-# The table of labels in a NIfTI extension, as TotalSegmentator writes it: inserted with code 0 before the voxels
+# Tests the table of labels in a NIfTI extension, as TotalSegmentator writes it. The extension has code 0 and is
+# inserted before the voxels.
 if "$osteon" devices | grep -q "^  nifti *yes"; then
     run 0 export other.nrrd --out plain.nii
     xml='<CaretExtension><LabelTable><Label Key="3" Red="1"><![CDATA[humerus]]></Label><Label Key="71"><![CDATA[scapula_right]]></Label></LabelTable></CaretExtension>'
@@ -155,7 +156,7 @@ if "$osteon" devices | grep -q "^  nifti *yes"; then
     refuse 2 "named.nii: no label is named 'rib'; its labels are humerus, scapula_right" import ct.nrrd --mask named.nii:rib --out b.nrrd
 fi
 # Tests a label map on a part of the lattice of the CT, one on a larger lattice, and one with
-# different axes
+# different axes.
 nrrd uint8 1 | head -n $((9 + 3 * 7 * 7)) | sed 's/sizes: 12 7 7/sizes: 3 7 7/; s/(10,20,30)/(24,20,30)/' >part.nrrd
 run 0 import ct.nrrd --mask part.nrrd --out bone.nrrd --json
 check "a part" "$(value mask_voxels) $(value mask_removed)" "147 65"

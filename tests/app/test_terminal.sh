@@ -7,7 +7,8 @@
 . "${srcdir:-.}/tests/app/lib.sh"
 needs ASSIMP PNG
 
-# ESC [ 3 1 m, BEL, newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate, a line separator
+# The name contains ESC [ 3 1 m, BEL, a newline, CSI as UTF-8 and as a byte, a right-to-left override, an isolate,
+# and a line separator.
 evil=$(printf 'a\033[31mb\007c\nQZX\302\233e\2339f\342\200\256g\342\201\246h\342\200\250i')
 # Umlauts and letters of other scripts must not be changed.
 kind=$(printf 'Schl\303\274ssel-\351\252\250')

@@ -9,9 +9,10 @@
 
 A voxel agrees if its centre lies within an eighth of a voxel of the centre of a voxel that the reader returns, both
 grids have equal numbers of voxels, and the values are equal. Densities that are not integers are rounded to the
-nearest, ties to even. A voxel of a bone agrees if it differs by at most one from the interpolated density, or is zero
-where that is below the threshold. An oblique CT is imported with --resample-oblique and --resample nearest; a voxel
-then agrees if its value occurs within 1.25 voxels on each axis, since both steps move by at most half a voxel.
+nearest, ties to even. A voxel of a bone agrees if it differs by at most one from the interpolated density, or if it
+is 0 and the interpolated density is below the threshold. An oblique CT is imported with --resample-oblique and
+--resample nearest; a voxel then agrees if its value occurs within 1.25 voxels on each axis, since both steps move by
+at most half a voxel.
 
 Usage: check_readers.py [FILE|FOLDER...]   default: generated inputs, and every CT below $INTEROP_DATA if that is set
 Environment: OSTEON (default ./osteon), MAKE_SERIES (default tests/dicom/make_series), OST_TEST_SEED.

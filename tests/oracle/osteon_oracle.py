@@ -44,7 +44,7 @@ def ceil(r):
 
 
 def rhe(r):
-    """AR-INT-2: returns the nearest integer, or the even one of two equally near integers."""
+    """Returns the nearest integer, or the even one of two equally near integers (AR-INT-2)."""
     n, d = (r, 1) if isinstance(r, int) else (r.numerator, r.denominator)
     low = n // d
     below, above = n - low * d, (low + 1) * d - n

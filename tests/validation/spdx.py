@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that a file has the form of an SPDX 2.3 document in JSON.
 
-Written from the specification (clauses 6, 7, 10 and 11), not from the code that
-writes the file: required fields, identifiers, licence expressions, checksums,
-relationships whose ends exist, and exactly one described element.
+The checks were written from the specification (clauses 6, 7, 10 and 11), independently
+of the code that writes the file. They cover required fields, identifiers, licence
+expressions, checksums, relationships whose ends must exist, and the number of
+described elements, which must be one.
 
     python3 spdx.py FILE       prints one line per problem; status 1 if there is one
 """

@@ -8,7 +8,7 @@
 
 FOLDER/json has one BACKEND.json for each backend that ran, all.json for all of them together, and kernels.json for the
 kernels compiled as C; FOLDER/backends lists the backends.  docs/qualification/coverage-reasons.csv in SOURCE lists the
-decisions that no case reaches.  A decision is named by file, function and the text of its condition, so that a row survives edits:
+decisions that no case reaches. A decision is named by file, function and the text of its condition, so that a row survives edits:
 
   true, false    the condition never had this value
   neither        the condition was never evaluated

@@ -2,10 +2,10 @@
 """Makes a scratch build, and makes single objects and programs of it again with a mutant.
 
     make V=1 --log--> commands of every object and program
-    mutant --overlay/--> objects that its file is in --link--> program
+    mutant --overlay/--> objects that depend on its file --link--> program
 
 The files of the build are never changed, so that several jobs can use one
-build.  A mutated object is the first on the linker's command line, so that the
+build. A mutated object is the first on the linker's command line, so that the
 linker does not use the archive's member with the same symbols.
 """
 import functools

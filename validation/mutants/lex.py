@@ -2,7 +2,7 @@
 """Splits C and OpenCL C into tokens with their byte offsets.
 
 Comments, strings and preprocessor lines other than #define yield no token that
-may be changed.  Assertions, attributes and the arguments of ost_fail yield none
+may be changed. Assertions, attributes and the arguments of ost_fail yield none
 either, because a change there has no effect on results.
 """
 import re

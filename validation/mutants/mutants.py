@@ -12,7 +12,7 @@
 
 `run` clones the source's last commit into --work, builds it once, and appends
 a row for each mutant as it is measured; if it is started again it continues
-after these rows.  Only the files of the scratch build are compiled; the tree is
+after these rows. Only the files of the scratch build are compiled; the tree is
 not changed.
 """
 import argparse

@@ -2,7 +2,7 @@
 """Operators that make mutants. An operator simulates a mistake of programmers in kernels by replacing tokens.
 
 Each operator is a function that takes a source (Source) and yields
-(offset, length, replacement).  The function's name is the operator's name.
+(offset, length, replacement). The function's name is the operator's name.
 """
 import hashlib
 import os

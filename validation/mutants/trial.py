@@ -2,8 +2,8 @@
 """Runs a program on the campaign's cases and finds the first difference from the unmutated program.
 
 A backend's trace (validation/trace.h) is read from a pipe and compared,
-record by record, with the digests of the trace of the unmutated program.  The run
-ends at the first difference.  Except for their ends, the traces of all backends
+record by record, with the digests of the trace of the unmutated program. The run
+ends at the first difference. Except for their ends, the traces of all backends
 are equal byte by byte, so this comparison is equivalent to that of a campaign.
 
 A mutant of code that all backends share changes both sides of that comparison.
