@@ -56,7 +56,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
-    SHAPE_REAMER,   /* These three shapes are parametric tools with a random size. */
+    SHAPE_REAMER,   /* SHAPE_REAMER, SHAPE_PEG and SHAPE_BURR are parametric tools with a random size */
     SHAPE_PEG,
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped in any orientation */

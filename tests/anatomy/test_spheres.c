@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Spheres of volumes made from closed forms: a head (a ball on a shaft), a socket (a block with a dish cut out), and
- * hollow balls. Expected centres and radii are those of the closed forms.
+ * Tests the search for spheres in volumes made from closed forms: a head (a ball on a shaft), a socket (a
+ * block with a dish cut out), and hollow balls. Expected centres and radii are those of the closed forms.
  *
  * Covers: REQ-SPHERES
  */

@@ -87,8 +87,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles in a random order. counts
-   receives the numbers of solid voxels, cutting voxels and leaking rows. */
+/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles in a random order. Stores
+   the numbers of solid voxels, cutting voxels and leaking rows in counts. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
                            bool over, uint8_t *classes, uint64_t counts[3])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Fault injection: a library for LD_PRELOAD that makes calls of the process fail.
+ * A library for LD_PRELOAD that injects faults: it makes calls of the process fail.
  *
  *   OST_FAIL_ALLOC=K   the K-th call of malloc, calloc, realloc, posix_memalign, aligned_alloc, memalign,
  *                      strdup or a libc function that allocates memory with them

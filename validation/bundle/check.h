@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks a bundle on any machine. The parts of the check are:
+ * Checks a bundle. The check does not need the machine that made the bundle. It has these parts:
  *
  *   folder              contains exactly the files of the manifest, of allowed types and sizes (folder.h)
  *   log                 its hash chain and its lines (log.h)
