@@ -110,7 +110,7 @@ typedef struct device_visit {
     subject_list *list;
     ost_error *err;
     ost_status status;
-    subject *named; /* subject whose device is searched; NULL if all devices are added */
+    subject *named; /* subject whose device must be found; NULL if all devices are added */
 } device_visit;
 
 /* Adds one subject of a device. The parameter reason is "" if the subject can run. */

@@ -184,7 +184,7 @@ static ost_brick_sums brick_reads_beyond(const int16_t *const rows[16], size_t b
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
-/* Writes to an element between those of the row's bricks, which belongs to another row. */
+/* Writes to an element between the elements of the row's bricks. This element belongs to another row. */
 static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t bricks, int16_t threshold, bool stream,
                                            int16_t *density, uint64_t *occupancy)
 {
