@@ -9,7 +9,7 @@
 #include <jansson.h>
 
 #include "core/printable.h"
-#include "io/volume/input.h"
+#include "io/small_text.h"
 
 enum { FILE_MAX = 1 << 20, FIRST_CAPACITY = 16, LISTED = 300, ALIKE = 4 };
 
@@ -208,32 +208,13 @@ static ost_status add_table(ost_label_names *names, const char *path, char *text
 
 ost_status ost_label_names_add_file(ost_label_names *names, const char *path, ost_error *err)
 {
-    char *text = NULL;
-    size_t size = 0;
-    ost_input *input;
-    ost_status status = ost_input_open(path, &input, err);
-    if (status != OST_OK)
-        return status;
-    const uint64_t bytes = ost_input_file_bytes(input);
-    if (bytes > FILE_MAX)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of names has at most %d", path,
-                          (unsigned long long)bytes, FILE_MAX);
-    else if (!(text = malloc((size_t)bytes + 1)))
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
+    char *text;
+    size_t size;
+    ost_status status =
+        ost_small_text_read(path, FILE_MAX, "names", "names of labels as text, CSV or JSON", &text, &size, err);
     if (status == OST_OK)
-        status = ost_input_read(input, text, (size_t)bytes, &size, err);
-    ost_input_close(input);
-    if (status == OST_OK) {
-        text[size] = 0;
-        const size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-        if (memchr(text, 0, size))
-            status = ost_fail(err, OST_ERR_INPUT, "%s: not a text file; expected names of labels as text, CSV or JSON",
-                              path);
-        else if (text[first + strspn(text + first, " \t\r\n")] == '{')
-            status = add_json(names, path, text + first, size - first, err);
-        else
-            status = add_table(names, path, text + first, err);
-    }
+        status = ost_small_text_is_json(text) ? add_json(names, path, text, size, err)
+                                              : add_table(names, path, text, err);
     free(text);
     return status;
 }

@@ -24,7 +24,7 @@
 
 #include <jansson.h>
 
-#include "io/volume/input.h"
+#include "io/small_text.h"
 
 enum { FILE_MAX = 4 << 20, LANDMARKS_MAX = 10000, COLUMNS_MAX = 32 };
 
@@ -326,36 +326,16 @@ static ost_status read_table(const char *path, const char *text, size_t size, os
 
 ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err)
 {
-    ost_input *input;
-    char *text = NULL;
-    size_t size = 0;
+    char *text;
+    size_t size;
     *out = (ost_landmarks){0};
-    ost_status status = ost_input_open(path, &input, err);
-    if (status != OST_OK)
-        return status;
-    const uint64_t bytes = ost_input_file_bytes(input);
-    if (bytes > FILE_MAX)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %llu bytes; a file of landmarks has at most %d", path,
-                          (unsigned long long)bytes, FILE_MAX);
-    else if (!(text = malloc((size_t)bytes + 1)))
-        status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for %llu bytes", path, (unsigned long long)bytes);
+    ost_status status = ost_small_text_read(path, FILE_MAX, "landmarks", ".mrk.json, .fcsv or CSV", &text, &size, err);
     if (status == OST_OK)
-        status = ost_input_read(input, text, (size_t)bytes, &size, err);
-    ost_input_close(input);
-    if (status == OST_OK) {
-        text[size] = 0;
-        size_t first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0,
-               start = first + strspn(text + first, " \t\r\n");
-        if (memchr(text, 0, size))
-            status = ost_fail(err, OST_ERR_INPUT, "%s: not a text file; expected .mrk.json, .fcsv or CSV", path);
-        else if (text[start] == '{')
-            status = read_json(path, text + first, size - first, out, err);
-        else
-            status = read_table(path, text + first, size - first, out, err);
-        if (status == OST_OK && out->count == 0)
-            status = ost_fail(err, OST_ERR_INPUT, "%s: no landmarks in the file; expected at least one", path);
-    }
+        status = ost_small_text_is_json(text) ? read_json(path, text, size, out, err)
+                                              : read_table(path, text, size, out, err);
     free(text);
+    if (status == OST_OK && out->count == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no landmarks in the file; expected at least one", path);
     if (status != OST_OK)
         ost_landmarks_free(out);
     return status;

@@ -276,21 +276,6 @@ ost_status ost_stack_names_read(const char *path, ost_stack_names *out, ost_erro
 
 /* ---------------------------------------------------------------- detection */
 
-static ost_status is_picture(const char *path, bool *is, ost_error *err)
-{
-    unsigned char head[8];
-    ost_file file;
-    ost_status status = ost_file_open(path, &file, err);
-    if (status != OST_OK)
-        return status;
-    const ssize_t n = pread(file.fd, head, sizeof head, 0);
-    if (n < 0)
-        status = ost_fail(err, OST_ERR_IO, "%s: cannot read: %s", path, strerror(errno));
-    *is = n > 0 && ost_slice_sniff(head, (size_t)n) != OST_SLICE_NONE;
-    close(file.fd);
-    return status;
-}
-
 ost_status ost_stack_find(const char *path, bool *is, ost_error *err)
 {
     ost_stack_names names;
@@ -299,8 +284,11 @@ ost_status ost_stack_find(const char *path, bool *is, ost_error *err)
         return OST_OK;
     ost_status status = list_path(path, &names, err);
     *is = status == OST_OK && names.count > 0;
-    for (size_t i = 0; i < names.count && status == OST_OK && *is; i++)
-        status = is_picture(names.paths[i], is, err);
+    for (size_t i = 0; i < names.count && status == OST_OK && *is; i++) {
+        ost_slice_kind kind;
+        status = ost_slice_sniff_file(names.paths[i], &kind, err);
+        *is = kind != OST_SLICE_NONE;
+    }
     ost_stack_names_free(&names);
     return status;
 }

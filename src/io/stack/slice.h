@@ -46,6 +46,8 @@ struct ost_slice {
 
 /* Returns the format that the first bytes of a file indicate. */
 ost_slice_kind ost_slice_sniff(const unsigned char *head, size_t size);
+/* The same for the file at `path` (slice_open.c). Errors name the file. */
+ost_status ost_slice_sniff_file(const char *path, ost_slice_kind *kind, ost_error *err);
 
 /*
  * Opens a file, whose format is determined by its content, and describes its first page (slice_open.c). Errors name

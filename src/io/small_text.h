@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Reads a text file of limited size, such as a list of landmarks, into memory. */
+#ifndef OST_IO_SMALL_TEXT_H
+#define OST_IO_SMALL_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include <osteon/status.h>
+
+/*
+ * Reads the file at `path` without its UTF-8 byte order mark, if there is one. *text receives *size bytes and a final
+ * NUL; the caller frees it. It is NULL after an error. A file with more than `most` bytes, or with a NUL byte, gets
+ * OST_ERR_INPUT. Its message names the contents, for example "landmarks", and the formats that are expected.
+ */
+ost_status ost_small_text_read(const char *path, size_t most, const char *contents, const char *expected, char **text,
+                               size_t *size, ost_error *err);
+
+/* Returns true if the first character that is not white space begins a JSON object. */
+bool ost_small_text_is_json(const char *text);
+
+#endif
