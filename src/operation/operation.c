@@ -188,7 +188,7 @@ static int32_t millionths(double value)
 }
 
 /*
- * Converts turns per minute to radians per second. If the speed is unknown (OST_RPM_ON), this function is not called,
+ * Converts revolutions per minute to radians per second. If the speed is unknown (OST_RPM_ON), this function is not called,
  * and ost_force uses its default speed.
  */
 static double speed_of(int32_t rpm)

@@ -266,7 +266,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
     print_gl(app, show, o);
     if (apart->count && show->args->stats)
         print_line(app,
-                   "  frames: %s; rate %.0f per second at the median, %.0f in the worst hundredth; %.1f ms per frame, "
+                   "  frames: %s; rate %.0f per second at the median, %.0f in the slowest 1 %%; %.1f ms per frame, "
                    "%.1f ms at 99 %%",
                    format_count(a, (int64_t)drawn->count), 1000 / p50, 1000 / worst, work50, work99);
     if (show->args->picture)
