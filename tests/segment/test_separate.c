@@ -40,8 +40,16 @@ static void make(ost_volume *ct, test_rng *rng)
                 for (int32_t x = lo[0]; x <= hi[0]; x++)
                     ct->voxels[x + n[0] * (y + n[1] * z)] = 500;
     }
-    for (int64_t voids = rng_range(rng, 0, 8); voids > 0; voids--)
-        ct->voxels[rng_range(rng, 0, (int64_t)voxel_count(ct) - 1)] = (int16_t)-rng_range(rng, 0, 1);
+    /* Half of the empty voxels are not in the outermost layer, if the volume is large enough, so that they can be holes. */
+    for (int64_t empty = rng_range(rng, 0, 8); empty > 0; empty--) {
+        const int32_t inner = (int32_t)rng_range(rng, 0, 1);
+        size_t at[3];
+        for (int a = 0; a < 3; a++) {
+            const int32_t edge = n[a] > 2 ? inner : 0;
+            at[a] = (size_t)rng_range(rng, edge, n[a] - 1 - edge);
+        }
+        ct->voxels[at[0] + (size_t)n[0] * (at[1] + (size_t)n[1] * at[2])] = (int16_t)-rng_range(rng, 0, 1);
+    }
 }
 
 /* ----------------------------------------------------------------- oracle */
