@@ -188,8 +188,8 @@ static int32_t millionths(double value)
 }
 
 /*
- * Converts revolutions per minute to radians per second. If the speed is unknown (OST_RPM_ON), this function is not called,
- * and ost_force uses its default speed.
+ * Converts revolutions per minute to radians per second. If the speed is unknown (OST_RPM_ON), this function is not
+ * called, and ost_force uses its default speed.
  */
 static double speed_of(int32_t rpm)
 {

@@ -11,8 +11,8 @@
 #define RPM_OPTION(rpm, given_out)                                                                                     \
     {.name = "rpm", .kind = OPTION_INTEGER, .out = &(rpm), .given = (given_out), .min = 0, .max = OST_RPM_MAX,         \
      .value = "N",                                                                                                     \
-     .help = "speed of the tool's motor in revolutions per minute, clockwise seen from behind; 0: off, and nothing is "      \
-             "removed (default: 200)"}
+     .help = "speed of the tool's motor in revolutions per minute, clockwise seen from behind; 0: off, and "           \
+             "nothing is removed (default: 200)"}
 
 #define RATE_OPTION(rate)                                                                                              \
     {.name = "rate", .kind = OPTION_DECIMAL, .out = &(rate), .value = "HZ",                                            \
