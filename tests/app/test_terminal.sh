@@ -51,7 +51,7 @@ echo more >"$evil.bundle/$evil"
 # Every verb, with the name as an existing file, a missing file and an output; with and without
 # --json.
 for json in '' --json; do
-    for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench devices bridge; do
+    for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench reproduce devices bridge; do
         # As an operand, an option, a value and a verb's name.
         shows $verb "$evil" $json
         shows $verb "--$evil" $json
