@@ -4,23 +4,23 @@
  * grid (thesis, sections 3.2.1 and 3.2.3, bone-to-tool), and the bone is one buffer without chunks. In contrast
  * to the chunk system, the event processes exactly the voxels of the box, and not complete chunks.
  */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 
 #include <stdlib.h>
 
 typedef struct dense_pair {
-    dense_bone bone;
-    dense_tool tool;
-    dense_map map;
+    matrix_bone bone;
+    matrix_tool tool;
+    matrix_map map;
     int threads;
 } dense_pair;
 
 static void close_pair(void *state)
 {
     dense_pair *s = state;
-    dense_bone_free(&s->bone);
-    dense_tool_free(&s->tool);
-    dense_map_free(&s->map);
+    matrix_bone_free(&s->bone);
+    matrix_tool_free(&s->tool);
+    matrix_map_free(&s->map);
     free(s);
 }
 
@@ -30,9 +30,9 @@ static ost_status open_pair(const methods_scene *scene, const method_setup *setu
     if (!s)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a method");
     s->threads = setup->threads;
-    ost_status status = dense_bone_init(&s->bone, scene, err);
+    ost_status status = matrix_bone_init(&s->bone, scene, err);
     if (status == OST_OK)
-        status = dense_tool_init(&s->tool, &scene->event.tool, err);
+        status = matrix_tool_init(&s->tool, &scene->event.tool, err);
     if (status == OST_OK)
         *state = s;
     else
@@ -44,8 +44,8 @@ static ost_status restore(void *state, ost_error *err)
 {
     dense_pair *s = state;
     (void)err;
-    dense_bone_restore(&s->bone);
-    dense_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
+    matrix_bone_restore(&s->bone);
+    matrix_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
     return OST_OK;
 }
 
@@ -53,16 +53,16 @@ static ost_status remove_event(void *state, ost_error *err)
 {
     dense_pair *s = state;
     const bench_scene *event = &s->bone.scene->event;
-    ost_status status = dense_map_make(&s->map, &event->map, &event->box, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &event->box, err);
     if (status == OST_OK)
-        dense_remove_box(s->bone.voxels, event->bone.dims, &event->box, &s->map, &s->tool, s->threads);
+        matrix_remove_box(s->bone.voxels, event->bone.dims, &event->box, &s->map, &s->tool, s->threads);
     return status;
 }
 
 static ost_status result(void *state, method_set *set, ost_error *err)
 {
     (void)err;
-    dense_bone_result(&((const dense_pair *)state)->bone, set);
+    matrix_bone_result(&((const dense_pair *)state)->bone, set);
     return OST_OK;
 }
 
@@ -70,7 +70,7 @@ static void work(void *state, method_work *out)
 {
     const dense_pair *s = state;
     *out = (method_work){.visited = (int64_t)method_box_count(&s->bone.scene->event.box),
-                         .bone_bytes = dense_bone_bytes(&s->bone),
+                         .bone_bytes = matrix_bone_bytes(&s->bone),
                          .tool_bytes = (int64_t)(s->tool.count * sizeof *s->tool.words)};
 }
 

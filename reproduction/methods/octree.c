@@ -16,7 +16,7 @@
  * "Homogeneous" means void: densities of a CT differ from voxel to voxel, so nodes of equal densities are rare, and
  * the densities of a node that is not void must be stored. A void node has no memory.
  */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 #include "reproduction/methods/pyramid.h"
 
 #include <stdlib.h>
@@ -47,9 +47,9 @@ typedef struct octree {
     const methods_scene *scene;
     tree full, live; /* the live tree has the nodes of the full tree at the same indices */
     int level;       /* of the root, whose edge has 4 << level voxels */
-    dense_tool tool;
+    matrix_tool tool;
     pyramid cells;
-    dense_map map;
+    matrix_map map;
     task *tasks; /* owned */
     size_t task_count, task_capacity;
     int threads;
@@ -271,7 +271,7 @@ static bool list_tasks(octree *s, int32_t index, int level, const int32_t corner
 
 static void run_task(octree *s, task *t)
 {
-    const dense_map *m = &s->map;
+    const matrix_map *m = &s->map;
     const int32_t none[3] = {0, 0, 0};
     int64_t block = 0;
     for (int a = 2; a >= 0; a--)
@@ -310,7 +310,7 @@ static ost_status remove_event(void *state, ost_error *err)
     s->visited = 0;
     if (method_box_count(&event->box) == 0 || s->live.root == 0)
         return OST_OK;
-    ost_status status = dense_map_make(&s->map, &event->map, &event->box, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &event->box, err);
     if (status == OST_OK && !list_tasks(s, s->live.root, s->level, first))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for the nodes of an event");
     if (status != OST_OK)
@@ -334,9 +334,9 @@ static void close_octree(void *state)
     octree *s = state;
     tree_free(&s->full);
     tree_free(&s->live);
-    dense_tool_free(&s->tool);
+    matrix_tool_free(&s->tool);
     pyramid_free(&s->cells);
-    dense_map_free(&s->map);
+    matrix_map_free(&s->map);
     free(s->tasks);
     free(s);
 }
@@ -358,7 +358,7 @@ static ost_status open_octree(const methods_scene *scene, const method_setup *se
         !pyramid_init(&s->cells, &scene->event.tool))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for an octree");
     if (status == OST_OK)
-        status = dense_tool_init(&s->tool, &scene->event.tool, err);
+        status = matrix_tool_init(&s->tool, &scene->event.tool, err);
     if (status == OST_OK)
         *state = s;
     else
@@ -395,9 +395,9 @@ static ost_status restore(void *state, ost_error *err)
     (void)err;
     s->live.root = s->full.root;
     restore_node(s, s->full.root, s->level, first);
-    dense_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
+    matrix_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
     for (int l = 0; l < s->cells.levels; l++)
-        dense_touch(s->cells.flags[l], (size_t)s->cells.dims[l][0] * (size_t)s->cells.dims[l][1] *
+        matrix_touch(s->cells.flags[l], (size_t)s->cells.dims[l][0] * (size_t)s->cells.dims[l][1] *
                                            (size_t)s->cells.dims[l][2]);
     return OST_OK;
 }

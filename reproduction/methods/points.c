@@ -18,12 +18,10 @@ static bool cutting(const ost_tool_volume *tool, int32_t i, int32_t j, int32_t k
     return tool->voxels[i + (int64_t)d.x * (j + (int64_t)d.y * k)] == OST_TOOL_CUTTING;
 }
 
-static bool is_point(const ost_tool_volume *tool, methods_points which, int32_t i, int32_t j, int32_t k)
+/* Returns true if a cutting voxel has a face neighbour that is not cutting. */
+static bool on_surface(const ost_tool_volume *tool, int32_t i, int32_t j, int32_t k)
 {
-    if (!cutting(tool, i, j, k))
-        return false;
-    return which == METHODS_POINTS_SOLID ||
-           !(cutting(tool, i - 1, j, k) && cutting(tool, i + 1, j, k) && cutting(tool, i, j - 1, k) &&
+    return !(cutting(tool, i - 1, j, k) && cutting(tool, i + 1, j, k) && cutting(tool, i, j - 1, k) &&
              cutting(tool, i, j + 1, k) && cutting(tool, i, j, k - 1) && cutting(tool, i, j, k + 1));
 }
 
@@ -46,9 +44,11 @@ static int64_t visit(method_points *points, const ost_tool_volume *tool, methods
                 points_block bounds = {.lo = {INT16_MAX, INT16_MAX, INT16_MAX},
                                        .hi = {INT16_MIN, INT16_MIN, INT16_MIN}};
                 for (int32_t k = z; k < z + block.z && k < d.z; k++)
-                    for (int32_t j = y; j < y + block.y && j < d.y; j++)
+                    for (int32_t j = y; j < y + block.y && j < d.y; j++) {
+                        const uint8_t *row = tool->voxels + d.x * (j + (int64_t)d.y * k);
                         for (int32_t i = x; i < x + block.x && i < d.x; i++) {
-                            if (!is_point(tool, which, i, j, k))
+                            if (row[i] != OST_TOOL_CUTTING ||
+                                (which == METHODS_POINTS_SURFACE && !on_surface(tool, i, j, k)))
                                 continue;
                             const int16_t e[3] = {half_steps(i, d.x), half_steps(j, d.y), half_steps(k, d.z)};
                             for (int a = 0; a < 3; a++) {
@@ -59,6 +59,7 @@ static int64_t visit(method_points *points, const ost_tool_volume *tool, methods
                             }
                             count++;
                         }
+                    }
                 if (count == first)
                     continue;
                 if (points->blocks) {

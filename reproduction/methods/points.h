@@ -27,7 +27,7 @@
 #ifndef OST_REPRODUCTION_METHODS_POINTS_H
 #define OST_REPRODUCTION_METHODS_POINTS_H
 
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 
 /* A box of points in a range of the list: the bounds of e. */
 typedef struct points_block {
@@ -73,7 +73,7 @@ void points_remove(int16_t *voxels, ost_dims bone, const ost_voxel_box *box, con
 
 /* The sparse buffer of a tool, and one buffer of bone voxels. */
 typedef struct points_state {
-    dense_bone bone;
+    matrix_bone bone;
     method_points points;
     int threads;
     int64_t visited; /* points of the last event that were mapped */

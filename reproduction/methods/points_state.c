@@ -17,7 +17,7 @@ ost_status points_state_open(const methods_scene *scene, const method_setup *set
     if (ost_dims_count(scene->event.bone.dims) >= UINT32_MAX)
         status = ost_fail(err, OST_ERR_RANGE, "a bone of 2^32 voxels or more; tool points index 32 bits");
     if (status == OST_OK)
-        status = dense_bone_init(&s->bone, scene, err);
+        status = matrix_bone_init(&s->bone, scene, err);
     if (status == OST_OK)
         status = method_points_init(&s->points, &scene->event.tool, setup->points, block, err);
     if (status == OST_OK)
@@ -30,7 +30,7 @@ ost_status points_state_open(const methods_scene *scene, const method_setup *set
 void points_state_close(void *state)
 {
     points_state *s = state;
-    dense_bone_free(&s->bone);
+    matrix_bone_free(&s->bone);
     method_points_free(&s->points);
     free(s);
 }
@@ -39,23 +39,23 @@ ost_status points_state_restore(void *state, ost_error *err)
 {
     points_state *s = state;
     (void)err;
-    dense_bone_restore(&s->bone);
+    matrix_bone_restore(&s->bone);
     for (int a = 0; a < 3; a++)
-        dense_touch(s->points.e[a], (size_t)s->points.count * sizeof *s->points.e[a]);
+        matrix_touch(s->points.e[a], (size_t)s->points.count * sizeof *s->points.e[a]);
     return OST_OK;
 }
 
 ost_status points_state_result(void *state, method_set *set, ost_error *err)
 {
     (void)err;
-    dense_bone_result(&((const points_state *)state)->bone, set);
+    matrix_bone_result(&((const points_state *)state)->bone, set);
     return OST_OK;
 }
 
 void points_state_work(void *state, method_work *out)
 {
     const points_state *s = state;
-    *out = (method_work){.visited = s->visited, .bone_bytes = dense_bone_bytes(&s->bone),
+    *out = (method_work){.visited = s->visited, .bone_bytes = matrix_bone_bytes(&s->bone),
                          .index_bytes = s->points.block_count * (int64_t)sizeof *s->points.blocks,
                          .tool_bytes = s->points.count * (int64_t)(3 * sizeof *s->points.e[0])};
 }

@@ -4,23 +4,23 @@
  * from the indices. Nothing divides the buffer into regions, so an event processes every voxel of the bone
  * (section 3.1.1: chunks bypass numerous unnecessary voxel checks).
  */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 
 #include <stdlib.h>
 
 typedef struct single_buffer {
-    dense_bone bone;
-    dense_tool tool;
-    dense_map map;
+    matrix_bone bone;
+    matrix_tool tool;
+    matrix_map map;
     int threads;
 } single_buffer;
 
 static void close_buffer(void *state)
 {
     single_buffer *s = state;
-    dense_bone_free(&s->bone);
-    dense_tool_free(&s->tool);
-    dense_map_free(&s->map);
+    matrix_bone_free(&s->bone);
+    matrix_tool_free(&s->tool);
+    matrix_map_free(&s->map);
     free(s);
 }
 
@@ -30,9 +30,9 @@ static ost_status open_buffer(const methods_scene *scene, const method_setup *se
     if (!s)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a method");
     s->threads = setup->threads;
-    ost_status status = dense_bone_init(&s->bone, scene, err);
+    ost_status status = matrix_bone_init(&s->bone, scene, err);
     if (status == OST_OK)
-        status = dense_tool_init(&s->tool, &scene->event.tool, err);
+        status = matrix_tool_init(&s->tool, &scene->event.tool, err);
     if (status == OST_OK)
         *state = s;
     else
@@ -44,8 +44,8 @@ static ost_status restore(void *state, ost_error *err)
 {
     single_buffer *s = state;
     (void)err;
-    dense_bone_restore(&s->bone);
-    dense_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
+    matrix_bone_restore(&s->bone);
+    matrix_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
     return OST_OK;
 }
 
@@ -55,16 +55,16 @@ static ost_status remove_event(void *state, ost_error *err)
     const bench_scene *event = &s->bone.scene->event;
     const ost_dims d = event->bone.dims;
     const ost_voxel_box all = {.hi = {d.x, d.y, d.z}};
-    ost_status status = dense_map_make(&s->map, &event->map, &all, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &all, err);
     if (status == OST_OK)
-        dense_remove_box(s->bone.voxels, d, &all, &s->map, &s->tool, s->threads);
+        matrix_remove_box(s->bone.voxels, d, &all, &s->map, &s->tool, s->threads);
     return status;
 }
 
 static ost_status result(void *state, method_set *set, ost_error *err)
 {
     (void)err;
-    dense_bone_result(&((const single_buffer *)state)->bone, set);
+    matrix_bone_result(&((const single_buffer *)state)->bone, set);
     return OST_OK;
 }
 
@@ -72,7 +72,7 @@ static void work(void *state, method_work *out)
 {
     const single_buffer *s = state;
     *out = (method_work){.visited = (int64_t)s->bone.count,
-                         .bone_bytes = dense_bone_bytes(&s->bone),
+                         .bone_bytes = matrix_bone_bytes(&s->bone),
                          .tool_bytes = (int64_t)(s->tool.count * sizeof *s->tool.words)};
 }
 

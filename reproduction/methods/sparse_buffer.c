@@ -9,7 +9,7 @@
  *
  * A voxel takes 8 bytes: three int16 for the position and one for the density. The thesis' CT files have three floats.
  */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,8 +24,8 @@ typedef struct voxel_list {
 typedef struct sparse_buffer {
     const methods_scene *scene;
     voxel_list full, live; /* before the event, and modified by it */
-    dense_tool tool;
-    dense_map map;
+    matrix_tool tool;
+    matrix_map map;
     size_t *kept; /* owned; voxels that remain in each part */
     int threads;
 } sparse_buffer;
@@ -51,8 +51,8 @@ static void close_buffer(void *state)
     sparse_buffer *s = state;
     list_free(&s->full);
     list_free(&s->live);
-    dense_tool_free(&s->tool);
-    dense_map_free(&s->map);
+    matrix_tool_free(&s->tool);
+    matrix_map_free(&s->map);
     free(s->kept);
     free(s);
 }
@@ -91,7 +91,7 @@ static ost_status open_buffer(const methods_scene *scene, const method_setup *se
     if (!list_init(&s->full, active) || !list_init(&s->live, active) || !s->kept)
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a list of %zu voxels", active);
     if (status == OST_OK)
-        status = dense_tool_init(&s->tool, &scene->event.tool, err);
+        status = matrix_tool_init(&s->tool, &scene->event.tool, err);
     if (status != OST_OK) {
         close_buffer(s);
         return status;
@@ -108,7 +108,7 @@ static ost_status restore(void *state, ost_error *err)
     for (int f = 0; f < 4; f++)
         memcpy(s->live.field[f], s->full.field[f], s->full.count * sizeof *s->full.field[f]);
     s->live.count = s->full.count;
-    dense_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
+    matrix_touch(s->tool.words, s->tool.count * sizeof *s->tool.words);
     return OST_OK;
 }
 
@@ -118,7 +118,7 @@ static void mark(uint8_t *restrict hit, const sparse_buffer *s, size_t first, in
     const int16_t *restrict vx = s->live.field[0] + first, *restrict vy = s->live.field[1] + first,
                   *restrict vz = s->live.field[2] + first;
     const ost_voxel_box box = s->scene->event.box;
-    const dense_map *m = &s->map;
+    const matrix_map *m = &s->map;
     const int32_t *restrict base = m->base[0];
     const uint32_t *restrict words = s->tool.words;
     const int32_t nx = s->tool.dims[0], ny = s->tool.dims[1], nz = s->tool.dims[2];
@@ -173,7 +173,7 @@ static ost_status remove_event(void *state, ost_error *err)
     const int64_t parts = (int64_t)((s->live.count + PART - 1) / PART);
     if (method_box_count(&event->box) == 0)
         return OST_OK;
-    ost_status status = dense_map_make(&s->map, &event->map, &event->box, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &event->box, err);
     if (status != OST_OK)
         return status;
 #if defined _OPENMP

@@ -9,7 +9,7 @@
  * The bone is an image of int16, and the tool is an image of uint8, in which positions outside the grid read as 0.
  * A device must have images and must be able to write 3D images (cl_khr_3d_image_writes).
  */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 #include "reproduction/methods/device.h"
 
 #ifdef HAVE_OPENCL
@@ -49,7 +49,7 @@ typedef struct texture {
     cl_program program;
     cl_kernel mark, clear;
     cl_mem bone, tool, mask, base;
-    dense_map map;
+    matrix_map map;
 } texture;
 
 static void close_texture(void *state)
@@ -65,7 +65,7 @@ static void close_texture(void *state)
         clReleaseKernel(s->clear);
     if (s->program)
         clReleaseProgram(s->program);
-    dense_map_free(&s->map);
+    matrix_map_free(&s->map);
     free(s);
 }
 
@@ -105,7 +105,7 @@ static ost_status make_memory(texture *s, ost_error *err)
     s->tool = make_image(s, event->tool.geometry.dims, CL_UNSIGNED_INT8, CL_MEM_READ_ONLY, cutting, &codes[1]);
     free(cutting);
     s->mask = clCreateBuffer(s->device->cl.context, CL_MEM_READ_WRITE, box, NULL, &codes[2]);
-    ost_status status = dense_map_make(&s->map, &event->map, &event->box, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &event->box, err);
     if (status != OST_OK)
         return status;
     s->base = clCreateBuffer(s->device->cl.context, CL_MEM_READ_ONLY, (s->map.capacity + 1) * sizeof *s->map.base,
@@ -168,7 +168,7 @@ static ost_status restore(void *state, ost_error *err)
 
 static ost_status set_arguments(texture *s, ost_error *err)
 {
-    const dense_map *m = &s->map;
+    const matrix_map *m = &s->map;
     const int32_t *lo = s->scene->event.box.lo;
     const cl_int4 corner = {{lo[0], lo[1], lo[2], 0}}, first = {{m->first[0], m->first[1], m->first[2], 0}},
                   count = {{m->count[0], m->count[1], m->count[2], 0}};
@@ -199,7 +199,7 @@ static ost_status remove_event(void *state, ost_error *err)
         return OST_OK;
     for (int a = 0; a < 3; a++)
         range[a] = (size_t)(event->box.hi[a] - event->box.lo[a]);
-    ost_status status = dense_map_make(&s->map, &event->map, &event->box, err);
+    ost_status status = matrix_map_make(&s->map, &event->map, &event->box, err);
     if (status != OST_OK)
         return status;
     const size_t bases = (size_t)s->map.count[0] * (size_t)s->map.count[1] * (size_t)s->map.count[2];

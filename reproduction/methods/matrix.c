@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bone as one matrix of densities, the tool's grid as bits, and the loop of bone voxels against the tool's
    grid over a box. */
-#include "reproduction/methods/dense.h"
+#include "reproduction/methods/matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-ost_status dense_bone_init(dense_bone *bone, const methods_scene *scene, ost_error *err)
+ost_status matrix_bone_init(matrix_bone *bone, const methods_scene *scene, ost_error *err)
 {
-    *bone = (dense_bone){.scene = scene, .count = (size_t)ost_dims_count(scene->event.bone.dims)};
+    *bone = (matrix_bone){.scene = scene, .count = (size_t)ost_dims_count(scene->event.bone.dims)};
     bone->voxels = malloc(bone->count * sizeof *bone->voxels);
     if (!bone->voxels)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bone of %zu voxels", bone->count);
@@ -16,13 +16,13 @@ ost_status dense_bone_init(dense_bone *bone, const methods_scene *scene, ost_err
     return OST_OK;
 }
 
-void dense_bone_free(dense_bone *bone)
+void matrix_bone_free(matrix_bone *bone)
 {
     free(bone->voxels);
-    *bone = (dense_bone){0};
+    *bone = (matrix_bone){0};
 }
 
-void dense_bone_restore(dense_bone *bone)
+void matrix_bone_restore(matrix_bone *bone)
 {
     const ost_voxel_box *r = &bone->scene->region;
     const ost_dims d = bone->scene->event.bone.dims;
@@ -36,7 +36,7 @@ void dense_bone_restore(dense_bone *bone)
         }
 }
 
-void dense_bone_result(const dense_bone *bone, method_set *set)
+void matrix_bone_result(const matrix_bone *bone, method_set *set)
 {
     const ost_voxel_box *r = &set->box;
     const ost_dims d = bone->scene->event.bone.dims;
@@ -49,16 +49,16 @@ void dense_bone_result(const dense_bone *bone, method_set *set)
         }
 }
 
-int64_t dense_bone_bytes(const dense_bone *bone)
+int64_t matrix_bone_bytes(const matrix_bone *bone)
 {
     return (int64_t)(bone->count * sizeof *bone->voxels);
 }
 
-ost_status dense_tool_init(dense_tool *tool, const ost_tool_volume *volume, ost_error *err)
+ost_status matrix_tool_init(matrix_tool *tool, const ost_tool_volume *volume, ost_error *err)
 {
     const ost_dims d = volume->geometry.dims;
     const size_t voxels = (size_t)ost_dims_count(d);
-    *tool = (dense_tool){.dims = {d.x, d.y, d.z}, .count = voxels / 32 + 1};
+    *tool = (matrix_tool){.dims = {d.x, d.y, d.z}, .count = voxels / 32 + 1};
     tool->words = calloc(tool->count, sizeof *tool->words);
     if (!tool->words)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool of %zu voxels", voxels);
@@ -68,20 +68,20 @@ ost_status dense_tool_init(dense_tool *tool, const ost_tool_volume *volume, ost_
     return OST_OK;
 }
 
-void dense_tool_free(dense_tool *tool)
+void matrix_tool_free(matrix_tool *tool)
 {
     free(tool->words);
-    *tool = (dense_tool){0};
+    *tool = (matrix_tool){0};
 }
 
-void dense_touch(const void *data, size_t bytes)
+void matrix_touch(const void *data, size_t bytes)
 {
     const volatile uint8_t *at = data;
     for (size_t i = 0; i < bytes; i += 64)
         (void)at[i];
 }
 
-ost_status dense_map_make(dense_map *out, const ost_map *map, const ost_voxel_box *box, ost_error *err)
+ost_status matrix_map_make(matrix_map *out, const ost_map *map, const ost_voxel_box *box, ost_error *err)
 {
     size_t count = 1;
     for (int a = 0; a < 3; a++) {
@@ -105,19 +105,19 @@ ost_status dense_map_make(dense_map *out, const ost_map *map, const ost_voxel_bo
             for (int32_t x = 0; x < out->count[0]; x++, base++)
                 if (!ost_map_block_base(map, (ost_dims){out->first[0] + x, out->first[1] + y, out->first[2] + z},
                                         *base))
-                    (*base)[0] = (*base)[1] = (*base)[2] = DENSE_FAR;
+                    (*base)[0] = (*base)[1] = (*base)[2] = MATRIX_FAR;
     return OST_OK;
 }
 
-void dense_map_free(dense_map *map)
+void matrix_map_free(matrix_map *map)
 {
     free(map->base);
-    *map = (dense_map){0};
+    *map = (matrix_map){0};
 }
 
 /* Processes the voxels [i0, i1) of row (j, k), one block after the other. */
-static void remove_row(int16_t *row, int32_t i0, int32_t i1, int32_t j, int32_t k, const dense_map *map,
-                       const dense_tool *tool)
+static void remove_row(int16_t *row, int32_t i0, int32_t i1, int32_t j, int32_t k, const matrix_map *map,
+                       const matrix_tool *tool)
 {
     const int32_t dj = j % OST_MAP_BLOCK, dk = k % OST_MAP_BLOCK;
     const int32_t by = j / OST_MAP_BLOCK - map->first[1], bz = k / OST_MAP_BLOCK - map->first[2];
@@ -128,7 +128,7 @@ static void remove_row(int16_t *row, int32_t i0, int32_t i1, int32_t j, int32_t 
         int32_t u[3];
         for (int a = 0; a < 3; a++)
             u[a] = base[bx - map->first[0]][a] + dj * map->step[1][a] + dk * map->step[2][a];
-        dense_hits(hit, u, map->step[0], tool);
+        matrix_hits(hit, u, map->step[0], tool);
         if (first >= i0 && first + OST_MAP_BLOCK <= i1) {
             for (int32_t i = 0; i < OST_MAP_BLOCK; i++)
                 row[first + i] = (int16_t)(row[first + i] & ~hit[i]);
@@ -139,8 +139,8 @@ static void remove_row(int16_t *row, int32_t i0, int32_t i1, int32_t j, int32_t 
     }
 }
 
-void dense_remove_box(int16_t *voxels, ost_dims bone, const ost_voxel_box *box, const dense_map *map,
-                      const dense_tool *tool, int threads)
+void matrix_remove_box(int16_t *voxels, ost_dims bone, const ost_voxel_box *box, const matrix_map *map,
+                      const matrix_tool *tool, int threads)
 {
     (void)threads;
     const int32_t height = box->hi[1] - box->lo[1], rows = height * (box->hi[2] - box->lo[2]);
