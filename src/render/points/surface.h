@@ -32,6 +32,8 @@
 
 #include <osteon/grid.h>
 
+#include "core/visible.h"
+
 enum {
     OST_BLOCK = 32, /* voxels per side */
     OST_BLOCK_ROWS = 32 * 32, /* rows per block: bit x of row y + 32 z is voxel (x, y, z) */
@@ -46,8 +48,6 @@ enum {
     OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
-
-typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_FACE_Z0, OST_FACE_Z1 } ost_face;
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
