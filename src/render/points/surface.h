@@ -59,6 +59,7 @@ typedef struct ost_surface_block {
     bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the lists of points and shades, unique within the process; 0 before the first list */
     uint64_t version;
+    uint64_t listed;           /* value of `version` when the list of points last changed */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     /* owned; voxels of `occupied` that changed since the last update; NULL if no voxels changed */
