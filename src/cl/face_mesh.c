@@ -42,7 +42,8 @@ typedef struct ost_cl_face_program faces;
 
 static void free_buffers(cl_backend *b, faces *f)
 {
-    cl_mem *const all[] = {&f->clusters, &f->padded, &f->visible, &f->rows, &f->slices, &f->active, &f->sums, &f->first};
+    cl_mem *const all[] = {&f->clusters, &f->padded, &f->visible, &f->rows,
+                           &f->slices,   &f->active, &f->sums,    &f->first};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         ost_cl_buffer_free(b, all[i]);
     f->chunks = 0;
@@ -215,7 +216,8 @@ static ost_status find_active(cl_backend *b, const ost_face_cluster *clusters, s
     if (status == OST_OK)
         status = LAUNCH(b, SLICES, SIDE, chunks, err, &f->rows, &f->slices);
     if (status == OST_OK)
-        status = LAUNCH(b, COMPACT, OST_FACE_ROWS, chunks, err, &f->visible, &f->rows, &f->slices, &f->active, &f->sums);
+        status = LAUNCH(b, COMPACT, OST_FACE_ROWS, chunks, err, &f->visible, &f->rows, &f->slices, &f->active,
+                        &f->sums);
     if (status == OST_OK)
         status = ost_cl_read(b, f->sums, 0, chunks * 2 * sizeof *sums, sums, err);
     return status == OST_OK ? stage_done(b, mesh, OST_FACE_STAGE_COMPACT, begin, err) : status;

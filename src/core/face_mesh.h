@@ -55,7 +55,8 @@ typedef enum ost_face_stage {
 /* The meshes of several chunks. Must be zero-initialized before its first use. Memory is reused by later calls. */
 typedef struct ost_face_mesh {
     size_t count;         /* number of chunks */
-    uint32_t *first;      /* owned; count + 1 entries: index of each chunk's first quad; the last one: number of quads */
+    /* owned; count + 1 entries: index of each chunk's first quad; the last entry is the number of quads */
+    uint32_t *first;
     uint32_t *vertices;   /* owned; 4 words for each quad */
     size_t chunk_capacity, quad_capacity;
     /* Set by the caller: if true, the times of the stages are measured, which makes a call slower. */

@@ -45,7 +45,8 @@ static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
     return status;
 }
 
-/* Opens the backend that --backend selects a second time, because the servo loop uses the first one at the same time. */
+/* Opens the backend that --backend selects a second time, because the servo loop uses the first one at the same
+   time. */
 static ost_status use_mesh(sim_show *show, ost_error *err)
 {
     ost_status status = backend_choose(show->app, &show->mesher, err);

@@ -55,8 +55,9 @@ __kernel void ost_face_classify(__global const short *padded, __global uchar *vi
     __global const short *p = padded + (size_t)chunk * PADDED_VOXELS + (x + 1) + PADDED * ((y + 1) + PADDED * (z + 1));
     uint mask = 0;
     if (p[0])
-        mask = (uint)(p[-1] == 0) | (uint)(p[1] == 0) << 1 | (uint)(p[-PADDED] == 0) << 2 | (uint)(p[PADDED] == 0) << 3 |
-               (uint)(p[-PADDED * PADDED] == 0) << 4 | (uint)(p[PADDED * PADDED] == 0) << 5;
+        mask = (uint)(p[-1] == 0) | (uint)(p[1] == 0) << 1 | (uint)(p[-PADDED] == 0) << 2 |
+               (uint)(p[PADDED] == 0) << 3 | (uint)(p[-PADDED * PADDED] == 0) << 4 |
+               (uint)(p[PADDED * PADDED] == 0) << 5;
     visible[(size_t)chunk * VOXELS + i] = (uchar)mask;
 }
 
