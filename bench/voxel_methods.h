@@ -142,8 +142,9 @@ typedef struct bench_voxel_cut {
 
 /*
  * Measures frames while a ball with the radius of the thesis' reamer head (18 mm at the voxel size of the
- * scapula: 38 voxels) moves into the model, a quarter of a voxel per frame. The model is restored at the end.
- * mesher: backend that meshes the chunks, for example "cpu"; used only by BENCH_VOXEL_MESH.
+ * scapula: 38 voxels) moves into the model, a quarter of a voxel per frame. At a smaller scale of the model,
+ * the ball is smaller too. The model is restored at the end. mesher: backend that meshes the chunks, for
+ * example "cpu"; used only by BENCH_VOXEL_MESH.
  */
 ost_status bench_voxel_removal(bench_voxel_model *model, bench_voxel_method method, const char *mesher, int frames,
                                bench_voxel_cut *out, ost_error *err);
