@@ -48,8 +48,8 @@ static inline ost_surface surface_of(const ost_volume *v)
  * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels.
  * `aside` is the offset of the point at which the camera looks.
  */
-static inline ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside, int width,
-                       int height)
+static inline ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside,
+                              int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1207.10678 * height), .width = width, .height = height};
