@@ -13,14 +13,23 @@
 #define OST_REPRODUCTION_ITEM_H
 
 #include "bench/bench.h"
+#include "bench/voxel_methods.h"
+#include "reproduction/methods/methods.h"
 #include "reproduction/models.h"
 #include "reproduction/result.h"
+
+enum { REPRODUCTION_MODELS = 5 }; /* models that are drawn */
 
 /* The settings of a run, which all items share. */
 typedef struct reproduction {
     bench_options bench;    /* backend, threads, quick; show and filter are not used */
     result_machine machine;
     model_store models;
+    char cl[64];            /* device of the backend cl, "cl:platform=0,device=0"; "" with another backend */
+    /* measurements that several items share; empty until they are made */
+    methods_table by_chunks, by_resolution;
+    bench_voxel_frames frames[REPRODUCTION_MODELS][BENCH_VOXEL_METHODS];
+    bool frames_measured[REPRODUCTION_MODELS];
     ost_progress *progress; /* called with the work in progress; may be NULL */
     void *progress_user;
 } reproduction;
@@ -74,6 +83,18 @@ ost_status item_machines(reproduction *r, result *out, ost_error *err);
 ost_status item_static_reamer(reproduction *r, result *out, ost_error *err);
 ost_status item_static_peg(reproduction *r, result *out, ost_error *err);
 ost_status item_accuracy(reproduction *r, result *out, ost_error *err);
+ost_status item_chunk_counts(reproduction *r, result *out, ost_error *err);
+ost_status item_voxel_counts(reproduction *r, result *out, ost_error *err);
+ost_status item_reza(reproduction *r, result *out, ost_error *err);
+ost_status item_zheng(reproduction *r, result *out, ost_error *err);
+ost_status item_yau(reproduction *r, result *out, ost_error *err);
+ost_status item_holes(reproduction *r, result *out, ost_error *err);
+ost_status item_render_memory(reproduction *r, result *out, ost_error *err);
+ost_status item_mesh_stages(reproduction *r, result *out, ost_error *err);
+ost_status item_mesh_frames(reproduction *r, result *out, ost_error *err);
+ost_status item_point_frames(reproduction *r, result *out, ost_error *err);
+ost_status item_foam_frames(reproduction *r, result *out, ost_error *err);
+ost_status item_removal_frames(reproduction *r, result *out, ost_error *err);
 ost_status item_scapula(reproduction *r, result *out, ost_error *err);
 ost_status item_samples(reproduction *r, result *out, ost_error *err);
 ost_status item_partition(reproduction *r, result *out, ost_error *err);

@@ -77,8 +77,10 @@ ost_status reproduction_begin(reproduction *r, ost_error *err)
     snprintf(m->isa, sizeof m->isa, "%s", settings.isa);
     snprintf(m->compiler, sizeof m->compiler, "%s", COMPILER);
     snprintf(m->version, sizeof m->version, "%s", ost_version());
-    if (settings.device >= 0)
+    if (settings.device >= 0) {
+        snprintf(r->cl, sizeof r->cl, "cl:platform=%d,device=%d", settings.platform, settings.device);
         status = find_device(&settings, m, err);
+    }
     if (m->device[0])
         snprintf(m->label, sizeof m->label, "%.60s, %.30s", m->device, ost_backend_name(backend));
     else
@@ -90,5 +92,10 @@ ost_status reproduction_begin(reproduction *r, ost_error *err)
 
 void reproduction_end(reproduction *r)
 {
+    for (int k = 0; k < REPRODUCTION_MODELS; k++)
+        for (int m = 0; m < BENCH_VOXEL_METHODS; m++)
+            bench_voxel_frames_free(&r->frames[k][m]);
+    methods_table_free(&r->by_chunks);
+    methods_table_free(&r->by_resolution);
     model_store_free(&r->models);
 }
