@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { WIDTH = 720, TOP = 40, LEFT = 74, RIGHT = 18, PLOT_HEIGHT = 300, LEGEND_LINE = 19, BELOW = 54 };
+enum { WIDTH = 720, TOP = 40, LEFT = 74, RIGHT = 18, PLOT_HEIGHT = 300, LEGEND_LINE = 19, BELOW = 54, NAME_LINE = 15 };
 
 /* Colours of Okabe and Ito, sorted so that neighbours also differ in lightness. */
 static const char *const colours[] = {"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#000000"};
@@ -157,6 +157,7 @@ typedef struct canvas {
     const plot *p;
     plot_axis x, y;
     double height; /* of the drawing */
+    int below;     /* height of the second and further lines of the categories' names */
 } canvas;
 
 static double across(double share)
@@ -229,7 +230,7 @@ static void frame(const canvas *c)
     fprintf(c->to, "<path d=\"M%d %dV%dH%d\" fill=\"none\" stroke=\"#222\"/>\n", LEFT, TOP, TOP + PLOT_HEIGHT,
             WIDTH - RIGHT);
     fprintf(c->to, "<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">", (WIDTH + LEFT - RIGHT) / 2,
-            TOP + PLOT_HEIGHT + 38);
+            TOP + PLOT_HEIGHT + 38 + c->below);
     plot_text(c->to, c->p->x_label);
     fprintf(c->to, "</text><text transform=\"translate(16 %d) rotate(-90)\" text-anchor=\"middle\">",
             TOP + PLOT_HEIGHT / 2);
@@ -261,6 +262,68 @@ static void lines(const canvas *c)
     }
 }
 
+/* Writes the value of a bar above it, with two or three digits. */
+static void bar_value(const canvas *c, double x, double y, double width, double value)
+{
+    char text[32];
+    if (fabs(value) >= 100)
+        snprintf(text, sizeof text, "%.0f", value);
+    else
+        snprintf(text, sizeof text, "%.*g", width < 30 ? 2 : 3, value);
+    fprintf(c->to, "<text x=\"%.1f\" y=\"%.1f\" font-size=\"%d\" text-anchor=\"middle\">%s</text>\n", x, y,
+            width < 30 ? 9 : 10, text);
+}
+
+/* Returns the number of characters of a category's name that fit under its bars. */
+static size_t category_width(const plot *p)
+{
+    const size_t count = p->categories ? p->categories : 1, fits = (WIDTH - LEFT - RIGHT) / count * 10 / 68;
+    return fits > 4 ? fits : 4;
+}
+
+/* Returns the length of the next line of a name: as many words as fit, and at least one. */
+static size_t line_length(const char *name, size_t fits)
+{
+    size_t length = strcspn(name, " ");
+    while (name[length] == ' ') {
+        const size_t next = length + 1 + strcspn(name + length + 1, " ");
+        if (next > fits)
+            break;
+        length = next;
+    }
+    return length;
+}
+
+/* Returns the greatest number of lines of a category's name. */
+static int category_lines(const plot *p)
+{
+    int most = 1;
+    for (size_t i = 0; i < p->categories && p->bars; i++) {
+        int lines = 0;
+        for (const char *at = p->category[i]; *at; lines++) {
+            at += line_length(at, category_width(p));
+            at += *at == ' ';
+        }
+        most = lines > most ? lines : most;
+    }
+    return most;
+}
+
+static void category_name(const canvas *c, double x, const char *name)
+{
+    double y = TOP + PLOT_HEIGHT + 18;
+    for (const char *at = name; *at; y += NAME_LINE) {
+        char line[PLOT_LABEL];
+        const size_t length = line_length(at, category_width(c->p));
+        snprintf(line, sizeof line, "%.*s", (int)(length < sizeof line ? length : sizeof line - 1), at);
+        fprintf(c->to, "<text x=\"%.1f\" y=\"%.0f\" text-anchor=\"middle\">", x, y);
+        plot_text(c->to, line);
+        fputs("</text>\n", c->to);
+        at += length;
+        at += *at == ' ';
+    }
+}
+
 static void bars(const canvas *c)
 {
     const double group = (double)(WIDTH - LEFT - RIGHT) / (double)(c->p->categories ? c->p->categories : 1);
@@ -276,22 +339,17 @@ static void bars(const canvas *c)
                     x, y, width - 1, fmax(TOP + PLOT_HEIGHT - y, 0), fill_of(c->p, s),
                     series->thesis ? "#000000" : "none", series->thesis ? " stroke-dasharray=\"3 2\"" : "");
             if (width >= 20)
-                fprintf(c->to, "<text x=\"%.1f\" y=\"%.1f\" font-size=\"%d\" text-anchor=\"middle\">%.*g</text>\n",
-                        x + width / 2, y - 3, width < 30 ? 9 : 10, width < 30 ? 2 : 3, series->y[i]);
+                bar_value(c, x + width / 2, y - 3, width, series->y[i]);
         }
     }
-    for (size_t i = 0; i < c->p->categories; i++) {
-        fprintf(c->to, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">", LEFT + group * ((double)i + 0.5),
-                TOP + PLOT_HEIGHT + 18);
-        plot_text(c->to, c->p->category[i]);
-        fputs("</text>\n", c->to);
-    }
+    for (size_t i = 0; i < c->p->categories; i++)
+        category_name(c, LEFT + group * ((double)i + 0.5), c->p->category[i]);
 }
 
 static void legend(const canvas *c)
 {
     for (int s = 0; s < c->p->count; s++) {
-        const double y = TOP + PLOT_HEIGHT + BELOW + LEGEND_LINE * s;
+        const double y = TOP + PLOT_HEIGHT + BELOW + c->below + LEGEND_LINE * s;
         const char *dash = dashes_of(c->p, s);
         if (c->p->bars) {
             fprintf(c->to, "<rect x=\"%d\" y=\"%.1f\" width=\"30\" height=\"11\" fill=\"%s\" stroke=\"%s\"%s/>", LEFT,
@@ -311,7 +369,11 @@ static void legend(const canvas *c)
 void plot_write(FILE *to, const plot *p)
 {
     const bool named = p->count > 1; /* the title names a single series */
-    canvas c = {.to = to, .p = p, .height = TOP + PLOT_HEIGHT + BELOW + (named ? LEGEND_LINE * p->count : -8)};
+    const int below = NAME_LINE * (category_lines(p) - 1);
+    canvas c = {.to = to,
+                .p = p,
+                .below = below,
+                .height = TOP + PLOT_HEIGHT + BELOW + below + (named ? LEGEND_LINE * p->count : -8)};
     double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
     const bool any = range_of(p, true, &x0, &x1) && range_of(p, false, &y0, &y1);
     fprintf(to,

@@ -132,31 +132,27 @@ static result_verdict judged(const reproduction *r, result_verdict verdict)
     return r->bench.quick ? RESULT_UNDECIDED : verdict;
 }
 
-static const char *const size_names[3] = {"16^3", "32^3", "64^3"};
-
 /* Judges the statement that size `best` is the fastest of the three. */
 static void judge_best(const reproduction *r, result *out, int best, int median, int least, const char *who,
                        const char *source, const char *claim, const char *why)
 {
-    int worse = 0, better = 0, fastest = 0;
+    int worse = 0, better = 0;
     for (int i = 0; i < 3; i++) {
         const int order = order_rows(out, best, i, median, least);
         worse += i != best && order > 0;
         better += i != best && order < 0;
-        fastest = out->row[i].cell[median].value < out->row[fastest].cell[median].value ? i : fastest;
     }
     const result_verdict verdict = judged(r, worse         ? RESULT_CONTRADICTED
                                              : better == 2 ? RESULT_CONFIRMED
                                                            : RESULT_UNDECIDED);
-    result_add_finding(out, verdict, source, claim,
-                       "%s: %.1f, %.1f and %.1f us with 16^3, 32^3 and 64^3; the shortest is "
-                       "with %s%s. %s",
-                       who, out->row[0].cell[median].value, out->row[1].cell[median].value,
-                       out->row[2].cell[median].value, size_names[fastest],
-                       r->bench.quick                ? " (--quick: no verdict)"
-                       : verdict == RESULT_UNDECIDED ? ", by less than 5 % or not in the shortest times, too"
-                                                     : "",
-                       why);
+    result_add_finding(
+        out, verdict, source, claim, "%s: shortest times of %.1f, %.1f and %.1f us with 16^3, 32^3 and 64^3%s. %s", who,
+        out->row[0].cell[least].value, out->row[1].cell[least].value, out->row[2].cell[least].value,
+        r->bench.quick                ? " (--quick: no verdict)"
+        : verdict == RESULT_UNDECIDED ? "; the order differs by less than 5 % or between medians and shortest "
+                                        "times"
+                                      : "",
+        why);
 }
 
 static void judge_sizes(const reproduction *r, result *out, ost_tool_kind kind)
@@ -169,22 +165,25 @@ static void judge_sizes(const reproduction *r, result *out, ost_tool_kind kind)
         const result_cell *c[3] = {out->row[0].cell, out->row[1].cell, out->row[2].cell};
         char why[RESULT_TEXT];
         snprintf(why, sizeof why,
-                 "The kernel visits every voxel of the chunks that are hit: %.0f, %.0f and %.0f thousand voxels.",
-                 c[0][CHUNKS].value * 4.096, c[1][CHUNKS].value * 32.768, c[2][CHUNKS].value * 262.144);
+                 "The kernel visits every voxel of the chunks that are hit: %.0f, %.0f and %.0f thousand voxels%s.",
+                 c[0][CHUNKS].value * 4.096, c[1][CHUNKS].value * 32.768, c[2][CHUNKS].value * 262.144,
+                 on_device(r) ? "" : ", and on the processor a chunk costs no launch");
         judge_best(r, out, reamer ? 1 : 0, LOOP, LOOP_LEAST, "The thesis' kernel on this machine", source, claim, why);
         judge_best(
             r, out, reamer ? 1 : 0, EVENT, LEAST, "osteon", source, claim,
             "osteon visits only the blocks of voxels that the tool can reach, which are the same for every size of "
             "the chunks; what remains is the work per chunk.");
         const bool worst = order_rows(out, 2, 0, LOOP, LOOP_LEAST) > 0 && order_rows(out, 2, 1, LOOP, LOOP_LEAST) > 0;
-        const int spread = (int)(100 * (c[2][LOOP_CHUNK].value / 64 / c[1][LOOP_CHUNK].value * 8 - 1));
+        const int spread = (int)(100 * (c[2][LOOP_LEAST].value / c[2][CHUNKS].value / 8 /
+                                            (c[1][LOOP_LEAST].value / c[1][CHUNKS].value) -
+                                        1));
         result_add_finding(
             out, judged(r, worst ? RESULT_CONFIRMED : RESULT_CONTRADICTED), source,
             "Chunks of 64^3 voxels are the slowest.",
             "The thesis' kernel takes %.1f us with 64^3, and %.1f and %.1f us with 16^3 and 32^3, because a "
             "chunk is visited completely or not at all. Its time per voxel differs by %d %% between 32^3 "
             "and 64^3.",
-            c[2][LOOP].value, c[0][LOOP].value, c[1][LOOP].value, spread);
+            c[2][LOOP_LEAST].value, c[0][LOOP_LEAST].value, c[1][LOOP_LEAST].value, spread);
     }
 }
 

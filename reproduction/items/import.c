@@ -204,11 +204,11 @@ ost_status item_import(reproduction *r, result *out, ost_error *err)
     }
     if (status == OST_OK && out->row_count == 0)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "%s: no model could be measured", folder);
-    result_add_remark(out,
-                      "In osteon, the first phase determines the lattice of the positions and the second parses the "
-                      "densities, or both are one pass if the file is a regular raster; only their sum can be "
-                      "compared with the sum of the thesis' first two phases. Nothing is uploaded to a device with "
-                      "the backend cpu.");
+    result_add_remark(
+        out, "In osteon, the first phase determines the lattice of the positions and the second parses the densities; "
+             "only their sum can be compared with the sum of the thesis' first two phases. The cubic grid is not "
+             "stored: the chunks are computed directly from the rect grid, so that the work of both phases is in the "
+             "last one. With the backend cpu, nothing is uploaded to a device.");
     result_add_remark(out, "The texts of the thesis are larger or smaller than ours because the phantoms have other "
                            "active voxels and because some of its files list empty voxels, too. The time per line does "
                            "not depend on this.");

@@ -6,8 +6,8 @@
  *   by_chunks       the peg drill in a bone of which 1 to 64 chunks have active voxels: Figs. 3.8, 3.10 to 3.12
  *   by_resolution   the peg drill's static event, tool and bone of 64^3 to 1024^3 voxels: Figs. 3.10 to 3.12
  *
- * Both tables are measured once per run. A method from tool to bone has one time per resolution, which does not depend
- * on the number of chunks; its line in a plot is horizontal.
+ * Both tables are measured once per run. The time of a method from tool to bone does not depend on the number of
+ * chunks, so that its line in a plot is horizontal.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,6 @@
 
 enum { METHOD, TOOL_SIDE, BONE_SIDE, CHUNKS, TIME, LEAST, VISITED, MISSED };
 #define TOLERANCE 0.05
-
 static const int counts[] = {1, 2, 4, 6, 8, 12, 16, 20, 24, 32, 48, 64};
 static const int32_t sides[] = {64, 256, 1024}, sides_quick[] = {64, 128};
 enum { COUNTS = sizeof counts / sizeof counts[0], SIDES = 3, SIDES_QUICK = 2 };
@@ -125,16 +124,18 @@ static void add_row(result *out, const methods_row *row, const char *label, doub
 
 static const char *label_of(const reproduction *r, const methods_row *row)
 {
-    return is_method(r, row, "osteon") ? "osteon" : "chunks of the thesis";
+    const bool reamer = strcmp(row->tool, ost_tool_kind_name(OST_TOOL_REAMER)) == 0;
+    if (is_method(r, row, "osteon"))
+        return reamer ? "osteon, reamer" : "osteon";
+    return reamer ? "chunks of the thesis, reamer" : "chunks of the thesis";
 }
 
-/* Adds the events with 1 to 64 chunks of one method, or of both if base is NULL. */
-static void add_by_chunks(const reproduction *r, result *out)
+static void add_by_chunks(const reproduction *r, result *out, const methods_table *table)
 {
     static const char *const bases[] = {"thesis_chunks", "osteon"};
     for (size_t b = 0; b < sizeof bases / sizeof bases[0]; b++)
-        for (size_t i = 0; i < r->by_chunks.count; i++) {
-            const methods_row *row = &r->by_chunks.rows[i];
+        for (size_t i = 0; i < table->count; i++) {
+            const methods_row *row = &table->rows[i];
             if (is_method(r, row, bases[b]) && !row->reason[0])
                 add_row(out, row, label_of(r, row), row->chunks);
         }
@@ -147,9 +148,13 @@ static void remark_reasons(const methods_table *table, result *out)
         bool known = !row->reason[0];
         for (size_t k = 0; k < i && !known; k++)
             known = strcmp(table->rows[k].reason, row->reason) == 0;
-        if (!known)
-            result_add_remark(out, "Not measured: %s, %d^3 and %d^3 voxels: %s.", row->method->name,
+        if (known)
+            continue;
+        if (row->tool_side)
+            result_add_remark(out, "Not measured: %s, a tool of %d^3 and a bone of %d^3 voxels: %s.", row->method->name,
                               (int)row->tool_side, (int)row->bone_side, row->reason);
+        else
+            result_add_remark(out, "Not measured: %d and more chunks: %s.", row->chunks, row->reason);
     }
 }
 
@@ -186,6 +191,16 @@ static double time_at(const reproduction *r, const char *base, double chunks, bo
     return a + (b - a) * (chunks - below->chunks) / (above->chunks - below->chunks);
 }
 
+/* Returns the greatest number of chunks that was measured. */
+static int most_chunks(const reproduction *r)
+{
+    int most = 1;
+    for (size_t i = 0; i < r->by_chunks.count; i++)
+        if (!r->by_chunks.rows[i].reason[0] && r->by_chunks.rows[i].chunks > most)
+            most = r->by_chunks.rows[i].chunks;
+    return most;
+}
+
 static result_verdict judged(const reproduction *r, bool confirmed)
 {
     return r->bench.quick ? RESULT_UNDECIDED : confirmed ? RESULT_CONFIRMED : RESULT_CONTRADICTED;
@@ -193,21 +208,34 @@ static result_verdict judged(const reproduction *r, bool confirmed)
 
 ost_status item_chunk_counts(reproduction *r, result *out, ost_error *err)
 {
+    char names[128], a[48], b[48];
+    methods_table reamer = {.rows = NULL};
+    snprintf(names, sizeof names, "%s,%s", method_name(r, "osteon", a), method_name(r, "thesis_chunks", b));
+    const methods_options options = options_of(r, names);
     ost_status status = measure_by_chunks(r, err);
     if (status == OST_OK)
         status = check_rows(&r->by_chunks, err);
-    if (status != OST_OK)
+    if (status == OST_OK)
+        status = methods_chunk_counts(&options, OST_TOOL_REAMER, counts, COUNTS, &reamer, err);
+    if (status == OST_OK)
+        status = check_rows(&reamer, err);
+    if (status != OST_OK) {
+        methods_table_free(&reamer);
         return status;
+    }
+    const int most = most_chunks(r);
     add_columns(out);
-    add_by_chunks(r, out);
-    const double one = time_at(r, "thesis_chunks", 8, true) / 8, many = time_at(r, "thesis_chunks", 64, true) / 64,
+    add_by_chunks(r, out, &r->by_chunks);
+    add_by_chunks(r, out, &reamer);
+    methods_table_free(&reamer);
+    const double one = time_at(r, "thesis_chunks", 6, true) / 6, many = time_at(r, "thesis_chunks", most, true) / most,
                  ours = time_at(r, "osteon", 20, true), twenty = time_at(r, "thesis_chunks", 20, true);
     if (one > 0 && many > 0)
         result_add_finding(
             out, judged(r, many / one < 1.25 && one / many < 1.25), "section 3.2.2",
             "The time of an event is proportional to the number of chunks.",
-            "The thesis' kernel takes %.1f us per chunk with 8 chunks and %.1f us with 64 (shortest times).", one,
-            many);
+            "The thesis' kernel takes %.1f us per chunk with 6 chunks and %.1f us with %d (shortest times).", one, many,
+            most);
     if (ours > 0 && twenty > 0)
         result_add_finding(out, judged(r, twenty < 1000), "sections 2.5, 3.2.3",
                            "An event of up to 20 chunks fits into a tick of the haptic loop, 1 ms.",
@@ -224,27 +252,26 @@ ost_status item_chunk_counts(reproduction *r, result *out, ost_error *err)
 
 /* ----------------------------------------------------- Figures 3.10 to 3.12 */
 
-/* Returns the greatest number of chunks for which the chunk system is not slower than `time`; 0 if there is none, and
-   65 if it is faster for all measured numbers. */
+/* Returns the greatest number of chunks for which a method of bone voxels is not slower than `time`; 0 if there is
+   none. */
 static int crossing(const reproduction *r, const char *base, double time)
 {
     int last = 0;
-    for (int n = 1; n <= 64; n++) {
+    for (int n = 1; n <= most_chunks(r); n++) {
         const double t = time_at(r, base, n, true);
-        if (t > 0 && t <= time)
-            last = n;
-        else if (t > 0)
+        if (t > 0 && t > time)
             return last;
+        last = t > 0 ? n : last;
     }
-    return last == 64 ? 65 : last;
+    return last;
 }
 
-static void describe_crossing(char text[64], int n)
+static void describe_crossing(const reproduction *r, char text[64], int n)
 {
     if (n == 0)
         snprintf(text, 64, "for no number of chunks");
-    else if (n == 65)
-        snprintf(text, 64, "for all numbers up to 64 chunks");
+    else if (n == most_chunks(r))
+        snprintf(text, 64, "for all numbers of chunks, up to %d", n);
     else
         snprintf(text, 64, "for up to %d chunk%s", n, n == 1 ? "" : "s");
 }
@@ -266,9 +293,10 @@ static void judge_crossing(const reproduction *r, result *out, const char *base,
     if (!highest || !lowest)
         return;
     const int n = crossing(r, "thesis_chunks", highest->fresh.min), own = crossing(r, "osteon", highest->fresh.min);
-    const int low = crossing(r, "thesis_chunks", lowest->fresh.min);
-    describe_crossing(theirs, n);
-    describe_crossing(ours, own);
+    char lower[64];
+    describe_crossing(r, lower, crossing(r, "thesis_chunks", lowest->fresh.min));
+    describe_crossing(r, theirs, n);
+    describe_crossing(r, ours, own);
     if (strcmp(base, "reza") == 0)
         snprintf(
             claim, sizeof claim,
@@ -280,15 +308,15 @@ static void judge_crossing(const reproduction *r, result *out, const char *base,
             claim, sizeof claim,
             "The chunk system is faster than %s's method for few chunks at high resolutions, and slower otherwise.",
             who);
-    const bool crosses = n > 0 && n <= 64;
+    const bool crosses = n > 0 && n < most_chunks(r);
     const bool near = strcmp(base, "reza") != 0 || (n >= STATED_CROSSING_CHUNKS / 2 && n <= 2 * STATED_CROSSING_CHUNKS);
     result_add_finding(
         out, judged(r, crosses && near), "section 3.2.3", claim,
-        "The method takes %.0f us with a tool of %d and a bone of %d voxels per side. The thesis' kernel is "
-        "not slower %s, osteon %s. With %d and %d voxels per side, the method takes %.1f us, and the "
-        "thesis' kernel is not slower for up to %d chunks.",
+        "The method takes %.0f us with a tool of %d and a bone of %d voxels per side. The thesis' kernel is at "
+        "least as fast %s, and osteon %s. With %d and %d voxels per side, the method takes %.1f us, and the "
+        "thesis' kernel is at least as fast %s.",
         highest->fresh.min, (int)highest->tool_side, (int)highest->bone_side, theirs, ours, (int)lowest->tool_side,
-        (int)lowest->bone_side, lowest->fresh.min, low);
+        (int)lowest->bone_side, lowest->fresh.min, lower);
 }
 
 /* Judges the growth of a method's time with the tool's resolution, for one bone. */
@@ -324,7 +352,7 @@ static ost_status compare(reproduction *r, result *out, const char *base, const 
     if (status != OST_OK)
         return status;
     add_columns(out);
-    add_by_chunks(r, out);
+    add_by_chunks(r, out, &r->by_chunks);
     for (size_t i = 0; i < r->by_resolution.count; i++) {
         const methods_row *row = &r->by_resolution.rows[i];
         char label[RESULT_LABEL];
@@ -332,7 +360,7 @@ static ost_status compare(reproduction *r, result *out, const char *base, const 
             continue;
         snprintf(label, sizeof label, "%s, tool %d^3, bone %d^3", who, (int)row->tool_side, (int)row->bone_side);
         add_row(out, row, label, 1);
-        add_row(out, row, label, counts[COUNTS - 1]);
+        add_row(out, row, label, most_chunks(r));
     }
     judge_crossing(r, out, base, who);
     judge_growth(r, out, base, who);
@@ -468,59 +496,5 @@ ost_status item_voxel_counts(reproduction *r, result *out, ost_error *err)
     p->group = VOXELS_METHOD;
     p->value[p->values++] = VOXELS_TIME;
     p->log_x = p->log_y = true;
-    return status;
-}
-
-/* ------------------------------------------- Section 3.2.3: holes of sampling */
-
-enum { HOLES_CASE, HOLES_RATIO, HOLES_POINTS, HOLES_EXPECTED, HOLES_MISSED, HOLES_INSIDE };
-
-static ost_status add_holes(result *out, ost_tool_kind tool, methods_points points, int poses, const char *label,
-                            ost_error *err)
-{
-    static const double ratios[] = {0.25, 0.5, 0.75, 1, 1.25, 1.5, 2, 3};
-    enum { RATIOS = sizeof ratios / sizeof ratios[0] };
-    methods_sample samples[RATIOS];
-    ost_status status = methods_sampling(tool, points, poses, ratios, RATIOS, samples, err);
-    for (int i = 0; i < RATIOS && status == OST_OK; i++) {
-        result_add_row(out);
-        result_set_text(out, HOLES_CASE, "%s", label);
-        result_set(out, HOLES_RATIO, samples[i].ratio);
-        result_set(out, HOLES_POINTS, (double)samples[i].tool_points);
-        result_set(out, HOLES_EXPECTED, (double)samples[i].expected);
-        result_set(out, HOLES_MISSED, 100 * samples[i].missed_share);
-        result_set(out, HOLES_INSIDE, 100 * samples[i].missed_inside_share);
-    }
-    return status;
-}
-
-ost_status item_holes(reproduction *r, result *out, ost_error *err)
-{
-    enum { POSES = 24, POSES_QUICK = 4 };
-    const int poses = r->bench.quick ? POSES_QUICK : POSES;
-    result_add_column(out, "case", "tool points", "text");
-    result_add_column(out, "ratio", "tool voxel / bone voxel", "");
-    result_add_column(out, "points", "points", "");
-    result_add_column(out, "expected_voxels", "voxels in the tool", "");
-    result_add_column(out, "missed_percent", "missed", "%");
-    result_add_column(out, "missed_inside_percent", "missed, surrounded", "%");
-    reproduction_show(r, "holes of sampling", 0);
-    ost_status status = add_holes(out, OST_TOOL_PEG, METHODS_POINTS_SOLID, 1, "peg drill, all voxels, one pose", err);
-    if (status == OST_OK)
-        status = add_holes(out, OST_TOOL_PEG, METHODS_POINTS_SURFACE, 1, "peg drill, surface, one pose", err);
-    if (status == OST_OK)
-        status = add_holes(out, OST_TOOL_PEG, METHODS_POINTS_SURFACE, poses, "peg drill, surface, moving", err);
-    result_add_remark(out,
-                      "The methods of Zheng, Yau and Reza remove the bone voxels that contain a point of the tool. The "
-                      "thesis compares their times, but not their results. A missed voxel is one whose centre is in "
-                      "the tool and that contains no point; `surrounded` ones have six removed neighbours in osteon's "
-                      "result, so that they are holes and not parts of the rim. Moving: %d poses along the tool's "
-                      "axis, half a bone voxel apart.",
-                      poses);
-    result_plot *p = result_add_plot(out, RESULT_PLOT_LINES, "Voxels that tool points miss", "tool voxel / bone voxel",
-                                     "missed voxels (%)");
-    p->x = HOLES_RATIO;
-    p->group = HOLES_CASE;
-    p->value[p->values++] = HOLES_MISSED;
     return status;
 }
