@@ -26,11 +26,13 @@ static const char head[] =
     "td.n{white-space:nowrap}td.t,th.t{background:#f3f1ea}th small{font-weight:400}\n"
     "figure{margin:.6em 0;break-inside:avoid}img,svg{max-width:100%;height:auto}\n"
     ".pics{display:grid;grid-template-columns:repeat(auto-fit,minmax(19em,1fr));gap:.6em 1em}\n"
+    ".pics figure{min-width:0}.pics svg,.pics img{width:100%;max-width:100%}\n"
     ".v{font-weight:600;white-space:nowrap}.scroll{overflow-x:auto}\n"
     "@page{size:A4;margin:13mm}\n"
     "@media print{body{margin:0;padding:0;max-width:none;font-size:10px}h2{break-after:avoid}tr,figure{break-inside:"
     "avoid}table{font-size:8px}td,th{padding:.15em .35em}.scroll{overflow:visible}.pics{grid-template-columns:1fr 1fr}"
-    "svg{max-width:150mm}a{color:inherit;text-decoration:none}"
+    ".pics svg,.pics figure>img{max-width:100%}"
+    "svg{max-width:140mm}figure>img{max-width:120mm}a{color:inherit;text-decoration:none}"
     "*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n"
     "</style></head><body>\n";
 
