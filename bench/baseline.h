@@ -71,7 +71,8 @@ uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
 
 /* ---------------------------------------------------------------------- text */
 
-/* Reads lines of "x y z density" by fscanf, into arrays of `capacity` elements. Returns the number of lines. */
+/* Reads lines of "x y z density" by fscanf, into arrays of `capacity` elements, after lines that begin with '#'.
+   Returns the number of elements. */
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t capacity);
 
 #endif

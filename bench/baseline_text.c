@@ -11,9 +11,14 @@ size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities
     FILE *file;
     (void)ost_file_stream(path, &file, NULL, NULL);
     size_t count = 0;
-    int density;
+    int density, first;
     if (!file)
         return 0;
+    /* Comments, which osteon writes before the first line of voxels. */
+    while ((first = fgetc(file)) == '#')
+        while (first != '\n' && first != EOF)
+            first = fgetc(file);
+    ungetc(first, file);
     while (count < capacity && fscanf(file, "%f %f %f %d", &positions[3 * count], &positions[3 * count + 1],
                                       &positions[3 * count + 2], &density) == 4)
         densities[count++] = (int16_t)density;

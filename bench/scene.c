@@ -21,17 +21,17 @@ static const struct {
                       .by_range = true},
 };
 
-/* Voxelizes the parametric tool by the reference, on a grid whose voxels have the size `voxel`. */
-static ost_status make_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
+/* Makes the parametric tool by a backend, on a grid whose voxels have the size `voxel`. */
+static ost_status make_tool(const char *spec, ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
 {
-    ost_backend *ref = NULL;
+    ost_backend *backend = NULL;
     ost_mesh mesh = {0};
     ost_snapped_mesh snapped = {0};
     ost_tool *tool = NULL;
     ost_voxelize_report report;
     ost_tool_geometry grid;
     ost_pm3 lo, hi;
-    ost_status status = ost_backend_open("ref", &ref, err);
+    ost_status status = ost_backend_open(spec, &backend, err);
     if (status == OST_OK)
         status = ost_tool_make(kind, NULL, &mesh, err);
     if (status == OST_OK)
@@ -41,17 +41,23 @@ static ost_status make_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *o
     if (status == OST_OK)
         status = ost_mesh_snap(&mesh, &grid, &snapped, err);
     if (status == OST_OK)
-        status = ost_voxelize(ref, &snapped, NULL, OST_FILL_WINDING, &report, &tool, err);
+        status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &report, &tool, err);
     if (status == OST_OK)
         status = ost_tool_download(tool, out, err);
     ost_tool_free(tool);
     ost_snapped_mesh_free(&snapped);
     ost_mesh_free(&mesh);
-    ost_backend_close(ref);
+    ost_backend_close(backend);
     return status;
 }
 
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err)
+{
+    return bench_scene_init_by(scene, "ref", kind, tool_voxel, side, err);
+}
+
+ost_status bench_scene_init_by(bench_scene *scene, const char *backend, ost_tool_kind kind, ost_pm tool_voxel,
+                               int32_t side, ost_error *err)
 {
     *scene = (bench_scene){
         .tool_name = ost_tool_kind_name(kind),
@@ -59,7 +65,7 @@ ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_
         .classes = ost_density_classes_default(),
         .by_range = static_events[kind].by_range,
     };
-    ost_status status = make_tool(kind, tool_voxel, &scene->tool, err);
+    ost_status status = make_tool(backend, kind, tool_voxel, &scene->tool, err);
     ost_pose pose = static_events[kind].pose;
     const ost_pm shift = (side - SCENE_SIDE) * SCENE_SPACING;
     pose.t.x += shift;
@@ -165,8 +171,7 @@ static bool collides(const bench_scene *scene, const int32_t corner[3], int32_t 
     return false;
 }
 
-/* Lists the chunks that collide with the tool and returns their number. `corners` may be NULL. */
-static int pick_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3])
+int bench_scene_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3])
 {
     int count = 0;
     for (int32_t z = scene->box.lo[2] / n * n; z < scene->box.hi[2]; z += n)
@@ -197,7 +202,7 @@ ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int
     const size_t n = (size_t)chunk_size, voxels = n * n * n,
                  tool_voxels = (size_t)ost_dims_count(scene->tool.geometry.dims);
     const ost_dims d = scene->tool.geometry.dims;
-    const int count = pick_chunks(scene, chunk_size, NULL);
+    const int count = bench_scene_chunks(scene, chunk_size, NULL);
     *thesis = (bench_thesis){.bytes = (size_t)count * voxels * sizeof(int16_t)};
     thesis->tool = malloc(tool_voxels * sizeof *thesis->tool);
     thesis->full = aligned_alloc(64, thesis->bytes);
@@ -208,7 +213,7 @@ ost_status bench_thesis_init(bench_thesis *thesis, const bench_scene *scene, int
         bench_thesis_free(thesis);
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the thesis' event of %d chunks", count);
     }
-    pick_chunks(scene, chunk_size, thesis->corners);
+    bench_scene_chunks(scene, chunk_size, thesis->corners);
     for (size_t i = 0; i < tool_voxels; i++)
         thesis->tool[i] = scene->tool.voxels[i] == OST_TOOL_CUTTING;
     int16_t *at = thesis->full;

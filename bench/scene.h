@@ -44,6 +44,10 @@ typedef struct bench_scene {
 /* Creates a scene. The bone has `side` voxels along each axis. The position of the event relative to the bone's far
    corner is the same for every `side`. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
+/* Makes the same scene, with the tool voxelized by the backend that the string `backend` selects. All backends
+   make the same tool; the reference is slow for tools of many voxels. */
+ost_status bench_scene_init_by(bench_scene *scene, const char *backend, ost_tool_kind kind, ost_pm tool_voxel,
+                               int32_t side, ost_error *err);
 /* Moves the tool to a pose. */
 ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
@@ -55,6 +59,10 @@ int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count)
 /* Creates the full bone on a backend. */
 ost_status bench_scene_bone(const bench_scene *scene, ost_backend *backend, int chunk_size, ost_bone **out,
                             ost_error *err);
+
+/* Lists the first voxels of the chunks that the event processes, and returns the number of these chunks.
+   `corners` may be NULL. A chunk has chunk_size^3 voxels. */
+int bench_scene_chunks(const bench_scene *scene, int32_t chunk_size, int32_t (*corners)[3]);
 
 /* A removal event for the thesis' kernel, on separate copies of the chunks. */
 typedef struct bench_thesis {

@@ -13,8 +13,7 @@
 #include "config.h"
 
 #ifdef HAVE_OPENCL
-#define CL_TARGET_OPENCL_VERSION 120
-#include <CL/cl.h>
+#include "bench/device_cl.h"
 
 static const char source[] =
     "__kernel void thesis_remove(__global short *chunk, __global const short *tool, float4 to_x, float4 to_y, float4 "
@@ -37,10 +36,7 @@ static const char source[] =
     "}\n";
 
 struct bench_cl {
-    char spec[64], name[128];
-    cl_device_id device;
-    cl_context context;
-    cl_command_queue queue;
+    bench_device device;
     cl_program program;
     cl_kernel remove, nothing;
     cl_mem small; /* the argument of the empty kernel */
@@ -48,58 +44,16 @@ struct bench_cl {
     int count;
 };
 
-/* Sets *out to the number that follows `key`, such as "device=", in a backend's options. Sets *out to 0 if the option
-   is not given. Returns false if the value is not a number from 0 to 63. */
-static bool number_of(const char *backend, const char *key, int *out)
-{
-    const char *at = strncmp(backend, "cl:", 3) == 0 ? strstr(backend, key) : NULL;
-    char *end = NULL;
-    *out = 0;
-    if (!at)
-        return true;
-    long n = strtol(at + strlen(key), &end, 10);
-    *out = (int)n;
-    return end != at + strlen(key) && (*end == 0 || *end == ',') && n >= 0 && n < 64;
-}
-
-static bool find_device(bench_cl *cl, const char *backend, char reason[BENCH_TEXT])
-{
-    cl_platform_id platforms[64];
-    cl_device_id devices[64];
-    cl_uint count = 0;
-    int platform, device;
-    if (!number_of(backend, "platform=", &platform) || !number_of(backend, "device=", &device)) {
-        snprintf(reason, BENCH_TEXT, "this suite takes platform= and device= as numbers; osteon devices shows them");
-        return false;
-    }
-    if (clGetPlatformIDs(64, platforms, &count) != CL_SUCCESS || (cl_uint)platform >= count) {
-        snprintf(reason, BENCH_TEXT, "OpenCL has no platform %d here; osteon devices shows what there is", platform);
-        return false;
-    }
-    if (clGetDeviceIDs(platforms[platform], CL_DEVICE_TYPE_ALL, 64, devices, &count) != CL_SUCCESS ||
-        (cl_uint)device >= count) {
-        snprintf(reason, BENCH_TEXT, "OpenCL platform %d has no device %d; osteon devices shows what there is",
-                 platform, device);
-        return false;
-    }
-    cl->device = devices[device];
-    snprintf(cl->spec, sizeof cl->spec, "cl:platform=%d,device=%d", platform, device);
-    clGetDeviceInfo(cl->device, CL_DEVICE_NAME, sizeof cl->name - 1, cl->name, NULL);
-    return true;
-}
-
 static bool build(bench_cl *cl)
 {
     const char *text = source;
     cl_int code;
-    cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
-    cl->queue = cl->context ? clCreateCommandQueue(cl->context, cl->device, 0, &code) : NULL;
-    cl->program = cl->queue ? clCreateProgramWithSource(cl->context, 1, &text, NULL, &code) : NULL;
-    if (!cl->program || clBuildProgram(cl->program, 1, &cl->device, "-cl-std=CL1.2", NULL, NULL) != CL_SUCCESS)
+    cl->program = clCreateProgramWithSource(cl->device.context, 1, &text, NULL, &code);
+    if (!cl->program || clBuildProgram(cl->program, 1, &cl->device.id, "-cl-std=CL1.2", NULL, NULL) != CL_SUCCESS)
         return false;
     cl->remove = clCreateKernel(cl->program, "thesis_remove", &code);
     cl->nothing = clCreateKernel(cl->program, "nothing", &code);
-    cl->small = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, 64, NULL, &code);
+    cl->small = clCreateBuffer(cl->device.context, CL_MEM_READ_WRITE, 64, NULL, &code);
     return cl->remove && cl->nothing && cl->small;
 }
 
@@ -110,9 +64,8 @@ bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT])
         snprintf(reason, BENCH_TEXT, "no memory for the thesis' kernel");
         return NULL;
     }
-    bool found = find_device(cl, backend, reason);
-    if (found && !build(cl))
-        snprintf(reason, BENCH_TEXT, "OpenCL device '%.100s' cannot build the thesis' kernel", cl->name);
+    if (bench_device_open(&cl->device, backend, reason) && !build(cl))
+        snprintf(reason, BENCH_TEXT, "OpenCL device '%.100s' cannot build the thesis' kernel", cl->device.name);
     if (cl->small)
         return cl;
     bench_cl_close(cl);
@@ -145,21 +98,18 @@ void bench_cl_close(bench_cl *cl)
         clReleaseKernel(cl->remove);
     if (cl->program)
         clReleaseProgram(cl->program);
-    if (cl->queue)
-        clReleaseCommandQueue(cl->queue);
-    if (cl->context)
-        clReleaseContext(cl->context);
+    bench_device_close(&cl->device);
     free(cl);
 }
 
 const char *bench_cl_spec(const bench_cl *cl)
 {
-    return cl->spec;
+    return cl->device.spec;
 }
 
 const char *bench_cl_name(const bench_cl *cl)
 {
-    return cl->name;
+    return cl->device.name;
 }
 
 static size_t chunk_bytes(const bench_thesis *thesis)
@@ -174,12 +124,12 @@ bool bench_cl_take(bench_cl *cl, const bench_thesis *thesis)
     drop_event(cl);
     cl->chunks = calloc((size_t)thesis->event.chunk_count, sizeof *cl->chunks);
     cl->count = cl->chunks ? thesis->event.chunk_count : 0;
-    cl->tool = clCreateBuffer(cl->context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+    cl->tool = clCreateBuffer(cl->device.context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                               (size_t)d[0] * (size_t)d[1] * (size_t)d[2] * sizeof *thesis->tool, thesis->tool, &code);
     bool made = cl->tool && cl->chunks;
     for (int c = 0; c < cl->count && made; c++)
-        made = (cl->chunks[c] = clCreateBuffer(cl->context, CL_MEM_READ_WRITE, chunk_bytes(thesis), NULL, &code)) !=
-               NULL;
+        made = (cl->chunks[c] = clCreateBuffer(cl->device.context, CL_MEM_READ_WRITE, chunk_bytes(thesis), NULL,
+                                               &code)) != NULL;
     return made && bench_cl_restore(cl, thesis);
 }
 
@@ -188,7 +138,7 @@ bool bench_cl_restore(bench_cl *cl, const bench_thesis *thesis)
     const size_t bytes = chunk_bytes(thesis);
     bool done = true;
     for (int c = 0; c < cl->count && done; c++)
-        done = clEnqueueWriteBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, bytes,
+        done = clEnqueueWriteBuffer(cl->device.queue, cl->chunks[c], CL_TRUE, 0, bytes,
                                     thesis->full + (size_t)c * bytes / sizeof *thesis->full, 0, NULL,
                                     NULL) == CL_SUCCESS;
     return done;
@@ -198,8 +148,8 @@ bool bench_cl_fetch(bench_cl *cl, bench_thesis *thesis)
 {
     bool done = true;
     for (int c = 0; c < cl->count && done; c++)
-        done = clEnqueueReadBuffer(cl->queue, cl->chunks[c], CL_TRUE, 0, chunk_bytes(thesis), thesis->chunks[c], 0,
-                                   NULL, NULL) == CL_SUCCESS;
+        done = clEnqueueReadBuffer(cl->device.queue, cl->chunks[c], CL_TRUE, 0, chunk_bytes(thesis), thesis->chunks[c],
+                                   0, NULL, NULL) == CL_SUCCESS;
     return done;
 }
 
@@ -221,17 +171,18 @@ bool bench_cl_remove(bench_cl *cl, const bench_thesis *thesis)
         done = done && clSetKernelArg(cl->remove, 5, sizeof dims, &dims) == CL_SUCCESS;
         done = done && clSetKernelArg(cl->remove, 6, sizeof corner, &corner) == CL_SUCCESS;
         done = done && clSetKernelArg(cl->remove, 7, sizeof n, &n) == CL_SUCCESS;
-        done = done && clEnqueueNDRangeKernel(cl->queue, cl->remove, 3, NULL, range, NULL, 0, NULL, NULL) == CL_SUCCESS;
+        done = done && clEnqueueNDRangeKernel(cl->device.queue, cl->remove, 3, NULL, range, NULL, 0, NULL, NULL) ==
+                           CL_SUCCESS;
     }
-    return clFinish(cl->queue) == CL_SUCCESS && done;
+    return clFinish(cl->device.queue) == CL_SUCCESS && done;
 }
 
 bool bench_cl_launch(bench_cl *cl)
 {
     const size_t one = 1;
     return clSetKernelArg(cl->nothing, 0, sizeof cl->small, &cl->small) == CL_SUCCESS &&
-           clEnqueueNDRangeKernel(cl->queue, cl->nothing, 1, NULL, &one, &one, 0, NULL, NULL) == CL_SUCCESS &&
-           clFinish(cl->queue) == CL_SUCCESS;
+           clEnqueueNDRangeKernel(cl->device.queue, cl->nothing, 1, NULL, &one, &one, 0, NULL, NULL) == CL_SUCCESS &&
+           clFinish(cl->device.queue) == CL_SUCCESS;
 }
 #else
 bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT])

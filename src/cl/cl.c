@@ -128,6 +128,7 @@ static ost_status open_cl(const char *options, ost_backend **out, ost_error *err
 static void close_cl(ost_backend *backend)
 {
     ost_cl_event_free((cl_backend *)backend);
+    ost_cl_face_free((cl_backend *)backend);
     ost_cl_device_close((cl_backend *)backend);
 }
 
@@ -176,4 +177,5 @@ const ost_backend_ops ost_backend_cl = {
     .tool_free = ost_cl_tool_free,
     .remove = ost_cl_remove,
     .collide = ost_cl_collide,
+    .face_mesh = ost_cl_face_mesh,
 };

@@ -9,6 +9,7 @@
  *   fingerprint.c     checks that the device's integer operations are correct
  *   launch.c          buffers and launches, with errors that name the device
  *   spare.c           a pool of large buffers for reuse
+ *   face_mesh.c       meshes of visible faces, with a program of their own
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
  *   cl.c              the function table
  *
@@ -112,8 +113,8 @@ typedef struct cl_backend {
     /* number of launches of each kernel; launches without a block are not counted */
     uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
-    /* owned scratch memory of events (remove.c); NULL before the first event */
-    struct ost_cl_event_scratch *event;
+    struct ost_cl_face_program *faces;  /* owned; kernels and buffers of meshes; NULL before the first mesh */
+    struct ost_cl_event_scratch *event; /* owned; scratch of events (remove.c); NULL before the first event */
 } cl_backend;
 
 /* ------------------------------------------------------------- context.c */
@@ -196,7 +197,16 @@ void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
 /* Releases all buffers that are stored for reuse. Returns true if at least one buffer was released. */
 bool ost_cl_spare_clear(cl_backend *backend);
 
-/* One argument of a kernel: `value` points to the argument, which has `size` bytes. */
+/* ------------------------------------------------------------ face_mesh.c */
+
+ost_status ost_cl_face_mesh(ost_backend *backend, const ost_face_cluster *clusters, size_t count, ost_face_mesh *mesh,
+                            ost_error *err);
+/* Releases the kernels and buffers of meshes. Must be called before the context is released. */
+void ost_cl_face_free(cl_backend *backend);
+
+/* --------------------------------------------------------------- launches */
+
+/* One argument of a kernel: a pointer to the value, and the size of the value. */
 typedef struct ost_cl_arg {
     size_t size;
     const void *value;

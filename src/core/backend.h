@@ -6,7 +6,7 @@
  * arguments and then call through this table.
  *
  * Rules for implementers
- *   - Only the last two slots may be NULL; the slot of an unsupported operation returns
+ *   - Only the last three slots may be NULL; the slot of any other unsupported operation returns
  *     OST_ERR_UNAVAILABLE. (A backend that can never be opened in this build sets only the slots up
  *     to open.)
  *   - Objects embed the structs below as their first member; the backend fills them,
@@ -23,6 +23,7 @@
 
 #include <osteon/backend.h>
 
+#include "core/face_mesh.h"
 #include "core/paths.h"
 
 typedef struct ost_backend_ops ost_backend_ops;
@@ -161,6 +162,14 @@ struct ost_backend_ops {
     ost_status (*steps)(ost_backend *backend, const ost_geometry *bone, const ost_tool_geometry *tool,
                         const ost_pose *from, const ost_pose *to, int *count, ost_pose *poses, ost_map *maps,
                         ost_error *err);
+
+    /*
+     * Meshes chunks whose occupancy is in host memory (face_mesh.h). The caller has set mesh->count and cleared
+     * mesh->stage_ns; the slot fills first[1 .. count], the vertices and, if mesh->timed, the times. The result is
+     * bit-identical on all backends. NULL: the backend has no face meshes.
+     */
+    ost_status (*face_mesh)(ost_backend *backend, const ost_face_cluster *clusters, size_t count, ost_face_mesh *mesh,
+                            ost_error *err);
 };
 
 extern const ost_backend_ops ost_backend_ref;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The table of the CPU backend and its options. */
 #include "cpu/cpu.h"
+#include "cpu/face_mesh.h"
 #include "cpu/voxelize/embree.h"
 #include "cpu/import/grid.h"
 #include "cpu/import/import.h"
@@ -229,4 +230,5 @@ const ost_backend_ops ost_backend_cpu = {
     .tool_free = ost_cpu_tool_free,
     .remove = ost_cpu_remove,
     .collide = ost_cpu_collide,
+    .face_mesh = ost_cpu_face_mesh,
 };

@@ -10,6 +10,7 @@
  *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid is a list of indices
  *   bone/       chunks of bricks: upload and download of slices, leaves
  *   remove/     removal and collision; shape.c: a tool's distances and windows
+ *   face_mesh.c visible faces of chunks as quads
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
  * The structs of this backend begin with those of the reference, so an operation without a fast

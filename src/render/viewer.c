@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/viewer.h"
 
+#include "core/face_mesh.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +34,19 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 {
     viewer->variant = variant;
     return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
+}
+
+ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err)
+{
+    const ost_face_cluster nothing = {0};
+    ost_face_mesh mesh = {0};
+    ost_status status = ost_viewer_use_gl(viewer, &ost_gl_mesh, err);
+    if (status == OST_OK)
+        status = ost_backend_face_mesh(mesher, &nothing, 1, &mesh, err);
+    ost_face_mesh_free(&mesh);
+    if (status == OST_OK)
+        ost_gl_set_mesher(viewer->gl, mesher);
+    return status;
 }
 
 /*

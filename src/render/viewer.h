@@ -68,6 +68,14 @@ void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer *
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
+/*
+ * Selects OpenGL with the triangle meshes of visible faces (ost_gl_mesh). The mesher makes the meshes; it is borrowed,
+ * and only this viewer may use it from now on, except while no frame is drawn. Meshes an empty chunk first, so that an
+ * unsuitable backend is reported here: returns OST_ERR_UNAVAILABLE for a backend without meshes, and under the
+ * conditions of ost_gl_open.
+ */
+ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err);
+
 /* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*

@@ -57,6 +57,9 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer thesis --picture thesis.png --json
         check "the thesis' OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "thesis 320 $seen"
         ! cmp -s gl.png thesis.png || fail "the thesis' frame is ours"
+        run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer mesh --picture mesh.png --json
+        check "a mesh beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "mesh 320 $seen"
+        [ -z "$(value renderer.lost)" ] || fail "the mesh was lost: $(value renderer.lost)"
     fi
 fi
 run 0 sim --headless --bone bone.nrrd --seconds 0.3 --size 64x48 --renderer points --json

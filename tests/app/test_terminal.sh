@@ -52,8 +52,8 @@ echo more >"$evil.bundle/$evil"
 # Tests every verb with the name as an existing file, a missing file and an output, with and without
 # --json.
 for json in '' --json; do
-    for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench devices bridge; do
-        # The name is used as an operand, an option, a value and the name of a verb.
+    for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench reproduce devices bridge; do
+        # As an operand, an option, a value and a verb's name.
         shows $verb "$evil" $json
         shows $verb "--$evil" $json
         [ -n "$json" ] || shows $verb --threads "$evil"

@@ -5,7 +5,7 @@
 # Covers: REQ-CLI-STATUS, REQ-CLI-HELP
 . "${srcdir:-.}/tests/app/lib.sh"
 
-verbs="phantom tool import segment voxelize ream replay sim render diff export info validate verify devices"
+verbs="phantom tool import segment voxelize ream replay sim render diff export info validate verify reproduce devices"
 
 # Every verb must have a help text with usage and an example, within 90 columns, and a man page with
 # the same options.

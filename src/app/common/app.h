@@ -57,6 +57,7 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err);
+ost_status cmd_reproduce(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err);
 ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err);

@@ -232,7 +232,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
             if (!next || !next->name)
                 return usage_error(app, err, "unexpected argument '%s'", word);
             if (!*word)
-                return usage_error(app, err, "empty argument: %s", next->missing);
+                return usage_error(app, err, "empty argument: %s", next->missing ? next->missing : next->name);
             *next++->out = word;
             continue;
         }
@@ -277,7 +277,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
         if (own)
             seen[o - usage->options] = true;
     }
-    if (next && next->name)
+    if (next && next->name && next->missing)
         return usage_error(app, err, "%s", next->missing);
     for (const operand *o = usage->operands; usage->streams && o && o->name; o++)
         if ((status = ost_file_spool(*o->out, err)) != OST_OK)

@@ -60,13 +60,14 @@ typedef struct option {
 typedef struct operand {
     const char *name;
     const char **out;
-    const char *missing; /* message if the operand is missing, such as "no CT given" */
+    /* message if the operand is missing: "no CT given"; NULL if the operand is optional, which only the last may be */
+    const char *missing;
 } operand;
 
 typedef struct usage_text {
     const char *synopsis; /* text after "osteon VERB " in the usage line */
     const char *about;
-    const operand *operands; /* array that ends with a NULL name; all operands are required; may be NULL */
+    const operand *operands; /* the array ends with a NULL name; may be NULL */
     const option *options;   /* the array ends with a NULL name */
     bool streams; /* true if an operand may be "-" or a pipe, whose data are copied to a temporary file (core/file.h) */
     const char *notes;       /* text about units and coordinate systems; may be NULL */

@@ -117,9 +117,10 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_CHOICE,
          .out = &args.renderer,
          .given = &args.renderer_given,
-         .value = "none|null|points|gl|thesis",
-         .help = "points: the bone's surface, by the processor; gl: the same by OpenGL; thesis: every voxel a "
-                 "point, by OpenGL; null: follow the bone, draw nothing (default: points in a window, else none)"},
+         .value = "none|null|points|gl|mesh|thesis",
+         .help = "points: the bone's surface, by the processor; gl: the same by OpenGL; mesh: a triangle mesh of the "
+                 "visible faces, by OpenGL; thesis: every voxel a point, by OpenGL; null: follow the bone, draw "
+                 "nothing (default: points in a window, else none)"},
         {.name = "view",
          .kind = OPTION_CHOICE,
          .out = &args.view,
@@ -141,7 +142,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_TEXT,
          .out = &args.picture,
          .value = "FILE.png",
-         .help = "write the last frame, with --renderer points, gl or thesis"},
+         .help = "write the last frame, with --renderer points, gl, mesh or thesis"},
         {.name = "hud",
          .kind = OPTION_FLAG,
          .out = &args.hud,

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "app/common/backend_choice.h"
 #include "app/common/interrupt.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
@@ -44,6 +45,14 @@ static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
     return status;
 }
 
+/* Opens the backend that --backend selects a second time, because the servo loop uses the first one at the same
+   time. */
+static ost_status use_mesh(sim_show *show, ost_error *err)
+{
+    ost_status status = backend_choose(show->app, &show->mesher, err);
+    return status == OST_OK ? ost_viewer_use_mesh(&show->viewer, show->mesher, err) : status;
+}
+
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_glenoid glenoid;
@@ -61,7 +70,9 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     const ost_geometry *g = ost_live_geometry(show->live);
     status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(),
                              err);
-    if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
+    if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)
+        status = use_mesh(show, err);
+    else if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
         status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis,
                                    err);
     if (status == OST_OK)
@@ -92,6 +103,7 @@ void sim_show_free(sim_show *show)
     sim_hud_free(show->hud);
     sim_appearance_free(show);
     ost_viewer_free(&show->viewer);
+    ost_backend_close(show->mesher);
     ost_live_free(show->live);
     free(show);
 }

@@ -21,15 +21,17 @@ typedef enum sim_renderer {
     SIM_RENDERER_NULL,
     SIM_RENDERER_POINTS,
     SIM_RENDERER_GL,
+    SIM_RENDERER_MESH,
     SIM_RENDERER_THESIS
 } sim_renderer;
-extern const char *const sim_renderer_names[]; /* "none", "null", "points", "gl", "thesis" */
+extern const char *const sim_renderer_names[]; /* the names "none", "null", "points", "gl", "mesh", "thesis" */
 
 typedef struct sim_show {
     const app_state *app;
     const sim_args *args;
     ost_live_channel *live;
     ost_viewer viewer;
+    ost_backend *mesher;      /* owned; makes the meshes of the renderer mesh; NULL for other renderers */
     ost_view_subject subject;
     ost_orbit orbit;
     sim_scene scene;

@@ -39,8 +39,8 @@ typedef struct render_args {
     target_options target;
 } render_args;
 
-enum { RENDERER_POINTS, RENDERER_GL, RENDERER_THESIS };
-static const char *const renderer_names[] = {"points", "gl", "thesis"};
+enum { RENDERER_POINTS, RENDERER_GL, RENDERER_MESH, RENDERER_THESIS };
+static const char *const renderer_names[] = {"points", "gl", "mesh", "thesis"};
 
 typedef struct drawing {
     ost_backend *backend;
@@ -158,7 +158,9 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
                                  (int)app->threads, err);
     if (status != OST_OK)
         return status;
-    if (args->renderer != RENDERER_POINTS)
+    if (args->renderer == RENDERER_MESH)
+        status = ost_viewer_use_mesh(&d->viewer, d->backend, err);
+    else if (args->renderer != RENDERER_POINTS)
         status = ost_viewer_use_gl(&d->viewer, args->renderer == RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
     ost_viewer_follow(&d->viewer, d->live);
     if (status == OST_OK)
@@ -210,6 +212,22 @@ static void free_drawing(drawing *d)
     ost_backend_close(d->backend);
 }
 
+/* Reports the mesh of the picture: its size, and the time in which the backend made it. */
+static void print_mesh(const app_state *app, const ost_gl *gl)
+{
+    const ost_gl_counts c = ost_gl_counts_get(gl);
+    json_t *o = json_object();
+    char chunks[FORMAT_TEXT], quads[FORMAT_TEXT], a[FORMAT_TEXT];
+    put_integer(o, "chunks", (int64_t)c.meshed);
+    put_integer(o, "drawn_faces", (int64_t)c.quads);
+    put_integer(o, "bytes", (int64_t)c.uploaded);
+    put_real(o, "mesh_ms", (double)c.mesh_ns * 1e-6);
+    put_real(o, "copy_ms", (double)c.copy_ns * 1e-6);
+    put(app->result, "mesh", o);
+    print_line(app, "  %s chunks meshed in %s, %s faces drawn", format_count(chunks, (int64_t)c.meshed),
+               format_time(a, (double)c.mesh_ns * 1e-6), format_count(quads, (int64_t)c.quads));
+}
+
 static void print_gl(const app_state *app, const ost_gl *gl)
 {
     const ost_gl_info info = ost_gl_info_get(gl);
@@ -240,9 +258,9 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
          .help = "a tool to draw: a mesh, a tool grid or builtin:reamer"},
         {.name = "pose", .kind = OPTION_TEXT, .out = &args.pose_text, .value = "X,Y,Z,QW,QX,QY,QZ",
          .help = "pose of the tool, as in a path (default: start of the built-in reaming)"},
-        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|thesis",
-         .help = "the processor (default), OpenGL, or OpenGL with every voxel a point as in the thesis "
-                 "(docs/design/rendering.md)"},
+        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|mesh|thesis",
+         .help = "the processor (default), OpenGL, OpenGL with a triangle mesh of the visible faces, or OpenGL with "
+                 "every voxel a point as in the thesis (docs/design/rendering.md)"},
         HEADING("appearance"),
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
          .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},
@@ -297,6 +315,8 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
                    format_count(n, (int64_t)d.viewer.bone.points), format_time(a, d.draw_ms));
         if (d.viewer.gl)
             print_gl(app, d.viewer.gl);
+        if (d.viewer.gl && args.renderer == RENDERER_MESH)
+            print_mesh(app, d.viewer.gl);
     }
     free_drawing(&d);
     return status;

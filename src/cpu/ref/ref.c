@@ -83,4 +83,5 @@ const ost_backend_ops ost_backend_ref = {
     .tool_free = ost_ref_tool_free,
     .remove = ost_ref_remove,
     .collide = ost_ref_collide,
+    .face_mesh = ost_ref_face_mesh,
 };

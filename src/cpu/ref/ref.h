@@ -9,6 +9,7 @@
  *   tool.c      tool grids
  *   voxelize.c  snapped mesh -> tool grid               AR-VOX
  *   remove.c    removal and collision                   AR-MAP, AR-REM
+ *   face_mesh.c visible faces as quads, which determine no voxel
  *   ref.c       the table
  */
 #ifndef OST_CPU_REF_H
@@ -75,5 +76,8 @@ ost_status ost_ref_remove(ost_bone *bone, const ost_tool *tool, const ost_remova
                           ost_removal_report *report, ost_error *err);
 ost_status ost_ref_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                            ost_removal_report *report, ost_error *err);
+
+ost_status ost_ref_face_mesh(ost_backend *backend, const ost_face_cluster *clusters, size_t count, ost_face_mesh *mesh,
+                             ost_error *err);
 
 #endif

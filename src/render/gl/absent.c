@@ -2,11 +2,11 @@
 /* Implements the functions of gl.h in a build without libepoxy, in which OpenGL is never available. */
 #include "render/gl/gl.h"
 
-const ost_gl_variant ost_gl_ours, ost_gl_thesis;
+const ost_gl_variant ost_gl_ours, ost_gl_thesis, ost_gl_mesh;
 
 const char *ost_gl_missing(void)
 {
-    return "no --renderer gl; install libepoxy-dev and build again";
+    return "no --renderer gl, mesh or thesis; install libepoxy-dev and build again";
 }
 
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err)
@@ -26,6 +26,12 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl)
 {
     (void)gl;
     return (ost_gl_info){.version = ""};
+}
+
+void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher)
+{
+    (void)gl;
+    (void)mesher;
 }
 
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,

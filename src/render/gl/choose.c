@@ -15,12 +15,14 @@ ost_status ost_gl_reserve_blocks(ost_gl *gl, int32_t count, ost_error *err)
     free(gl->firsts);
     free(gl->counts);
     free(gl->wanted);
+    free(gl->offsets);
     gl->blocks = malloc((size_t)count * sizeof *gl->blocks);
     gl->bases = malloc((size_t)count * 4 * sizeof *gl->bases);
     gl->firsts = malloc((size_t)count * sizeof *gl->firsts);
     gl->counts = malloc((size_t)count * sizeof *gl->counts);
     gl->wanted = malloc((size_t)count * sizeof *gl->wanted);
-    gl->block_capacity = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted ? count : 0;
+    gl->offsets = calloc((size_t)count, sizeof *gl->offsets);
+    gl->block_capacity = gl->blocks && gl->bases && gl->firsts && gl->counts && gl->wanted && gl->offsets ? count : 0;
     return gl->block_capacity ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for drawing %d blocks",
                                                   (int)count);
 }
@@ -67,6 +69,13 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
                 gl->blocks[l->blocks++] = (ost_frame_block){.slot = i, .count = s->slot[i]->count};
     } else if (!v->order && l->blocks) {
         qsort(gl->blocks, (size_t)l->blocks, sizeof *gl->blocks, by_slot);
+    }
+    if (v->slots > 0) {
+        int32_t n = 0;
+        for (int32_t i = 0; i < l->blocks; i++)
+            if (gl->blocks[i].slot < v->slots)
+                gl->blocks[n++] = gl->blocks[i];
+        l->blocks = n;
     }
     for (int32_t i = 0; i < l->blocks; i++)
         gl->wanted[i] = UINT64_MAX;

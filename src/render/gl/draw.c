@@ -26,6 +26,7 @@
 
 const ost_gl_variant ost_gl_ours = {
     .frustum = true, .facing = true, .order = true, .occlusion = true, .tight = true, .lines = true, .choose = true};
+const ost_gl_variant ost_gl_mesh = {.frustum = true, .order = true, .mesh = true};
 const ost_gl_variant ost_gl_thesis = {.every_voxel = true, .true_depth = true, .target = OST_GL_WIDE};
 
 /* ------------------------------------------------------------- open, close */
@@ -76,6 +77,7 @@ static ost_status close_here(void *user, ost_error *err)
     }
     glDeleteBuffers(1, &gl->list);
     glDeleteTextures(1, &gl->list_texture);
+    glDeleteBuffers(1, &gl->quad_indices);
     glDeleteBuffers(1, &gl->eyes);
     glDeleteVertexArrays(1, &gl->vertices);
     ost_gl_programs_free(&gl->programs);
@@ -118,6 +120,7 @@ void ost_gl_close(ost_gl *gl)
     free(gl->firsts);
     free(gl->counts);
     free(gl->wanted);
+    free(gl->offsets);
     free(gl);
 }
 
@@ -131,7 +134,12 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     return gl->did;
 }
 
-/* Waits until the last frame is drawn. After this call, the data that the frame used may be overwritten. */
+void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher)
+{
+    gl->store.mesher = mesher;
+}
+
+/* Waits until the last frame is drawn. Afterwards, the data that this frame used may be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -219,10 +227,13 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
     l->eye = ost_splat_prepare(&l->thing->eye);
     ost_gl_choose_blocks(gl, v, l);
     l->mesh = v->every_voxel && number > 0;
-    l->form = v->every_voxel                                        ? OST_GL_VOXELS
+    l->form = v->mesh                                               ? OST_GL_QUADS
+              : v->every_voxel                                      ? OST_GL_VOXELS
               : v->bricks || (v->choose && ost_gl_are_small(gl, l)) ? OST_GL_BRICKS
                                                                     : OST_GL_POINTS;
     gl->did.bricks = number == 0 ? l->form == OST_GL_BRICKS : gl->did.bricks;
+    if (v->mesh)
+        return ost_gl_store_bring_quads(&gl->context, &gl->store, s, &l->resident, err);
     return l->mesh ? ost_gl_store_bring_mesh(&gl->context, &gl->store, s, &l->resident, err)
                    : ost_gl_store_bring(&gl->context, &gl->store, s, l->form, &l->resident, err);
 }
@@ -264,6 +275,8 @@ static ost_status draw(ost_gl *gl, const ost_gl_variant *v, const ost_frame_thin
     gl->did = (ost_gl_counts){0};
     gl->store.frame++;
     gl->store.uploaded = 0;
+    gl->store.meshed = 0;
+    gl->store.mesh_ns = gl->store.copy_ns = 0;
     ost_status status = wait_for_last(gl, err);
     if (status == OST_OK)
         status = ost_gl_targets_make(&gl->context, &gl->targets, e->width, e->height, v->target, err);
@@ -276,6 +289,9 @@ static ost_status draw(ost_gl *gl, const ost_gl_variant *v, const ost_frame_thin
     ost_gl_set_state(gl);
     status = draw_all(gl, v, count, style, err);
     gl->did.uploaded = gl->store.uploaded;
+    gl->did.meshed = gl->store.meshed;
+    gl->did.mesh_ns = gl->store.mesh_ns;
+    gl->did.copy_ns = gl->store.copy_ns;
     const ost_status after = ost_gl_context_check(&gl->context, "draws", status == OST_OK ? err : NULL);
     status = status == OST_OK ? after : status;
     if (status == OST_OK)

@@ -14,6 +14,8 @@ OST_GL_EMBEDDED(brick_vert);
 OST_GL_EMBEDDED(brick_frag);
 OST_GL_EMBEDDED(mesh_vert);
 OST_GL_EMBEDDED(mesh_frag);
+OST_GL_EMBEDDED(quad_vert);
+OST_GL_EMBEDDED(quad_frag);
 OST_GL_EMBEDDED(tiles_frag);
 OST_GL_EMBEDDED(whole_vert);
 OST_GL_EMBEDDED(composite_frag);

@@ -7,11 +7,17 @@
  *   eye --blocks in view, points that face it--> list --GL_POINTS--> colour, face and depth of each pixel
  *                                                      --composite--> lit colours, depth --read--> planes of a frame
  *
- * The context needs no display (EGL) and belongs to a separate thread. The functions may therefore be called on any
- * thread, including a window's thread, but by only one thread at a time.
+ * The variant ost_gl_mesh draws the visible faces of the voxels as quads instead (thesis 3.3.1):
+ *
+ *   changed blocks --backend: face meshes (core/face_mesh.h)--> vertices --quads that face the eye--> the same G-buffer
+ *
+ * The context needs no display (EGL) and belongs to a separate thread. The functions may therefore
+ * be called on any thread, including a window's, but only one at a time.
  */
 #ifndef OST_RENDER_GL_H
 #define OST_RENDER_GL_H
+
+#include <osteon/backend.h>
 
 #include "render/points/frame.h"
 
@@ -51,14 +57,20 @@ typedef struct ost_gl_variant {
     /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
        `target` OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
-    /* if true, bricks are drawn if voxels are small on the screen, and single voxels in all other cases */
-    bool choose;
+    bool choose;      /* if true, bricks are drawn if voxels are small on the screen, and otherwise single voxels */
+    /* if true, quads of visible faces are drawn instead of points; requires `frustum`, OST_GL_COMPACT and a mesher,
+       excludes all other options */
+    bool mesh;
+    /* if greater than 0, only blocks in slots below this number are drawn; for measurements of the time per block */
+    int32_t slots;
     ost_gl_target target;
 } ost_gl_variant;
 
 extern const ost_gl_variant ost_gl_ours;
 /* This variant draws tools as triangles, with flat faces in every style. */
 extern const ost_gl_variant ost_gl_thesis;
+/* This variant draws quads of visible faces. It needs ost_gl_set_mesher. */
+extern const ost_gl_variant ost_gl_mesh;
 
 typedef struct ost_gl_options {
     bool debug;  /* if true, the driver's messages are enabled and reported as errors */
@@ -85,6 +97,12 @@ void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
 
 /*
+ * Sets the backend that makes the meshes of the variant ost_gl_mesh, and borrows it. ost_gl_draw then calls the
+ * backend on a thread of its own while the caller waits, so no other thread may use the backend during a draw.
+ */
+void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher);
+
+/*
  * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the
  * last call. Returns OST_ERR_RANGE under the same conditions as ost_frame_draw_things. Returns
  * OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
@@ -105,6 +123,11 @@ typedef struct ost_gl_counts {
     /* number of hidden cells of 8^3 voxels that were skipped; only cells of the first object in blocks in view are
        counted */
     uint32_t hidden;
+    /* the following values describe the variant ost_gl_mesh */
+    uint32_t meshed;   /* number of blocks that were meshed, because their visible faces had changed */
+    int64_t mesh_ns;   /* time of the mesher */
+    int64_t copy_ns;   /* time of copying vertices and appearance to OpenGL's buffers */
+    uint64_t quads;    /* number of quads passed to OpenGL */
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);
 

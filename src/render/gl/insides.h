@@ -40,12 +40,16 @@ struct ost_gl {
     void *list_mapped;
     uint32_t list_capacity, list_used;
     uint32_t *numbers;      /* owned; list_capacity entries */
+    GLuint quad_indices;    /* indices of two triangles for each quad of the largest block */
+    uint32_t quad_capacity; /* number of quads in quad_indices */
     ost_gl_layer layer[OST_FRAME_LAYERS];
     ost_frame_block *blocks; /* owned; block_capacity entries */
     float *bases;           /* owned; 4 values for each block */
-    GLint *firsts;          /* owned; `firsts`, `counts` and `wanted` have `block_capacity` entries each */
+    GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */
     GLsizei *counts;        /* owned */
-    /* owned; for each block, the cells whose points are listed next, as bits in the order of ost_gl_run.cells */
+    const void **offsets;   /* owned; block_capacity null pointers: each block begins at the first index */
+    /* owned; for each block, the cells whose points are listed next, as bits in the order of
+       ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;
     bool tests_depth;       /* set if this frame searches for hidden cells (hide.c) */

@@ -2,6 +2,8 @@
 #include "core/conditions.h"
 #include "render/gl/pass.h"
 
+#include <stdlib.h>
+
 #include "render/gl/eye.h"
 
 static void bind(ost_gl_unit unit, GLenum target, GLuint texture)
@@ -63,6 +65,58 @@ static ost_status draw_mesh(ost_gl *gl, const ost_gl_layer *l, ost_gl_target tar
     return OST_OK;
 }
 
+/* Fills the index buffer for blocks of up to `quads` quads: two triangles for each quad. */
+static ost_status reserve_indices(ost_gl *gl, uint32_t quads, ost_error *err)
+{
+    static const uint32_t corner[6] = {0, 1, 2, 0, 2, 3};
+    if (quads <= gl->quad_capacity)
+        return OST_OK;
+    uint32_t capacity = quads + quads / 2;
+    capacity = capacity < OST_FACE_QUADS_MAX ? capacity : OST_FACE_QUADS_MAX;
+    uint32_t *index = malloc((size_t)capacity * 6 * sizeof *index);
+    if (!index)
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the indices of %u quads", (unsigned)capacity);
+    for (uint32_t i = 0; i < 6 * capacity; i++)
+        index[i] = 4 * (i / 6) + corner[i % 6];
+    if (!gl->quad_indices)
+        glGenBuffers(1, &gl->quad_indices);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->quad_indices);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)((size_t)capacity * 6 * sizeof *index), index, GL_STATIC_DRAW);
+    free(index);
+    gl->quad_capacity = capacity;
+    return ost_gl_context_check(&gl->context, "makes the indices of quads", err);
+}
+
+/* Draws the quads of the selected blocks. firsts contains the number of each block's first vertex. */
+static ost_status draw_quads(ost_gl *gl, const ost_gl_layer *l, ost_error *err)
+{
+    const ost_gl_program_key key = {.stage = OST_GL_STAGE_QUADS, .page_bits = OST_GL_QUAD_BITS};
+    uint32_t most = 0;
+    GLsizei n = 0;
+    for (int32_t i = 0; i < l->blocks; i++) {
+        const ost_gl_run *run = &l->resident->run[OST_GL_QUADS][gl->blocks[i].slot];
+        if (run->count == 0)
+            continue;
+        gl->firsts[n] = (GLint)(4 * run->first);
+        gl->counts[n++] = (GLsizei)(6 * run->count);
+        gl->did.quads += run->count;
+        gl->did.points += 4 * (uint64_t)run->count;
+        most = run->count > most ? run->count : most;
+    }
+    ost_status status = reserve_indices(gl, most, err);
+    if (status == OST_OK)
+        status = ost_gl_programs_use(&gl->context, &gl->programs, &key, NULL, err);
+    if (status != OST_OK || n == 0)
+        return status;
+    glBindBuffer(GL_ARRAY_BUFFER, gl->store.quads.buffer);
+    glEnableVertexAttribArray(0);
+    glDisableVertexAttribArray(1);
+    glVertexAttribIPointer(0, 1, GL_UNSIGNED_INT, sizeof(uint32_t), NULL);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->quad_indices);
+    glMultiDrawElementsBaseVertex(GL_TRIANGLES, gl->counts, GL_UNSIGNED_INT, gl->offsets, n, gl->firsts);
+    return OST_OK;
+}
+
 ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l, ost_error *err)
 {
     ost_gl_program_key key = {
@@ -76,6 +130,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
     };
     GLint first;
     ost_status status = OST_OK;
+    if (l->form == OST_GL_QUADS)
+        return draw_quads(gl, l, err);
     if (l->mesh)
         return draw_mesh(gl, l, v->target, err);
     if (l->listed && l->near && v->tight) {

@@ -158,9 +158,9 @@ void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data
     put(pool->buffer, pool->mapped, first * pool->element, data, count * pool->element);
 }
 
-void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3])
+void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3], int32_t more)
 {
-    const int32_t page[4] = {voxel[0], voxel[1], voxel[2], 0};
+    const int32_t page[4] = {voxel[0], voxel[1], voxel[2], more};
     for (uint32_t i = 0; i < granules; i++)
         put(pool->page_buffer, pool->page_mapped, ((first >> pool->bits) + i) * (size_t)PAGE, page, sizeof page);
 }

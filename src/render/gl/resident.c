@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
+#include "render/points/extract.h"
+
 enum { BLOCK_VOXELS = OST_BLOCK * OST_BLOCK * OST_BLOCK, BRICKS = 512, ACTIVE = 1000 };
 
 typedef struct brick {
@@ -17,6 +20,7 @@ void ost_gl_store_init(ost_gl_store *store)
     ost_gl_pool_init(&store->bricks, "bricks", sizeof(brick), 5, 0);
     ost_gl_pool_init(&store->shades, "surface voxels", sizeof(uint32_t), 8, GL_R32UI);
     ost_gl_pool_init(&store->voxels, "voxels", sizeof(int16_t), 15, 0);
+    ost_gl_pool_init(&store->quads, "visible faces", 4 * sizeof(uint32_t), OST_GL_QUAD_BITS, 0);
 }
 
 static void forget(ost_gl_store *store, ost_gl_resident *r)
@@ -44,11 +48,19 @@ void ost_gl_store_free(ost_gl_store *store)
     ost_gl_pool_free(&store->bricks);
     ost_gl_pool_free(&store->shades);
     ost_gl_pool_free(&store->voxels);
+    ost_gl_pool_free(&store->quads);
+    ost_face_mesh_free(&store->mesh);
+    free(store->clusters);
+    free(store->slots);
+    store->clusters = NULL;
+    store->slots = NULL;
+    store->cluster_capacity = 0;
 }
 
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
 {
-    return form == OST_GL_POINTS ? &store->points : form == OST_GL_BRICKS ? &store->bricks : &store->voxels;
+    ost_gl_pool *const pools[OST_GL_FORMS] = {&store->points, &store->bricks, &store->voxels, &store->quads};
+    return pools[form];
 }
 
 /* Returns the entry of the surface. If there is none, returns a free entry or, if no entry is free, the least recently
@@ -204,10 +216,132 @@ ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, cons
         const int32_t voxel[3] = {OST_BLOCK * b->at[0], OST_BLOCK * b->at[1], OST_BLOCK * b->at[2]};
         find_cells(b, run);
         if (status == OST_OK)
-            ost_gl_pool_place(pool, run->first, run->granules, voxel);
+            ost_gl_pool_place(pool, run->first, run->granules, voxel, 0);
         run->hidden = 0;
         run->version = status == OST_OK ? b->version : 0;
     }
+    return status;
+}
+
+/* ------------------------------------------------------------------- quads */
+
+static ost_status reserve_clusters(ost_gl_store *store, int32_t count, ost_error *err)
+{
+    if (count <= store->cluster_capacity)
+        return OST_OK;
+    const int32_t capacity = count + count / 2;
+    ost_face_cluster *clusters = realloc(store->clusters, (size_t)capacity * sizeof *clusters);
+    if (clusters)
+        store->clusters = clusters;
+    int32_t *slots = realloc(store->slots, (size_t)capacity * sizeof *slots);
+    if (slots)
+        store->slots = slots;
+    if (!clusters || !slots)
+        return ost_fail(err, OST_ERR_MEMORY, "out of memory for the meshes of %d blocks", (int)capacity);
+    store->cluster_capacity = capacity;
+    return OST_OK;
+}
+
+/* Returns the voxels of a block that are shown, or NULL if there is no such block. */
+static const uint32_t *words_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
+{
+    const ost_surface_block *b = ost_surface_block_at(s, x, y, z);
+    return b ? b->occupancy : NULL;
+}
+
+static ost_face_cluster cluster_of(const ost_surface *s, const int32_t at[3])
+{
+    const int32_t x = at[0], y = at[1], z = at[2];
+    return (ost_face_cluster){.own = words_at(s, x, y, z),
+                              .neighbour = {words_at(s, x - 1, y, z), words_at(s, x + 1, y, z),
+                                            words_at(s, x, y - 1, z), words_at(s, x, y + 1, z),
+                                            words_at(s, x, y, z - 1), words_at(s, x, y, z + 1)}};
+}
+
+/* Makes the quads of the blocks whose visible faces have changed, all in one call of the mesher. */
+static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost_surface *s, ost_gl_run *runs,
+                               ost_error *err)
+{
+    int32_t n = 0;
+    ost_status status = reserve_clusters(store, s->used, err);
+    for (int32_t i = 0; i < s->used && status == OST_OK; i++)
+        if (runs[i].listed != s->slot[i]->listed) {
+            store->clusters[n] = cluster_of(s, s->slot[i]->at);
+            store->slots[n++] = i;
+        }
+    if (status != OST_OK || n == 0)
+        return status;
+    const int64_t begin = ost_clock_ns();
+    status = ost_backend_face_mesh(store->mesher, store->clusters, (size_t)n, &store->mesh, err);
+    const int64_t made = ost_clock_ns();
+    for (int32_t i = 0; i < n && status == OST_OK; i++) {
+        ost_gl_run *run = &runs[store->slots[i]];
+        const uint32_t first = store->mesh.first[i], count = store->mesh.first[i + 1] - first;
+        run->listed = 0;
+        status = reserve(c, &store->quads, count, &run->first, &run->granules, err);
+        if (status != OST_OK)
+            break;
+        if (count)
+            ost_gl_pool_write(&store->quads, run->first, store->mesh.vertices + 4 * (size_t)first, count);
+        run->count = count;
+        run->listed = s->slot[store->slots[i]]->listed;
+        run->version = 0; /* the shades must be written again */
+        store->uploaded += count * 4 * sizeof(uint32_t);
+    }
+    store->meshed += (uint32_t)n;
+    store->mesh_ns += made - begin;
+    store->copy_ns += ost_clock_ns() - made;
+    return status;
+}
+
+/* Writes the shade of each face of a block: that of its voxel. The points are in the order of the quads' voxels. */
+static ost_status bring_face_shades(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
+                                    ost_error *err)
+{
+    uint32_t list[256 + 6], n = 0, written = 0, faces = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        faces += (uint32_t)__builtin_popcount(b->points[i] >> OST_FACES_SHIFT & 63);
+    if (faces != run->count)
+        return ost_fail(err, OST_ERR_INTERNAL, "a block has %u visible faces and %u quads", (unsigned)faces,
+                        (unsigned)run->count);
+    ost_status status = reserve(c, &store->shades, faces, &run->shade_first, &run->shade_granules, err);
+    for (uint32_t i = 0; i < b->count && status == OST_OK; i++) {
+        for (uint32_t left = b->points[i] >> OST_FACES_SHIFT & 63; left; left &= left - 1)
+            list[n++] = b->shades[i];
+        if (n >= 256 || i + 1 == b->count) {
+            ost_gl_pool_write(&store->shades, run->shade_first + written, list, n);
+            written += n;
+            n = 0;
+        }
+    }
+    store->uploaded += faces * sizeof *list;
+    return status;
+}
+
+ost_status ost_gl_store_bring_quads(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                                    ost_gl_resident **out, ost_error *err)
+{
+    ost_gl_resident *r = *out = resident_of(store, surface);
+    if (!store->mesher)
+        return ost_fail(err, OST_ERR_USAGE, "the mesh renderer needs a backend that makes meshes");
+    ost_status status = reserve_slots(r, OST_GL_QUADS, surface->used, err);
+    if (status == OST_OK)
+        status = mesh_changed(context, store, surface, r->run[OST_GL_QUADS], err);
+    const int64_t begin = ost_clock_ns();
+    for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
+        const ost_surface_block *b = surface->slot[i];
+        ost_gl_run *run = &r->run[OST_GL_QUADS][i];
+        if (run->version == b->version)
+            continue;
+        run->version = 0;
+        status = bring_face_shades(context, store, b, run, err);
+        const int32_t voxel[3] = {OST_BLOCK * b->at[0], OST_BLOCK * b->at[1], OST_BLOCK * b->at[2]};
+        if (status != OST_OK)
+            break;
+        ost_gl_pool_place(&store->quads, run->first, run->granules, voxel, (int32_t)(run->shade_first - run->first));
+        run->version = b->version;
+    }
+    store->copy_ns += ost_clock_ns() - begin;
     return status;
 }
 

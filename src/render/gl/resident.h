@@ -7,25 +7,26 @@
  *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
  *                                    its points, brick by brick
  *   voxels   a density               all voxels of a block, which are the vertices of the thesis
+ *   quads    four vertices           the visible faces of a block (core/face_mesh.h); shades: one for each face
  *   mesh     corner, normal          a tool's faces as triangles
  */
 #ifndef OST_RENDER_GL_RESIDENT_H
 #define OST_RENDER_GL_RESIDENT_H
 
+#include "core/face_mesh.h"
 #include "render/gl/pool.h"
 #include "render/points/surface.h"
 
-typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_FORMS } ost_gl_form;
+typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_QUADS, OST_GL_FORMS } ost_gl_form;
 
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    /* first element and number of granules of the run of shades; used only by bricks */
+    /* first element and number of granules of the run of shades; used only by bricks and quads */
     uint32_t shade_first, shade_granules;
-    /* set of the bricks of 4^3 voxels that contain a point; brick (x, y, z) is bit x | y << 3 of word z */
-    uint64_t bricks[8];
-    /* set of the cells of 8^3 voxels that contain a point; cell (x, y, z) is bit x | y << 2 | z << 4 */
-    uint64_t cells;
+    uint64_t listed;      /* used only by quads: the block's `listed` when the quads were made */
+    uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
+    uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* set of the cells that the last search found to be hidden (hide.h) */
 } ost_gl_run;
 
@@ -44,10 +45,16 @@ typedef struct ost_gl_resident {
     uint32_t mesh_vertices;
 } ost_gl_resident;
 
-enum { OST_GL_RESIDENTS = 24 };
+enum { OST_GL_RESIDENTS = 24, OST_GL_QUAD_BITS = 6 /* a granule has 2^OST_GL_QUAD_BITS quads */ };
 
 typedef struct ost_gl_store {
-    ost_gl_pool points, bricks, shades, voxels;
+    ost_gl_pool points, bricks, shades, voxels, quads;
+    ost_backend *mesher;  /* borrowed; makes the quads; NULL if it is not set */
+    ost_face_mesh mesh;   /* owned; the last meshes that were made */
+    ost_face_cluster *clusters; /* owned; clusters and slots have cluster_capacity entries */
+    int32_t *slots, cluster_capacity;
+    uint32_t meshed;      /* number of blocks meshed since the start of the frame */
+    int64_t mesh_ns, copy_ns; /* times since the start of the frame */
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
     uint64_t uploaded; /* number of bytes uploaded since the start of the frame */
@@ -66,6 +73,9 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 /* Uploads the current state of the surface in the given form. The previous frame must be complete. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                               ost_gl_form form, ost_gl_resident **out, ost_error *err);
+/* Meshes the blocks whose visible faces have changed, and uploads the quads and the shades that have changed. */
+ost_status ost_gl_store_bring_quads(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
+                                    ost_gl_resident **out, ost_error *err);
 ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                                    ost_gl_resident **out, ost_error *err);
 

@@ -135,8 +135,8 @@ static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, con
     ost_surface_block *b = s->slot[slot];
     const uint32_t count = k->faces.begin[ROWS];
     const size_t size = count * sizeof *points;
-    if (b->version && count == b->count &&
-        (count == 0 || (memcmp(points, b->points, size) == 0 && memcmp(k->shades, b->shades, size) == 0)))
+    const bool same = b->version && count == b->count && (count == 0 || memcmp(points, b->points, size) == 0);
+    if (same && (count == 0 || memcmp(k->shades, b->shades, size) == 0))
         return OST_OK;
     if (!reserve_points(b, count))
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %u surface voxels", (unsigned)count);
@@ -147,6 +147,8 @@ static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, con
     memcpy(b->begin, k->faces.begin, sizeof b->begin);
     b->count = count;
     b->version = 1 + atomic_fetch_add(&versions, 1);
+    if (!same)
+        b->listed = b->version;
     s->renewed[s->renewals++] = slot;
     return OST_OK;
 }

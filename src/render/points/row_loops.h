@@ -76,14 +76,9 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
 /* For each of the six faces, computes the voxels of a row whose neighbour across this face has a set bit. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
-    const uint32_t own = rim->row[z + 1][y + 1];
     const int row = y + OST_BLOCK * z;
-    out[OST_FACE_X0] = own << 1 | rim->left[row] >> (OST_BLOCK - 1);
-    out[OST_FACE_X1] = own >> 1 | rim->right[row] << (OST_BLOCK - 1);
-    out[OST_FACE_Y0] = rim->row[z + 1][y];
-    out[OST_FACE_Y1] = rim->row[z + 1][y + 2];
-    out[OST_FACE_Z0] = rim->row[z][y + 1];
-    out[OST_FACE_Z1] = rim->row[z + 2][y + 1];
+    ost_visible_behind(rim->row[z + 1][y + 1], rim->left[row], rim->right[row], rim->row[z + 1][y],
+                       rim->row[z + 1][y + 2], rim->row[z][y + 1], rim->row[z + 2][y + 1], out);
 }
 
 static inline void faces_of_rows(const ost_rim *restrict rim, ost_faces *restrict out)

@@ -34,6 +34,8 @@
 
 #include <osteon/grid.h>
 
+#include "core/visible.h"
+
 enum {
     OST_BLOCK = 32, /* voxels per side */
     /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 z */
@@ -50,8 +52,6 @@ enum {
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
-typedef enum ost_face { OST_FACE_X0, OST_FACE_X1, OST_FACE_Y0, OST_FACE_Y1, OST_FACE_Z0, OST_FACE_Z1 } ost_face;
-
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
     /* set if the next update must process the block; the following fields state the reason */
@@ -62,6 +62,7 @@ typedef struct ost_surface_block {
     bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the lists of points and shades, unique within the process; 0 before the first list */
     uint64_t version;
+    uint64_t listed;           /* value of `version` when the list of points last changed */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     /* owned; voxels of `occupied` that changed since the last update; NULL if no voxel changed */

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The OpenCL device of the methods whose source used a GPU. A build without OpenCL has no device; the functions
+ * then report that OpenCL is missing.
+ */
+#ifndef OST_REPRODUCTION_METHODS_DEVICE_H
+#define OST_REPRODUCTION_METHODS_DEVICE_H
+
+#include "reproduction/methods/method.h"
+
+#include "config.h"
+
+#ifdef HAVE_OPENCL
+#include "bench/device_cl.h"
+
+struct method_device {
+    bench_device cl;
+};
+
+/* A program with its kernels' source, built for a device. */
+ost_status method_device_build(struct method_device *device, const char *source, cl_program *out, ost_error *err);
+/* Returns OST_ERR_BACKEND with the call's name unless the code is CL_SUCCESS. */
+ost_status method_device_check(cl_int code, const char *call, ost_error *err);
+#endif
+
+/* Opens the device that the string `spec` selects, such as "cl:platform=0,device=0". Returns NULL and the reason
+   if there is none. */
+struct method_device *method_device_open(const char *spec, char reason[BENCH_TEXT]);
+void method_device_close(struct method_device *device); /* device may be NULL */
+/* Returns the device's name, or "" for NULL. */
+const char *method_device_name(const struct method_device *device);
+
+#endif

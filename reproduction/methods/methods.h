@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The removal algorithms with which the thesis is compared (sections 2.2 and 3.2), and their
+ * measurements. Each measurement is one function that appends rows to a table and prints nothing.
+ *
+ *   options --> methods_chunk_sizes    Tables 3.3 and 3.4       chunks of 16^3, 32^3, 64^3 voxels
+ *               methods_tool_voxels    Table 3.5                tool voxels of 1 to 0.25 mm
+ *               methods_chunk_counts   Figs. 3.8, 3.10 to 3.12  1 to 64 chunks in an event
+ *               methods_resolutions    Figs. 3.9 to 3.12        tool and bone of 64^3 to 1024^3 voxels
+ *               methods_sampling       holes that tool points leave, by the ratio of voxel sizes
+ *               methods_sampling_slice a picture of these holes
+ *
+ * All methods of a case process the same bone, tool and pose (bench/scene.h), and their repetitions
+ * alternate. A method's set of removed voxels is compared with the set that the method's definition
+ * demands before it is timed; `exact` is the result. Sets of different definitions differ; `missed`,
+ * `missed_inside` and `extra` count the differences from osteon's set.
+ *
+ * Threads: one measurement at a time; a measurement uses options->threads threads.
+ */
+#ifndef OST_REPRODUCTION_METHODS_H
+#define OST_REPRODUCTION_METHODS_H
+
+#include "bench/bench.h"
+
+#include <osteon/phantom.h>
+
+/* The set of voxels that a method removes. An active bone voxel belongs to the set if ... */
+typedef enum methods_definition {
+    METHODS_BONE_TO_TOOL,       /* ... its centre is in a cutting tool voxel (AR-REM-1): osteon's set */
+    METHODS_BONE_TO_TOOL_FLOAT, /* ... the same, by a float matrix: the thesis' set */
+    METHODS_TOOL_TO_BONE        /* ... it contains a tool point, which is the centre of a cutting tool voxel */
+} methods_definition;
+
+/* The tool points of the methods that process the tool's voxels. */
+typedef enum methods_points {
+    METHODS_POINTS_SURFACE, /* cutting voxels with a face neighbour that is not cutting, as in the sources */
+    METHODS_POINTS_SOLID    /* all cutting voxels */
+} methods_points;
+
+typedef struct methods_info {
+    const char *name;   /* "yau", "yau-cl"; a name with the suffix "-cl" is the method on an OpenCL device */
+    const char *title;  /* one line for tables and legends */
+    const char *source; /* the publication or the section of the thesis */
+    methods_definition definition;
+    bool device; /* true: runs on the device that options->cl names */
+} methods_info;
+
+/* Returns the number of methods. The methods have a fixed order; the first is osteon's event. */
+int methods_count(void);
+/* Describes method number `index`, 0 <= index < methods_count(). The texts are static. */
+const methods_info *methods_info_get(int index);
+
+typedef struct methods_options {
+    const char *backend;  /* osteon's backend, "cpu" */
+    const char *cl;       /* device of the methods on OpenCL, "cl:platform=0,device=0"; NULL: no device */
+    int threads;          /* threads of all methods on the processor, including osteon's event; at least 1 */
+    int repeat;           /* repetitions; 0: 21, or fewer for events that take longer than 0.1 s */
+    bool quick;           /* true: 3 repetitions and smaller scenes, with the same functions and names */
+    methods_points points;
+    const char *methods;  /* names separated by commas; NULL: all methods */
+    void (*show)(void *user, const char *text); /* called before a case is measured; may be NULL */
+    void *user;
+} methods_options;
+
+/* One method on one scene. */
+typedef struct methods_row {
+    const methods_info *method;
+    char reason[BENCH_TEXT]; /* reason why the method was not measured; "" if it was measured */
+
+    /* the scene */
+    const char *tool;               /* "reamer" or "peg" */
+    ost_pm tool_voxel, bone_voxel;  /* edge lengths */
+    int32_t tool_side, bone_side;   /* the tool's greatest dimension, and the bone's dimension, in voxels */
+    int64_t tool_voxels;            /* cutting voxels of the tool */
+    int64_t tool_points;            /* tool points according to options->points */
+    int chunk_size;
+    int chunks;                     /* chunks with active voxels that the event processes (Alg. 2.10) */
+    methods_points points;
+    int threads;                    /* 0 for methods on a device */
+
+    /* the times of an event, in microseconds */
+    bench_figures fresh;  /* all voxels are there */
+    bench_figures steady; /* the event is repeated; no voxel remains to be removed */
+
+    /* the work and the result */
+    int64_t visited;       /* bone voxels or tool points that the method transforms; 0 if it does not count them */
+    int64_t removed;
+    int64_t expected;      /* size of osteon's set */
+    int64_t missed, extra; /* voxels only in osteon's set; voxels only in the method's set */
+    int64_t missed_inside; /* missed voxels whose six neighbours all belong to osteon's set */
+    bool exact; /* the method's set is the one that its definition demands; false is an error */
+    /* bytes: voxels of the bone; chunk table, positions, nodes or masks; tool */
+    int64_t bone_bytes, index_bytes, tool_bytes;
+} methods_row;
+
+typedef struct methods_table {
+    size_t count, capacity;
+    methods_row *rows; /* owned */
+} methods_table;
+
+void methods_table_free(methods_table *table);
+
+/*
+ * The measurements append their rows to *table, which must be zero-initialized before the first call.
+ * A method or a case that cannot be measured has rows with the reason. Errors: OST_ERR_MEMORY,
+ * OST_ERR_USAGE for an unknown method or backend.
+ */
+
+/* Tables 3.3 and 3.4: the static event of a tool, OST_TOOL_REAMER or OST_TOOL_PEG, in a bone of 128^3
+   voxels of 0.47 mm, with chunks of 16^3, 32^3 and 64^3 voxels. */
+ost_status methods_chunk_sizes(const methods_options *options, ost_tool_kind tool, methods_table *table,
+                               ost_error *err);
+
+/* Table 3.5: the static event with chunks of 32^3 voxels and tool voxels of 1, 0.75, 0.5 and 0.25 mm. */
+ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind tool, methods_table *table,
+                               ost_error *err);
+
+/* Figs. 3.8 and 3.10 to 3.12: the tool inside a bone of which only the `counts[i]` chunks of 32^3 voxels that
+   are nearest to the tool's centre have active voxels. A count greater than the number of chunks that
+   the tool's box enters gives rows with a reason. */
+ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind tool, const int *counts, int count,
+                                methods_table *table, ost_error *err);
+
+/*
+ * Figs. 3.9 to 3.12: the static event with the bone's box divided into bone_side^3 voxels and the tool's
+ * longest side into about tool_side voxels. The physical sizes and the pose are constant. Rows with a
+ * reason replace a case that needs more memory than is free.
+ */
+ost_status methods_resolutions(const methods_options *options, ost_tool_kind tool, const int32_t *tool_sides,
+                               int tool_count, const int32_t *bone_sides, int bone_count, methods_table *table,
+                               ost_error *err);
+
+/* ----------------------------------------------------------------- sampling */
+
+/* Tool points against bone voxels, for one ratio of tool voxel to bone voxel. */
+typedef struct methods_sample {
+    const char *tool;
+    methods_points points;
+    double ratio; /* edge of a tool voxel divided by the edge of a bone voxel */
+    ost_pm tool_voxel, bone_voxel;
+    int poses;    /* 1: a static event; more: the tool moves by half a bone voxel per pose along its axis */
+    int64_t tool_points;
+    int64_t expected;      /* size of osteon's set, the union over all poses */
+    int64_t found;         /* voxels of both sets */
+    int64_t missed, extra; /* as in methods_row */
+    int64_t missed_inside;
+    double missed_share;   /* missed / expected */
+    double missed_inside_share; /* missed_inside / expected */
+} methods_sample;
+
+/*
+ * Computes the sample of each ratio: samples[i] belongs to ratios[i], 0.125 <= ratio <= 4. The bone has
+ * voxels of 0.47 mm, all of them active. 1 <= poses <= 1000. Errors: OST_ERR_RANGE, OST_ERR_MEMORY.
+ */
+ost_status methods_sampling(ost_tool_kind tool, methods_points points, int poses, const double *ratios, int count,
+                            methods_sample *samples, ost_error *err);
+
+/* Values of a voxel in a slice. */
+enum {
+    METHODS_SLICE_NONE,          /* in no set */
+    METHODS_SLICE_BOTH,          /* in both sets */
+    METHODS_SLICE_MISSED,        /* only in osteon's set */
+    METHODS_SLICE_MISSED_INSIDE, /* the same, and all six neighbours belong to osteon's set */
+    METHODS_SLICE_EXTRA          /* only in the set of the tool points */
+};
+
+/* A slice of the bone through the middle of the removed voxels, perpendicular to z. */
+typedef struct methods_slice {
+    int32_t width, height;
+    int32_t x0, y0, z; /* the bone voxel of the first value */
+    uint8_t *values;   /* owned; width * height values, x fastest */
+} methods_slice;
+
+/* Computes a slice of the same case as methods_sampling. The caller frees *slice by methods_slice_free. */
+ost_status methods_sampling_slice(ost_tool_kind tool, methods_points points, int poses, double ratio,
+                                  methods_slice *slice, ost_error *err);
+void methods_slice_free(methods_slice *slice);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A corner of a visible face of a voxel.  corner: a vertex of core/face_mesh.h.  The page of the quad contains the
+ * position of the block's first voxel, and the index of the face's look relative to the number of the quad.
+ *
+ * The position of a corner is exact until the eye is subtracted, so the faces that share a corner place it equally and
+ * leave no gap.  The depth is that of the voxel's centre, as for points (point.vert).
+ */
+uniform isamplerBuffer pages;
+uniform usamplerBuffer shades;
+in uint corner;
+
+flat out uint tint;
+flat out uint face;
+flat out vec3 o; /* vector from the eye to the voxel's centre */
+
+void main()
+{
+    int quad = gl_VertexID >> 2;
+    ivec4 page = texelFetch(pages, quad >> PAGE_BITS);
+    ivec3 at = ivec3(uvec3(corner, corner >> 6, corner >> 12) & 63u);
+    uint axis = corner >> 19 & 3u, side = corner >> 18 & 1u;
+    int along[3] = int[3](int(side), int(corner >> 21 & 1u), int(corner >> 22 & 1u));
+    /* the voxel's own corner is the one nearest to (0, 0, 0) */
+    ivec3 voxel = at - (axis == 0u ? ivec3(along[0], along[1], along[2])
+                                   : axis == 1u ? ivec3(along[2], along[0], along[1])
+                                                : ivec3(along[1], along[2], along[0]));
+    face = axis << 1 | side;
+    tint = tint_of(texelFetch(shades, quad + page.w).r);
+    PRECISE vec3 base = vec3(page.xyz) - eye_at.xyz;
+    PRECISE vec3 centre = base + vec3(voxel);
+    o = centre;
+    /* A face that is turned away, or a voxel that the near plane cuts, is placed where it is not visible. */
+    float toward = side == 1u ? -o[axis] : o[axis];
+    gl_Position = vec4(0.0, 0.0, 1.0, 1.0);
+    if (!(toward > 0.5) || !(dot3(eye_forward.xyz, o) - eye_forward.w > axis_2.w))
+        return;
+    vec3 p = (vec3(page.xyz + at) - 0.5) - eye_at.xyz;
+    float x = dot3(eye_right.xyz, p), y = dot3(eye_up.xyz, p), z = dot3(eye_forward.xyz, p);
+    PRECISE float depth = dot3(o, o) * frame.z + frame.w;
+    gl_Position = vec4(x * eye_at.w / axis_0.w, -y * eye_at.w / axis_1.w, depth * z, z);
+}

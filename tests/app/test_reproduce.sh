@@ -1,0 +1,112 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The tables and figures of the thesis, made again: files that agree with each other, plots that are
+# well-formed, counts that are equal on every machine, a report of all items, merging, refusals and an
+# interrupted run. Times are not tested.
+# Covers: REQ-REPRODUCE, REQ-REPRODUCE-FILES, REQ-REPRODUCE-MERGE
+. "${srcdir:-.}/tests/app/lib.sh"
+needs PNG
+TMPDIR=$scratch
+export TMPDIR
+
+# The list: every table and figure of the thesis, either as an item or with the reason why it is missing.
+run 0 reproduce --list --json
+cp out list
+for n in 2.1 2.2 3.1 3.2 3.3 3.4 3.5 3.6 3.7 3.8; do
+    checks=$((checks + 1))
+    grep -q "\"table-$n\"" list || fail "--list has no table-$n"
+done
+for n in 1.1 1.2 1.3 1.4 2.1 2.2 2.3 2.4 3.1 3.2 3.3 3.4 3.5 3.6 3.7 3.8 3.9 3.10 3.11 3.12 3.13 3.14 3.15 3.16; do
+    checks=$((checks + 1))
+    grep -q "\"figure-$n\"" list || fail "--list has no figure-$n"
+done
+has items.0.title items.0.kind missing.0.reason
+run 0 reproduce --list
+checks=$((checks + 1))
+grep -q '^table-3\.3  *times ' out || fail "the list has no line of table-3.3: $(head -n 3 out)"
+
+# Items of all kinds: counts, times, pictures.
+run 0 reproduce table-3.2,figure-3.2,table-3.4,table-3.6,section-3.2.6,figure-2.2 --out once --quick --json
+check "measured" "$(value measured) $(value not_measured)" "6 0"
+check "the first item" "$(value items.0.name)" figure-2.2
+for file in table-3.2.csv table-3.2.json figure-3.2.svg figure-3.2-2.svg table-3.4.csv table-3.4.svg section-3.2.6.svg \
+    figure-2.2-before.svg figure-2.2-after.svg report.html; do
+    checks=$((checks + 1))
+    [ -s "once/$file" ] || fail "no file once/$file"
+done
+check "files that are not announced" "$(ls -A once | grep -c '^\.')" 0
+check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-)" 0
+
+# The counts of the thesis' event, and of the phantoms, are equal on every machine.
+cp once/table-3.4.json out
+check "chunks of the event" "$(value rows.0.chunks.value) $(value rows.1.chunks.value) $(value rows.2.chunks.value)" "80 18 8"
+check "the thesis' chunks" "$(value rows.0.chunks.thesis) $(value rows.1.chunks.thesis) $(value rows.2.chunks.thesis)" "80 18 8"
+check "removed voxels" "$(value rows.0.removed_voxels) $(value rows.1.removed_voxels)" "8089 8089"
+checks=$((checks + 1))
+grep -q '"thesis": 1172' once/table-3.4.json || fail "the thesis' 1.172 ms are missing"
+
+# A name may be written as in the thesis.
+run 0 reproduce 'Table 3.1,fig-3.15' --out named --quick
+check "the scapula's dimensions" "$(grep -c '^.*Scapula,.*256 x 234 x 201,256 x 234 x 201,12040704,12040704,' named/table-3.1.csv)" 1
+checks=$((checks + 1))
+[ -s named/figure-3.15.csv ] || fail "fig-3.15 is not figure-3.15"
+
+# Merged: the rows of both machines, distinguished by their names.
+run 0 reproduce --merge once --merge named --merge once --out merged --json
+check "merged items" "$(value measured)" 8
+check "rows of two machines" "$(grep -c . merged/table-3.4.csv)" 7
+check "names of machines" "$(sed 1d merged/table-3.4.csv | sed 's/"\([^"]*\)".*/\1/' | sort -u | wc -l | tr -d ' ')" 2
+run 0 reproduce table-3.4 --merge merged --out again --quiet
+check "merging one folder changes nothing" "$(cmp merged/table-3.4.json again/table-3.4.json && echo same)" same
+
+# A report lists everything, and reads as one page.
+for n in table-2.2 figure-3.10 figure-1.3; do
+    checks=$((checks + 1))
+    grep -q "$(echo "$n" | sed 's/^\(.\)\(.*\)-/\1\2 /; s/^t/T/; s/^f/F/')" once/report.html || fail "the report does not list $n"
+done
+check "files that the report loads" "$(grep -c 'src="[^d]\|href=' once/report.html)" 0
+if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
+    checks=$((checks + 1))
+    "$PYTHON3" "$source_folder/tests/app/check_reproduce.py" once named merged >out 2>&1 || fail "files disagree: $(cat out)"
+fi
+
+# A CT of the user in the place of a model.
+run 0 phantom glenoid --out own.nrrd --scale 0.5
+run 0 reproduce table-3.1 --ct glenoid=own.nrrd --out own --quick
+check "the own CT" "$(grep -c 'Glenoid (own CT)' own/table-3.1.csv)" 1
+refuse 2 'none.nrrd' reproduce table-3.1 --ct none.nrrd --out own2 --quick
+
+# Refusals.
+refuse 2 "'table-9.9' is not an item" reproduce table-9.9 --out x
+refuse 2 "did you mean table-3.3" reproduce tabel-3.3 --out x
+refuse 2 '--out DIR is missing' reproduce table-3.3
+refuse 3 'a drawing' reproduce figure-1.1 --out x
+refuse 2 'contains no result' reproduce --merge "$scratch/own.nrrd.d" --out x
+echo x >file
+refuse 2 'file: cannot make the folder' reproduce table-3.6 --out file
+mkdir broken
+echo '{"format": "other"}' >broken/table-3.4.json
+refuse 2 'is not a result of osteon reproduce' reproduce --merge broken --out x
+printf '{"form' >broken/table-3.4.json
+refuse 2 'broken/table-3.4.json:1' reproduce --merge broken --out x
+
+# An interrupted run: every file that is there is complete.
+# A shell without job control ignores SIGINT for its background processes.
+"$osteon" reproduce figure-2.2,table-2.2,table-3.3 --out cut --quiet >out 2>err &
+pid=$!
+for _ in $(seq 3000); do
+    [ -s cut/figure-2.2.json ] && break
+    sleep 0.1
+done
+sleep 0.5
+kill -TERM $pid 2>/dev/null
+wait $pid
+status=$?
+checks=$((checks + 1))
+[ $status -eq 143 ] || fail "status $status of an interrupted run: $(cat err)"
+check "hidden files of an interrupted run" "$(ls -A cut | grep -c '^\.')" 0
+check "texts of an interrupted run" "$(ls -A "$scratch" | grep -c osteon-)" 0
+for file in cut/*.json; do
+    "$json_get" item <"$file" >/dev/null || fail "$file is not complete"
+done
+finish

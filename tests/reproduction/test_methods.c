@@ -1,0 +1,590 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The compared removal methods: each removes exactly the set of voxels that its definition demands.
+ *
+ * The oracle is written from the texts (AR-MAP-1 to AR-MAP-4, AR-REM-1; reproduction/methods/points.h) with
+ * fractions of 128-bit integers, and calls no function of the methods or of src/core. It is compared with every
+ * method on random small scenes, and with the functions that define the sets in a measurement.
+ */
+#include "harness.h"
+
+#include <math.h>
+
+#include "reproduction/methods/device.h"
+#include "reproduction/methods/measure.h"
+#include "reproduction/methods/points.h"
+
+__extension__ typedef __int128 wide;
+
+enum { SCENES = 80, THREADS_MAX = 3 };
+
+/* --------------------------------------------------------------------- oracle */
+
+static wide floor_of(wide n, wide d)
+{
+    wide q = n / d;
+    return q * d > n ? q - 1 : q;
+}
+
+/* Round half to even, by comparing twice the remainder with the divisor. */
+static wide rhe(wide n, wide d)
+{
+    const wide q = floor_of(n, d), twice = 2 * (n - q * d);
+    return twice > d || (twice == d && q % 2 != 0) ? q + 1 : q;
+}
+
+typedef struct rotation {
+    wide m[3][3], n;
+} rotation;
+
+static rotation rotation_of(const ost_pose *p)
+{
+    const wide w = p->qw, x = p->qx, y = p->qy, z = p->qz;
+    rotation r = {.n = w * w + x * x + y * y + z * z};
+    const wide m[3][3] = {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                          {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+                          {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}};
+    memcpy(r.m, m, sizeof m);
+    return r;
+}
+
+static void vector(ost_pm3 v, wide out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+
+static uint8_t class_at(const ost_tool_volume *tool, const wide v[3])
+{
+    const ost_dims d = tool->geometry.dims;
+    if (v[0] < 0 || v[1] < 0 || v[2] < 0 || v[0] >= d.x || v[1] >= d.y || v[2] >= d.z)
+        return OST_TOOL_VOID;
+    return tool->voxels[v[0] + d.x * (v[1] + d.y * v[2])];
+}
+
+/* AR-MAP-1 to AR-MAP-4 for one bone voxel: returns true if its tool voxel is cutting. */
+static bool oracle_covered(const bench_scene *e, const int32_t voxel[3])
+{
+    const rotation r = rotation_of(&e->pose);
+    const wide s = e->bone.spacing.x, s_t = e->tool.geometry.voxel, unit = 1 << 20;
+    wide o[3], t[3], corner[3], tool_voxel[3];
+    vector(e->bone.origin, o);
+    vector(e->pose.t, t);
+    vector(e->tool.geometry.corner, corner);
+    for (int a = 0; a < 3; a++) {
+        wide first = -r.n * corner[a];
+        for (int b = 0; b < 3; b++)
+            first += r.m[b][a] * (o[b] - t[b] + voxel[b] / 16 * 16 * s);
+        wide u = rhe(unit * first, r.n * s_t);
+        for (int b = 0; b < 3; b++)
+            u += voxel[b] % 16 * rhe(unit * r.m[b][a] * s, r.n * s_t);
+        tool_voxel[a] = floor_of(u, unit);
+    }
+    return class_at(&e->tool, tool_voxel) == OST_TOOL_CUTTING;
+}
+
+/* True if the tool voxel is a point: cutting, and for surface points with a face neighbour that is not cutting. */
+static bool oracle_point(const ost_tool_volume *tool, methods_points which, int32_t i, int32_t j, int32_t k)
+{
+    static const int32_t faces[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    const wide v[3] = {i, j, k};
+    if (class_at(tool, v) != OST_TOOL_CUTTING)
+        return false;
+    for (int f = 0; f < 6; f++) {
+        const wide next[3] = {i + faces[f][0], j + faces[f][1], k + faces[f][2]};
+        if (class_at(tool, next) != OST_TOOL_CUTTING)
+            return true;
+    }
+    return which == METHODS_POINTS_SOLID;
+}
+
+/* The map of points.h. */
+typedef struct oracle_map {
+    int fraction;
+    wide anchor[3], base[3], step[3][3];
+} oracle_map;
+
+static oracle_map oracle_map_of(const bench_scene *e)
+{
+    const rotation r = rotation_of(&e->pose);
+    const ost_dims d = e->tool.geometry.dims;
+    const wide dims[3] = {d.x, d.y, d.z}, s = e->bone.spacing.x, s_t = e->tool.geometry.voxel;
+    oracle_map m = {.fraction = 21};
+    bool fits;
+    do {
+        fits = true;
+        m.fraction--;
+        for (int b = 0; b < 3; b++) {
+            wide sum = (wide)1 << m.fraction;
+            for (int a = 0; a < 3; a++) {
+                m.step[a][b] = rhe(((wide)1 << m.fraction) * r.m[b][a] * s_t, 2 * r.n * s);
+                sum += dims[a] * (m.step[a][b] < 0 ? -m.step[a][b] : m.step[a][b]);
+            }
+            fits = fits && sum < (wide)1 << 30;
+        }
+    } while (!fits);
+    wide corner[3], t[3], o[3];
+    vector(e->tool.geometry.corner, corner);
+    vector(e->pose.t, t);
+    vector(e->bone.origin, o);
+    for (int b = 0; b < 3; b++) {
+        /* 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
+        wide n = 2 * r.n * (t[b] - o[b]) + r.n * s;
+        for (int a = 0; a < 3; a++)
+            n += r.m[b][a] * (2 * corner[a] + dims[a] * s_t);
+        m.anchor[b] = floor_of(n, 2 * r.n * s);
+        m.base[b] = rhe(((wide)1 << m.fraction) * (n - m.anchor[b] * 2 * r.n * s), 2 * r.n * s);
+    }
+    return m;
+}
+
+/* Checks the bound of points.h: the fixed-point coordinate of a point is near the exact one. */
+static void check_error(const bench_scene *e, const oracle_map *m, const wide half[3], int b, wide u)
+{
+    const rotation r = rotation_of(&e->pose);
+    const ost_dims d = e->tool.geometry.dims;
+    const wide s = e->bone.spacing.x, s_t = e->tool.geometry.voxel, divisor = 2 * r.n * s;
+    wide corner[3], t[3], o[3];
+    vector(e->tool.geometry.corner, corner);
+    vector(e->pose.t, t);
+    vector(e->bone.origin, o);
+    const wide dims[3] = {d.x, d.y, d.z};
+    /* The exact position of the point, relative to the anchor: 2 p = 2 corner + (dims + e) s_t in the tool's frame. */
+    wide n = 2 * r.n * (t[b] - o[b]) + r.n * s - m->anchor[b] * divisor;
+    for (int a = 0; a < 3; a++)
+        n += r.m[b][a] * (2 * corner[a] + (dims[a] + half[a]) * s_t);
+    const wide off = u * divisor - ((wide)1 << m->fraction) * n, bound = (1 + dims[0] + dims[1] + dims[2]) * divisor;
+    assert_true(2 * (off < 0 ? -off : off) <= bound);
+}
+
+/* The sets of the complete bone, one byte per voxel. */
+static void oracle_bone_to_tool(const methods_scene *scene, uint8_t *in)
+{
+    const ost_dims d = scene->event.bone.dims;
+    for (int32_t v = 0; v < d.x * d.y * d.z; v++) {
+        const int32_t at[3] = {v % d.x, v / d.x % d.y, v / d.x / d.y};
+        in[v] = scene->voxels[v] != 0 && oracle_covered(&scene->event, at);
+    }
+}
+
+static void oracle_tool_to_bone(const methods_scene *scene, methods_points which, uint8_t *in)
+{
+    const bench_scene *e = &scene->event;
+    const ost_dims d = e->bone.dims, t = e->tool.geometry.dims;
+    const oracle_map m = oracle_map_of(e);
+    memset(in, 0, (size_t)(d.x * d.y * d.z));
+    for (int32_t v = 0; v < t.x * t.y * t.z; v++) {
+        const int32_t i = v % t.x, j = v / t.x % t.y, k = v / t.x / t.y;
+        const wide half[3] = {2 * i + 1 - t.x, 2 * j + 1 - t.y, 2 * k + 1 - t.z};
+        wide at[3];
+        if (!oracle_point(&e->tool, which, i, j, k))
+            continue;
+        for (int b = 0; b < 3; b++) {
+            const wide u = m.base[b] + half[0] * m.step[0][b] + half[1] * m.step[1][b] + half[2] * m.step[2][b];
+            check_error(e, &m, half, b, u);
+            at[b] = m.anchor[b] + floor_of(u, (wide)1 << m.fraction);
+        }
+        if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= d.x || at[1] >= d.y || at[2] >= d.z)
+            continue;
+        const size_t voxel = (size_t)(at[0] + d.x * (at[1] + d.y * at[2]));
+        in[voxel] = scene->voxels[voxel] != 0;
+    }
+}
+
+/* ---------------------------------------------------------------- random scenes */
+
+static double uniform(test_rng *rng)
+{
+    return (double)rng_range(rng, -1000000, 1000000) * 1e-6;
+}
+
+/* A quaternion of length 1, sometimes a rotation by multiples of 90 degrees. */
+static void random_rotation(test_rng *rng, ost_pose *pose)
+{
+    double q[4], length = 0;
+    do {
+        length = 0;
+        for (int c = 0; c < 4; c++) {
+            q[c] = rng_range(rng, 0, 3) == 0 ? (double)rng_range(rng, -1, 1) : uniform(rng);
+            length += q[c] * q[c];
+        }
+    } while (length < 0.01);
+    length = sqrt(length);
+    pose->qw = (int32_t)lrint(q[0] / length * (1 << 30));
+    pose->qx = (int32_t)lrint(q[1] / length * (1 << 30));
+    pose->qy = (int32_t)lrint(q[2] / length * (1 << 30));
+    pose->qz = (int32_t)lrint(q[3] / length * (1 << 30));
+}
+
+/* A tool of random classes: blobs, so that there are cells of one content, with single voxels of other classes. */
+static void random_tool(test_rng *rng, ost_tool_volume *tool)
+{
+    const ost_dims d = tool->geometry.dims;
+    const int64_t noise = rng_range(rng, 0, 30);
+    const double middle[3] = {d.x * 0.5, d.y * 0.5, d.z * 0.5}, radius = (double)rng_range(rng, 1, 14);
+    uint8_t *at = tool->voxels;
+    for (int32_t k = 0; k < d.z; k++)
+        for (int32_t j = 0; j < d.y; j++)
+            for (int32_t i = 0; i < d.x; i++) {
+                const double x = i + 0.5 - middle[0], y = j + 0.5 - middle[1], z = k + 0.5 - middle[2];
+                uint8_t value = x * x + y * y + z * z < radius * radius ? OST_TOOL_CUTTING : OST_TOOL_VOID;
+                if (rng_range(rng, 0, 99) < noise)
+                    value = (uint8_t)rng_range(rng, 0, 2);
+                *at++ = value;
+            }
+}
+
+static void random_bone(test_rng *rng, methods_scene *scene)
+{
+    const ost_dims d = scene->event.bone.dims;
+    const int64_t holes = rng_range(rng, 0, 3) == 0 ? rng_range(rng, 1, 95) : 0;
+    const int32_t void_block = (int32_t)rng_range(rng, 0, 7);
+    for (int32_t v = 0; v < d.x * d.y * d.z; v++) {
+        const int32_t i = v % d.x, j = v / d.x % d.y, k = v / d.x / d.y;
+        const bool in_void = (i / 16 % 2) + 2 * (j / 16 % 2) + 4 * (k / 16 % 2) == void_block;
+        const bool active = !in_void && rng_range(rng, 0, 99) >= holes;
+        scene->voxels[v] = active ? (int16_t)rng_range(rng, SCENE_THRESHOLD, 2000) : 0;
+    }
+}
+
+static void random_scene(test_rng *rng, methods_scene *scene)
+{
+    ost_error err = {0};
+    bench_scene *e = &scene->event;
+    const ost_pm s = rng_range(rng, OST_PM_PER_MM / 10, OST_PM_PER_MM);
+    *scene = (methods_scene){.voxels = NULL};
+    *e = (bench_scene){.tool_name = "random", .classes = ost_density_classes_default(), .by_range = true};
+    e->bone = (ost_geometry){.dims = {(int32_t)rng_range(rng, 1, 70), (int32_t)rng_range(rng, 1, 40),
+                                      (int32_t)rng_range(rng, 1, 40)},
+                             .spacing = {s, s, s},
+                             .origin = {rng_range(rng, -50, 50) * s, rng_range(rng, -s, s), 0}};
+    /* tool voxels of 1/4 to 4 bone voxels; s is not a multiple of them */
+    const ost_tool_geometry grid = {
+        .dims = {(int32_t)rng_range(rng, 1, 30), (int32_t)rng_range(rng, 1, 30), (int32_t)rng_range(rng, 1, 30)},
+        .voxel = rng_range(rng, s / 4, rng_range(rng, 0, 2) ? s : 4 * s),
+        .corner = {rng_range(rng, -20 * s, 5 * s), rng_range(rng, -20 * s, 5 * s), rng_range(rng, -20 * s, 5 * s)}};
+    assert_ok(ost_tool_volume_init(&e->tool, &grid, &err));
+    random_tool(rng, &e->tool);
+    scene->voxels = malloc((size_t)ost_dims_count(e->bone.dims) * sizeof *scene->voxels);
+    assert_non_null(scene->voxels);
+    random_bone(rng, scene);
+    ost_pose pose = {.t = {e->bone.origin.x + rng_range(rng, -10, e->bone.dims.x + 10) * s,
+                           e->bone.origin.y + rng_range(rng, -10, e->bone.dims.y + 10) * s,
+                           e->bone.origin.z + rng_range(rng, -10 * s, (e->bone.dims.z + 10) * s)}};
+    random_rotation(rng, &pose);
+    assert_ok(bench_scene_set_pose(e, &pose, &err));
+    methods_scene_set_region(scene);
+}
+
+/* ---------------------------------------------------------------------- checks */
+
+/* Returns the value of a set at a voxel of the bone; 0 outside its box. */
+static uint8_t set_at(const method_set *set, int32_t i, int32_t j, int32_t k)
+{
+    const ost_voxel_box *b = &set->box;
+    if (i < b->lo[0] || j < b->lo[1] || k < b->lo[2] || i >= b->hi[0] || j >= b->hi[1] || k >= b->hi[2])
+        return 0;
+    return set->in[method_set_row(set, j, k) + (size_t)(i - b->lo[0])];
+}
+
+/* Counts the voxels of the complete bone in which a set and the oracle's differ. */
+static int64_t differences(const methods_scene *scene, const method_set *set, const uint8_t *expected)
+{
+    const ost_dims d = scene->event.bone.dims;
+    int64_t count = 0;
+    for (int32_t v = 0; v < d.x * d.y * d.z; v++)
+        count += set_at(set, v % d.x, v / d.x % d.y, v / d.x / d.y) != expected[v];
+    return count;
+}
+
+static void run_event(const method *m, void *state, const methods_scene *scene, method_set *set)
+{
+    ost_error err = {0};
+    assert_ok(m->remove(state, &err));
+    assert_ok(method_set_init(set, &scene->region, &err));
+    assert_ok(m->result(state, set, &err));
+}
+
+/* The event, the event again, which removes nothing more, and the event after restoring. */
+static void check_method(const method *m, const methods_scene *scene, const method_setup *setup,
+                         const uint8_t *bone_to_tool, const uint8_t *tool_to_bone)
+{
+    const uint8_t *expected = m->info.definition == METHODS_TOOL_TO_BONE ? tool_to_bone : bone_to_tool;
+    ost_error err = {0};
+    void *state = NULL;
+    ost_status status = method_open(m, scene, setup, &state, &err);
+    if (status == OST_ERR_UNAVAILABLE) {
+        print_message("# %s: %s\n", m->info.name, err.text);
+        return;
+    }
+    assert_ok(status);
+    method_set demanded;
+    assert_ok(method_set_init(&demanded, &scene->region, &err));
+    method_define_bone_to_tool(&demanded, &scene->event, scene->voxels);
+    for (int round = 0; round < 3; round++) {
+        method_set set;
+        if (round != 1)
+            assert_ok(m->restore(state, &err));
+        run_event(m, state, scene, &set);
+        const int64_t wrong = m->info.definition == METHODS_BONE_TO_TOOL_FLOAT
+                                  ? method_beyond_floats(&demanded, &set, &scene->event)
+                                  : differences(scene, &set, expected);
+        if (wrong)
+            fail_msg("%s: %lld voxels differ in round %d", m->info.name, (long long)wrong, round);
+        method_set_free(&set);
+    }
+    method_set_free(&demanded);
+    m->close(state);
+}
+
+static void test_all_methods(void **unused)
+{
+    (void)unused;
+    test_rng rng = rng_seeded("methods");
+    char reason[BENCH_TEXT];
+    static const int sizes[] = {16, 32, 64};
+    int64_t hit = 0;
+    struct method_device *device = method_device_open("cl:platform=0,device=0", reason);
+    if (!device)
+        print_message("# methods on OpenCL are not tested: %s\n", reason);
+    for (int n = 0; n < SCENES; n++) {
+        methods_scene scene;
+        random_scene(&rng, &scene);
+        const size_t count = (size_t)ost_dims_count(scene.event.bone.dims);
+        uint8_t *bone_to_tool = malloc(count), *tool_to_bone = malloc(count);
+        assert_true(bone_to_tool && tool_to_bone);
+        const method_setup setup = {.chunk_size = sizes[rng_range(&rng, 0, 2)],
+                                    .threads = (int)rng_range(&rng, 1, THREADS_MAX),
+                                    .points = (methods_points)rng_range(&rng, 0, 1),
+                                    .backend = "cpu", .device = n % 5 == 0 ? device : NULL};
+        oracle_bone_to_tool(&scene, bone_to_tool);
+        oracle_tool_to_bone(&scene, setup.points, tool_to_bone);
+        for (size_t v = 0; v < count; v++)
+            hit += bone_to_tool[v] + tool_to_bone[v];
+        for (int m = 0; m < methods_count(); m++)
+            if (!methods_info_get(m)->device || setup.device)
+                check_method(method_get(m), &scene, &setup, bone_to_tool, tool_to_bone);
+        free(bone_to_tool);
+        free(tool_to_bone);
+        methods_scene_free(&scene);
+    }
+    assert_true(hit > 1000);
+    method_device_close(device);
+}
+
+/* The functions that define the sets in a measurement agree with the oracle, and differences are counted. */
+static void test_definitions(void **unused)
+{
+    (void)unused;
+    test_rng rng = rng_seeded("definitions");
+    ost_error err = {0};
+    for (int n = 0; n < SCENES; n++) {
+        methods_scene scene;
+        method_points points;
+        points_map map;
+        method_set own, sampled;
+        method_difference d;
+        random_scene(&rng, &scene);
+        const methods_points which = (methods_points)rng_range(&rng, 0, 1);
+        const size_t count = (size_t)ost_dims_count(scene.event.bone.dims);
+        uint8_t *expected = malloc(count);
+        assert_non_null(expected);
+        assert_ok(method_points_init(&points, &scene.event.tool, which, 0, &err));
+        assert_ok(points_map_make(&map, &scene.event.pose, &scene.event.bone, &scene.event.tool.geometry, &err));
+        assert_ok(method_set_init(&own, &scene.region, &err));
+        assert_ok(method_set_init(&sampled, &scene.region, &err));
+        method_define_bone_to_tool(&own, &scene.event, scene.voxels);
+        method_define_tool_to_bone(&sampled, &points, &map, scene.event.bone.dims, scene.voxels);
+        oracle_bone_to_tool(&scene, expected);
+        assert_int_equal(differences(&scene, &own, expected), 0);
+        oracle_tool_to_bone(&scene, which, expected);
+        assert_int_equal(differences(&scene, &sampled, expected), 0);
+        method_set_compare(&own, &sampled, &d);
+        assert_int_equal(d.expected, method_set_count(&own));
+        assert_int_equal(d.removed, method_set_count(&sampled));
+        assert_int_equal(d.expected - d.missed, d.removed - d.extra);
+        assert_true(d.missed_inside <= d.missed);
+        method_set_free(&own);
+        method_set_free(&sampled);
+        method_points_free(&points);
+        methods_scene_free(&scene);
+        free(expected);
+    }
+}
+
+/* The comparison with the float map reports a voxel that is wrong for another reason than rounding. */
+static void test_beyond_floats(void **unused)
+{
+    (void)unused;
+    ost_error err = {0};
+    bench_scene event;
+    method_set right, wrong;
+    assert_ok(methods_middle_event(&event, OST_TOOL_REAMER, OST_PM_PER_MM / 2, &err));
+    assert_ok(method_set_init(&right, &event.box, &err));
+    assert_ok(method_set_init(&wrong, &event.box, &err));
+    method_define_bone_to_tool(&right, &event, NULL);
+    method_define_bone_to_tool(&wrong, &event, NULL);
+    assert_true(method_set_count(&right) > 10000);
+    assert_int_equal(method_beyond_floats(&right, &wrong, &event), 0);
+    const size_t count = method_box_count(&event.box);
+    for (size_t v = 0; v < count; v++)
+        wrong.in[v] ^= v % 100 == 0;
+    /* At most a few voxels are so near to a border that floats may decide otherwise. */
+    const int64_t beyond = method_beyond_floats(&right, &wrong, &event);
+    assert_in_range(beyond, count / 100 * 99 / 100, count / 100 + 1);
+    method_set_free(&right);
+    method_set_free(&wrong);
+    bench_scene_free(&event);
+}
+
+/*
+ * The holes of tool points. The tool voxel that covers the centre of a bone voxel has its own centre within
+ * sqrt(3)/2 tool voxels of it. If this is less than half a bone voxel, the point is in the bone voxel; so for ratios
+ * below 1/sqrt(3) = 0.577, all cutting voxels as points miss nothing. In the other direction, no set of n points hits
+ * more than n voxels.
+ */
+static void test_sampling(void **unused)
+{
+    (void)unused;
+    static const double ratios[] = {0.25, 0.5, 0.57, 1, 1.5, 2};
+    enum { COUNT = sizeof ratios / sizeof ratios[0] };
+    ost_error err = {0};
+    methods_sample solid[COUNT], surface[COUNT], path[1];
+    assert_ok(methods_sampling(OST_TOOL_PEG, METHODS_POINTS_SOLID, 1, ratios, COUNT, solid, &err));
+    assert_ok(methods_sampling(OST_TOOL_PEG, METHODS_POINTS_SURFACE, 1, ratios, COUNT, surface, &err));
+    for (int n = 0; n < COUNT; n++) {
+        if (ratios[n] < 0.577)
+            assert_int_equal(solid[n].missed, 0);
+        assert_true(solid[n].found + solid[n].extra <= solid[n].tool_points);
+        assert_true(surface[n].tool_points < solid[n].tool_points || ratios[n] > 1);
+        assert_true(surface[n].missed >= solid[n].missed);
+        assert_int_equal(solid[n].found + solid[n].missed, solid[n].expected);
+        assert_true(solid[n].missed_inside <= solid[n].missed);
+    }
+    /* A peg of 6 mm and 30 mm is 8,170 bone voxels of 0.47 mm. */
+    assert_in_range(solid[1].expected, 7800, 8500);
+    /* At ratio 2, there is one point for eight voxels. */
+    assert_true(solid[5].missed_share > 0.8 && solid[5].missed_inside > 0);
+    /* The surface points of a static tool leave its inside; along a path, they remove what they pass. */
+    assert_true(surface[0].missed_inside > surface[0].expected / 5);
+    assert_ok(methods_sampling(OST_TOOL_PEG, METHODS_POINTS_SURFACE, 30, ratios, 1, path, &err));
+    assert_true(path[0].expected > surface[0].expected);
+    assert_true(path[0].missed_share < surface[0].missed_share);
+    const double wrong = 5;
+    assert_int_equal(methods_sampling(OST_TOOL_PEG, METHODS_POINTS_SOLID, 1, &wrong, 1, solid, &err), OST_ERR_RANGE);
+}
+
+static void test_slice(void **unused)
+{
+    (void)unused;
+    ost_error err = {0};
+    methods_slice slice;
+    int64_t values[METHODS_SLICE_EXTRA + 1] = {0};
+    assert_ok(methods_sampling_slice(OST_TOOL_REAMER, METHODS_POINTS_SOLID, 1, 1.5, &slice, &err));
+    for (int32_t v = 0; v < slice.width * slice.height; v++) {
+        assert_true(slice.values[v] <= METHODS_SLICE_EXTRA);
+        values[slice.values[v]]++;
+    }
+    assert_true(values[METHODS_SLICE_NONE] > 0 && values[METHODS_SLICE_BOTH] > 0 &&
+                values[METHODS_SLICE_MISSED_INSIDE] > 0);
+    methods_slice_free(&slice);
+}
+
+/* One repetition of each event. */
+static const methods_options quick = {.backend = "cpu", .threads = 1, .repeat = 1,
+                                      .points = METHODS_POINTS_SURFACE};
+
+static void check_rows(const methods_table *table)
+{
+    for (size_t r = 0; r < table->count; r++) {
+        const methods_row *row = &table->rows[r];
+        if (row->method->device) {
+            assert_true(row->reason[0] != 0);
+            continue;
+        }
+        if (row->reason[0])
+            fail_msg("%s: %s", row->method->name, row->reason);
+        if (!row->exact)
+            fail_msg("%s: the set is not the one that the definition demands", row->method->name);
+        assert_true(row->fresh.count == 1 && row->fresh.median > 0 && row->steady.count == 1);
+        assert_int_equal(row->expected - row->missed, row->removed - row->extra);
+    }
+}
+
+/* The chunks of Tables 3.3 and 3.4. */
+static void test_chunk_sizes(void **unused)
+{
+    (void)unused;
+    static const int expected[2][3] = {{84, 18, 5}, {80, 18, 8}};
+    ost_error err = {0};
+    for (int k = 0; k < 2; k++) {
+        methods_table table = {.rows = NULL};
+        assert_ok(methods_chunk_sizes(&quick, k ? OST_TOOL_PEG : OST_TOOL_REAMER, &table, &err));
+        assert_int_equal(table.count, 3 * (size_t)methods_count());
+        check_rows(&table);
+        for (size_t r = 0; r < table.count; r++)
+            assert_int_equal(table.rows[r].chunks, expected[k][r / (size_t)methods_count()]);
+        methods_table_free(&table);
+    }
+}
+
+static void test_chunk_counts(void **unused)
+{
+    (void)unused;
+    static const int counts[] = {1, 5, 64, 100000};
+    ost_error err = {0};
+    methods_table table = {.rows = NULL};
+    methods_options options = quick;
+    options.methods = "osteon,yau,thesis_chunks,octree";
+    assert_ok(methods_chunk_counts(&options, OST_TOOL_REAMER, counts, 4, &table, &err));
+    assert_int_equal(table.count, 16);
+    for (size_t r = 0; r < table.count; r++) {
+        assert_int_equal(table.rows[r].chunks, counts[r / 4]);
+        assert_true((table.rows[r].reason[0] != 0) == (r >= 12));
+    }
+    table.count = 12;
+    check_rows(&table);
+    methods_table_free(&table);
+}
+
+static void test_other_tables(void **unused)
+{
+    (void)unused;
+    static const int32_t tools[] = {32, 64}, bones[] = {64, 100};
+    ost_error err = {0};
+    methods_table table = {.rows = NULL};
+    assert_ok(methods_tool_voxels(&quick, OST_TOOL_REAMER, &table, &err));
+    assert_ok(methods_resolutions(&quick, OST_TOOL_PEG, tools, 2, bones, 2, &table, &err));
+    assert_int_equal(table.count, 8 * (size_t)methods_count());
+    check_rows(&table);
+    for (size_t r = 4 * (size_t)methods_count(); r < table.count; r++)
+        assert_in_range(table.rows[r].tool_side, tools[r / (size_t)methods_count() % 2] - 5,
+                        tools[r / (size_t)methods_count() % 2]);
+    methods_table_free(&table);
+}
+
+static void test_wrong_use(void **unused)
+{
+    (void)unused;
+    ost_error err = {0};
+    methods_table table = {.rows = NULL};
+    methods_options options = quick;
+    options.methods = "osteon,yaw";
+    assert_int_equal(methods_tool_voxels(&options, OST_TOOL_REAMER, &table, &err), OST_ERR_USAGE);
+    assert_non_null(strstr(err.text, "yaw"));
+    options = quick;
+    options.threads = 0;
+    assert_int_equal(methods_chunk_sizes(&options, OST_TOOL_REAMER, &table, &err), OST_ERR_USAGE);
+    assert_int_equal(table.count, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_all_methods),  cmocka_unit_test(test_definitions), cmocka_unit_test(test_beyond_floats),
+        cmocka_unit_test(test_sampling),     cmocka_unit_test(test_slice),       cmocka_unit_test(test_chunk_sizes),
+        cmocka_unit_test(test_chunk_counts), cmocka_unit_test(test_other_tables), cmocka_unit_test(test_wrong_use),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
