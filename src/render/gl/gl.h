@@ -77,6 +77,7 @@ typedef struct ost_gl_options {
     /* newest OpenGL version to use, times ten; 0: no limit; if the driver supports only an older version, that
        version is used */
     int version;
+    bool hardware; /* if true, OpenGL that is executed by the processor is refused */
 } ost_gl_options;
 
 typedef struct ost_gl_info {
@@ -91,7 +92,7 @@ typedef struct ost_gl_info {
 /* Returns NULL if this build supports OpenGL, otherwise the reason why it does not support OpenGL. */
 const char *ost_gl_missing(void);
 /* Opens OpenGL. Returns OST_ERR_UNAVAILABLE and names the missing part in err: support in this
-   build, EGL, a driver, or OpenGL 3.3. */
+   build, EGL, a driver, OpenGL 3.3 or, if the options require it, a graphics card. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
