@@ -3,6 +3,7 @@
 
 #include "core/face_mesh.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,6 +35,15 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 {
     viewer->variant = variant;
     return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
+}
+
+void ost_viewer_use_card(ost_viewer *viewer)
+{
+    const ost_gl_options options = {.hardware = true};
+    ost_error err = {0};
+    viewer->variant = &ost_gl_ours;
+    if (ost_gl_open(&options, &viewer->gl, &err) != OST_OK)
+        snprintf(viewer->no_card, sizeof viewer->no_card, "%s", err.text);
 }
 
 ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err)

@@ -55,6 +55,7 @@ typedef struct ost_viewer {
     const ost_gl_variant *variant;
     /* reason why the processor draws frames instead of OpenGL; "" if there is no such reason */
     char lost[OST_ERROR_TEXT];
+    char no_card[OST_ERROR_TEXT]; /* reason why ost_viewer_use_card did not select OpenGL; "" if there is none */
 } ost_viewer;
 
 /* Creates a viewer with an empty bone. The parameters `isa` and `threads` are those of ost_points_options. */
@@ -67,6 +68,12 @@ void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer *
  * viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
+
+/*
+ * Selects OpenGL for the following frames if a graphics card executes it. Otherwise, the processor draws the same
+ * points, and viewer->no_card contains the reason.
+ */
+void ost_viewer_use_card(ost_viewer *viewer);
 
 /*
  * Selects OpenGL with the triangle meshes of visible faces (ost_gl_mesh). The mesher makes the meshes; it is borrowed,

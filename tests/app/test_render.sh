@@ -39,6 +39,27 @@ if "$osteon" devices | grep -q '^  gl *yes'; then
     run 0 render bone.nrrd --size 240x160 --style faces --renderer gl --out gl.png --json
     has opengl.version opengl.driver opengl.way opengl.software
     check "who drew" "$(value renderer)" "gl"
+    # The renderer auto is gl with a graphics card and points without one. With force_gl_renderer, Mesa's software
+    # renderer has the name of a card.
+    software=$(value opengl.software)
+    run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out auto.png --json
+    if [ "$software" = true ]; then
+        check "who drew without a card" "$(value renderer)" "points"
+        has no_card
+        check "the same picture" "$(value file_sha256)" "$first"
+        export force_gl_renderer="a card"
+        run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out card.png --json
+        unset force_gl_renderer
+        case $(value opengl.driver) in
+        "a card")
+            check "who drew with a card" "$(value renderer)" "gl"
+            cmp -s gl.png card.png || fail "another picture with a card"
+            ;;
+        *) check "who drew" "$(value renderer)" "points" ;; # Mesa before 22 does not rename its renderers
+        esac
+    else
+        check "who drew with a card" "$(value renderer)" "gl"
+    fi
     # All backends make the same mesh. The picture differs from that of the points only at edges.
     run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer mesh --out mesh.png --json
     has opengl.version mesh.chunks mesh.drawn_faces mesh.bytes mesh.mesh_ms mesh.copy_ms
@@ -55,6 +76,9 @@ if "$osteon" devices | grep -q '^  gl *yes'; then
 else
     refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
     refuse 3 "" render bone.nrrd --size 240x160 --renderer mesh --out mesh.png
+    run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out auto.png --json
+    check "who drew without OpenGL" "$(value renderer) $(value file_sha256)" "points $first"
+    has no_card
 fi
 
 # Both verbs must have the same views. A pixel of export's picture is the mean of 2 x 2 samples, on

@@ -54,6 +54,20 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer gl --picture gl.png --json
         has renderer.opengl renderer.driver
         check "OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "gl 320 $seen"
+        driver=$(value renderer.driver)
+        export force_gl_renderer="a card"
+        run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer auto --picture card.png --json
+        unset force_gl_renderer
+        check "the chosen renderer beside it" "$(value renderer.width) $(value sha256)" "320 $seen"
+        case $driver in
+        *llvmpipe*)
+            case $(value renderer.name) in
+            gl) check "the driver" "$(value renderer.driver)" "a card" ;;
+            points) has renderer.no_card ;; # Mesa before 22 does not rename its renderers
+            *) fail "drawn by $(value renderer.name)" ;;
+            esac
+            ;;
+        esac
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer thesis --picture thesis.png --json
         check "the thesis' OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "thesis 320 $seen"
         ! cmp -s gl.png thesis.png || fail "the thesis' frame is ours"
@@ -76,10 +90,10 @@ for line in "delay of a tick's begin" "duration of a tick" "thread CPU time" "sc
 done
 run 0 sim --headless --bone bone.nrrd --seconds 0.2 --renderer null --json
 check "a renderer that draws nothing" "$(value renderer.name) $(value renderer.width)" "null 0"
-refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --hud
+refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer null --hud
 refuse 2 "cannot be combined" sim --headless --bone bone.nrrd --video a.y4m --video-pipe cat
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
-refuse 2 "needs --renderer points" sim --headless --bone bone.nrrd --renderer null --picture a.png
+refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer null --picture a.png
 
 # With a force, less bone must be removed than without, and the session must contain the force on
 # the hand. The session must replay.

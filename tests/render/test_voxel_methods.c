@@ -194,22 +194,23 @@ static void print_model(ost_phantom_kind kind, double scale)
         assert_ok(bench_voxel_mesh(m, specs[i / 2], i % 2, REPEAT, &s, &err));
         if (*s.reason)
             continue;
-        printf("# %s %-13s %4d at a time, us per chunk:", ost_phantom_name(kind), specs[i / 2], (int)s.at_a_time);
+        printf("# %s %-13s %4d at a time, least us per chunk:", ost_phantom_name(kind), specs[i / 2], (int)s.at_a_time);
         for (int k = 0; k < BENCH_VOXEL_STAGES; k++)
-            printf(" %s %.2f,", bench_voxel_stage_name((bench_voxel_stage)k), s.stage[k].median);
-        printf(" sum %.2f, elapsed %.2f; %.0f faces\n", s.total.median, s.elapsed.median, s.faces_per_chunk);
+            printf(" %s %.2f,", bench_voxel_stage_name((bench_voxel_stage)k), s.stage[k].min);
+        printf(" sum %.2f, elapsed %.2f; %.0f faces\n", s.total.min, s.elapsed.min, s.faces_per_chunk);
+        fflush(stdout);
     }
     const int32_t all = bench_voxel_chunks(m), counts[POINTS] = {1, (all + 3) / 4, (all + 1) / 2, all};
     for (int i = 0; i < BENCH_VOXEL_METHODS; i++) {
         bench_voxel_frames f;
         bench_voxel_cut cut;
         assert_ok(bench_voxel_idle(m, (bench_voxel_method)i, counts, POINTS, REPEAT, &f, &err));
-        printf("# %s %s, idle, chunks: ms:", ost_phantom_name(kind), bench_voxel_method_name((bench_voxel_method)i));
+        printf("# %s %s, idle, chunks: least ms:", ost_phantom_name(kind), bench_voxel_method_name((bench_voxel_method)i));
         for (int k = 0; k < f.count; k++)
-            printf(" %d: %.2f", (int)f.frame[k].chunks, f.frame[k].ms.median);
+            printf(" %d: %.2f", (int)f.frame[k].chunks, f.frame[k].ms.min);
         assert_ok(bench_voxel_removal(m, (bench_voxel_method)i, "cpu", FRAMES, &cut, &err));
-        printf("; removal %.2f ms, idle %.2f ms, %.1f chunks changed, %.1f meshed in %.3f ms, copied in %.3f ms, lists "
-               "%.2f ms%s\n", cut.ms.median, cut.idle_ms.median, cut.changed_chunks, cut.meshed_chunks, cut.mesh_ms,
+        printf("; removal: least frame %.2f ms, idle %.2f ms, %.1f chunks changed, %.1f meshed in %.3f ms, copied in %.3f ms, lists "
+               "%.2f ms%s\n", cut.ms.min, cut.idle_ms.min, cut.changed_chunks, cut.meshed_chunks, cut.mesh_ms,
                cut.copy_ms, cut.update_ms, cut.reason);
         bench_voxel_frames_free(&f);
     }

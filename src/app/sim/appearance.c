@@ -5,7 +5,7 @@ enum { PLANNED_MM = 3 };
 
 ost_status sim_appearance_store_uncut(const sim_args *args, simulation *s, ost_error *err)
 {
-    return args->renderer < SIM_RENDERER_POINTS ? OST_OK : bone_to_volume(s->bone, NULL, &s->uncut, err);
+    return args->renderer < SIM_RENDERER_AUTO ? OST_OK : bone_to_volume(s->bone, NULL, &s->uncut, err);
 }
 
 void sim_appearance_eye(const sim_show *show, double eye_mm[3])
@@ -22,7 +22,7 @@ ost_status sim_appearance_make(const sim_args *args, simulation *s, const ost_gl
     ost_bone_info info;
     double eye[3];
     const ost_density_classes *classes = ost_world_classes(s->world);
-    if (args->renderer < SIM_RENDERER_POINTS)
+    if (args->renderer < SIM_RENDERER_AUTO)
         return OST_OK;
     ost_status status = ost_bone_info_get(s->bone, &info, err);
     if (status == OST_OK)

@@ -7,7 +7,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-const char *const sim_renderer_names[] = {"none", "null", "points", "gl", "mesh", "thesis"};
+const char *const sim_renderer_names[] = {"none", "null", "auto", "points", "gl", "mesh", "thesis"};
 
 enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes; afterwards, the simulated operator does not move */
 
@@ -50,21 +50,21 @@ static ost_status check_show(const app_state *app, sim_args *args, ost_error *er
     ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
     if (status == OST_OK && (args->picture || args->video.target || args->video.pipe || !args->headless) &&
         !args->renderer_given)
-        args->renderer = SIM_RENDERER_POINTS;
-    if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_POINTS)
+        args->renderer = args->headless ? SIM_RENDERER_POINTS : SIM_RENDERER_AUTO;
+    if (status == OST_OK && !args->headless && args->renderer < SIM_RENDERER_AUTO)
         return usage_error(app, err,
-                           "--renderer %s: a window needs points, gl, mesh or thesis; otherwise pass --headless",
+                           "--renderer %s: a window needs auto, points, gl, mesh or thesis; otherwise pass --headless",
                            sim_renderer_names[args->renderer]);
     if (status == OST_OK && !args->headless && args->no_clock)
         return usage_error(app, err, "--no-clock: a window needs the clock; pass --headless");
     if (status == OST_OK && (args->hud || args->video.target || args->video.pipe) &&
-        args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "%s: needs --renderer points, gl, mesh or thesis",
+        args->renderer < SIM_RENDERER_AUTO)
+        return usage_error(app, err, "%s: needs --renderer auto, points, gl, mesh or thesis",
                            args->hud ? "--hud" : "--video");
     if (status == OST_OK)
         status = film_check(app, &args->video, err);
-    if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_POINTS)
-        return usage_error(app, err, "--picture %s: needs --renderer points, gl, mesh or thesis", args->picture);
+    if (status == OST_OK && args->picture && args->renderer < SIM_RENDERER_AUTO)
+        return usage_error(app, err, "--picture %s: needs --renderer auto, points, gl, mesh or thesis", args->picture);
     return status == OST_OK ? appearance_check(app, &args->look, err) : status;
 }
 

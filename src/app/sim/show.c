@@ -53,6 +53,15 @@ static ost_status use_mesh(sim_show *show, ost_error *err)
     return status == OST_OK ? ost_viewer_use_mesh(&show->viewer, show->mesher, err) : status;
 }
 
+/* Selects the renderer for SIM_RENDERER_AUTO and prints the reason if the processor draws. */
+static void use_card(sim_show *show)
+{
+    ost_viewer_use_card(&show->viewer);
+    show->renderer = show->viewer.gl ? SIM_RENDERER_GL : SIM_RENDERER_POINTS;
+    if (*show->viewer.no_card)
+        print_line(show->app, "renderer: points, drawn by the processor: %s", show->viewer.no_card);
+}
+
 ost_status sim_show_make(const app_state *app, const sim_args *args, simulation *s, ost_error *err)
 {
     ost_glenoid glenoid;
@@ -70,7 +79,10 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     const ost_geometry *g = ost_live_geometry(show->live);
     status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(),
                              err);
-    if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)
+    show->renderer = args->renderer;
+    if (status == OST_OK && args->renderer == SIM_RENDERER_AUTO)
+        use_card(show);
+    else if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)
         status = use_mesh(show, err);
     else if (status == OST_OK && args->renderer >= SIM_RENDERER_GL)
         status = ost_viewer_use_gl(&show->viewer, args->renderer == SIM_RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis,
@@ -121,7 +133,7 @@ ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
     if (show->last_ns)
         frame_times_add(&show->apart, show->updated_ns - show->last_ns);
     show->last_ns = show->updated_ns;
-    if (show->args->renderer >= SIM_RENDERER_POINTS) {
+    if (show->renderer >= SIM_RENDERER_POINTS) {
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
             status = ost_viewer_draw(&show->viewer, &camera, err);
@@ -265,7 +277,9 @@ void sim_show_report(const app_state *app, const sim_show *show)
     const double work50 = frame_times_ms(drawn, 0.5), work99 = frame_times_ms(drawn, 0.99);
     json_t *o = json_object();
     char a[FORMAT_TEXT];
-    put_text(o, "name", sim_renderer_names[show->args->renderer]);
+    put_text(o, "name", sim_renderer_names[show->renderer]);
+    if (*show->viewer.no_card)
+        put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
     put_integer(o, "width", show->viewer.frame.width);
     put_integer(o, "height", show->viewer.frame.height);

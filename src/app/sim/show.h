@@ -19,16 +19,18 @@
 typedef enum sim_renderer {
     SIM_RENDERER_NONE,
     SIM_RENDERER_NULL,
+    SIM_RENDERER_AUTO, /* gl if a graphics card executes OpenGL, otherwise points */
     SIM_RENDERER_POINTS,
     SIM_RENDERER_GL,
     SIM_RENDERER_MESH,
     SIM_RENDERER_THESIS
 } sim_renderer;
-extern const char *const sim_renderer_names[]; /* the names "none", "null", "points", "gl", "mesh", "thesis" */
+extern const char *const sim_renderer_names[]; /* "none", "null", "auto", "points", "gl", "mesh", "thesis" */
 
 typedef struct sim_show {
     const app_state *app;
     const sim_args *args;
+    sim_renderer renderer;    /* renderer in use; never SIM_RENDERER_AUTO */
     ost_live_channel *live;
     ost_viewer viewer;
     ost_backend *mesher;      /* owned; makes the meshes of the renderer mesh; NULL for other renderers */

@@ -147,11 +147,12 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     if (status != OST_OK)
         return status;
     const ost_window_info info = ost_window_info_get(w->window);
-    if (info.software && args->renderer == SIM_RENDERER_POINTS) {
+    if (info.software && (args->renderer == SIM_RENDERER_POINTS || args->renderer == SIM_RENDERER_AUTO)) {
         char text[MESSAGE];
         snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws", info.renderer);
         show_message(w, text);
-        print_line(app, "%s", text);
+        if (args->renderer == SIM_RENDERER_POINTS)
+            print_line(app, "%s", text);
     }
     return draw_loading(w, err);
 }

@@ -39,8 +39,8 @@ typedef struct render_args {
     target_options target;
 } render_args;
 
-enum { RENDERER_POINTS, RENDERER_GL, RENDERER_MESH, RENDERER_THESIS };
-static const char *const renderer_names[] = {"points", "gl", "mesh", "thesis"};
+enum { RENDERER_POINTS, RENDERER_AUTO, RENDERER_GL, RENDERER_MESH, RENDERER_THESIS };
+static const char *const renderer_names[] = {"points", "auto", "gl", "mesh", "thesis"};
 
 typedef struct drawing {
     ost_backend *backend;
@@ -160,6 +160,8 @@ static ost_status draw(const app_state *app, const render_args *args, drawing *d
         return status;
     if (args->renderer == RENDERER_MESH)
         status = ost_viewer_use_mesh(&d->viewer, d->backend, err);
+    else if (args->renderer == RENDERER_AUTO)
+        ost_viewer_use_card(&d->viewer);
     else if (args->renderer != RENDERER_POINTS)
         status = ost_viewer_use_gl(&d->viewer, args->renderer == RENDERER_GL ? &ost_gl_ours : &ost_gl_thesis, err);
     ost_viewer_follow(&d->viewer, d->live);
@@ -258,8 +260,9 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
          .help = "a tool to draw: a mesh, a tool grid or builtin:reamer"},
         {.name = "pose", .kind = OPTION_TEXT, .out = &args.pose_text, .value = "X,Y,Z,QW,QX,QY,QZ",
          .help = "pose of the tool, as in a path (default: start of the built-in reaming)"},
-        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|gl|mesh|thesis",
-         .help = "the processor (default), OpenGL, OpenGL with a triangle mesh of the visible faces, or OpenGL with "
+        {.name = "renderer", .kind = OPTION_CHOICE, .out = &args.renderer, .value = "points|auto|gl|mesh|thesis",
+         .help = "the processor (default), OpenGL if a graphics card executes it and otherwise the processor, OpenGL, "
+                 "OpenGL with a triangle mesh of the visible faces, or OpenGL with "
                  "every voxel a point as in the thesis (docs/design/rendering.md)"},
         HEADING("appearance"),
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
@@ -306,7 +309,10 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK) {
         put_text(app->result, "out", args.out);
         put_digest(app->result, "file_sha256", &file);
-        put_text(app->result, "renderer", renderer_names[args.renderer]);
+        put_text(app->result, "renderer",
+                 renderer_names[args.renderer != RENDERER_AUTO ? args.renderer
+                                : d.viewer.gl                  ? RENDERER_GL
+                                                               : RENDERER_POINTS]);
         put_integer(app->result, "width", args.width);
         put_integer(app->result, "height", args.height);
         put_integer(app->result, "surface_voxels", (int64_t)d.viewer.bone.points);
@@ -315,6 +321,10 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
                    format_count(n, (int64_t)d.viewer.bone.points), format_time(a, d.draw_ms));
         if (d.viewer.gl)
             print_gl(app, d.viewer.gl);
+        if (*d.viewer.no_card) {
+            put_text(app->result, "no_card", d.viewer.no_card);
+            print_line(app, "  by the processor: %s", d.viewer.no_card);
+        }
         if (d.viewer.gl && args.renderer == RENDERER_MESH)
             print_mesh(app, d.viewer.gl);
     }

@@ -238,8 +238,9 @@ static void drop(ost_gl_context *c)
 }
 
 /*
- * Opens the first candidate that is not a software renderer. If all candidates are software renderers, opens the first
- * candidate that works. On failure, err contains the reason why the first candidate failed.
+ * Opens the first candidate that is not a software renderer. If there is none, opens the first
+ * candidate that works, unless the options require a graphics card. On failure, err contains the
+ * reason for which the first candidate failed, or the name of a software renderer.
  */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {
@@ -254,7 +255,7 @@ static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost
     for (int pass = 0; pass < 2 && count; pass++)
         for (int i = 0; i < count; i++) {
             ost_error why = {0};
-            if (pass == 1 && i != software)
+            if (pass == 1 && (i != software || options->hardware))
                 continue;
             c->display = eglGetPlatformDisplayEXT(list[i].platform, list[i].device, NULL);
             snprintf(c->info.way, sizeof c->info.way, "%s", list[i].way);
@@ -266,6 +267,8 @@ static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost
             software = s == OST_OK && software < 0 ? i : software;
             if (s != OST_OK && status == OST_OK)
                 status = ost_fail(err, s, "%s", why.text);
+            if (s == OST_OK && options->hardware)
+                status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL is software here (%s)", c->info.driver);
             drop(c);
         }
     return status;

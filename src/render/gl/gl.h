@@ -77,6 +77,7 @@ typedef struct ost_gl_options {
     /* newest OpenGL version to use, times ten; 0 if there is no limit; an older version is used if the driver supports
        only that version */
     int version;
+    bool hardware; /* if true, OpenGL that is executed by the processor is refused */
 } ost_gl_options;
 
 typedef struct ost_gl_info {
@@ -90,8 +91,8 @@ typedef struct ost_gl_info {
 
 /* Returns NULL if this build supports OpenGL. Otherwise returns the reason why it does not. */
 const char *ost_gl_missing(void);
-/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, or OpenGL 3.3 is missing.
-   err names the missing part. */
+/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, OpenGL 3.3 or a graphics
+   card that the options require is missing. err names the missing part. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
