@@ -2,7 +2,8 @@
 /*
  * Tests face meshes (core/face_mesh.h) against an oracle that examines every voxel of a volume and shares no code with
  * the backends. Random chunks of several densities, neighbours that exist or not, and chunks at the borders of a
- * volume. The words of all backends must be equal. The backend cl is tested if there is a device.
+ * volume. The words of all backends must be equal. The backend cl is tested if there is a device; its kernels are also
+ * compiled as C.
  * Covers: REQ-FACE-MESH
  */
 #include <math.h>
@@ -10,6 +11,7 @@
 #include "backends.h"
 #include "cl/on_device.h"
 #include "core/backend.h"
+#include "render/face_mesh_as_c.h"
 
 enum { N = 32, ROWS = 32 * 32, CHUNKS = 3, SIDE = N * CHUNKS };
 
@@ -235,6 +237,32 @@ static void test_same_words(void **state)
     free(words);
 }
 
+/* The OpenCL kernels as C, with their items in random order: the words of the reference. */
+static void test_kernels_as_c(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("kernels as C");
+    ost_error err = {0};
+    ost_backend *ref;
+    assert_ok(ost_backend_open("ref", &ref, &err));
+    for (int i = 0; i < FILLINGS; i++) {
+        ost_face_mesh ours, theirs = {0};
+        ost_face_cluster clusters[27];
+        int order[27];
+        scene *s = scene_make((filling)i, true, &rng);
+        const uint32_t count = (uint32_t)rng_range(&rng, 1, 4);
+        clusters_of(s, &rng, clusters, order);
+        face_mesh_as_c(clusters, count, rng_next(&rng), &ours);
+        assert_ok(ost_backend_face_mesh(ref, clusters, count, &theirs, &err));
+        assert_memory_equal(ours.first, theirs.first, (count + 1) * sizeof *ours.first);
+        assert_memory_equal(ours.vertices, theirs.vertices, 4 * sizeof *ours.vertices * (size_t)theirs.first[count]);
+        ost_face_mesh_free(&ours);
+        ost_face_mesh_free(&theirs);
+        free(s);
+    }
+    ost_backend_close(ref);
+}
+
 static int open_device(void **state)
 {
     ost_error err = {0};
@@ -248,7 +276,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_against_oracle), cmocka_unit_test(test_missing_neighbours),
                                        cmocka_unit_test(test_same_words)};
+    const struct CMUnitTest kernels[] = {cmocka_unit_test(test_kernels_as_c)};
     int failed = run_on_backends(tests, open_test_backend, close_test_backend);
+    failed += cmocka_run_group_tests(kernels, NULL, NULL);
     if (!failed && device_missing() == 0)
         failed = cmocka_run_group_tests_name("cl", tests, open_device, close_test_backend);
     return failed;

@@ -205,13 +205,16 @@ static void print_model(ost_phantom_kind kind, double scale)
         bench_voxel_frames f;
         bench_voxel_cut cut;
         assert_ok(bench_voxel_idle(m, (bench_voxel_method)i, counts, POINTS, REPEAT, &f, &err));
-        printf("# %s %s, idle, chunks: least ms:", ost_phantom_name(kind), bench_voxel_method_name((bench_voxel_method)i));
+        printf("# %s %s, idle, chunks: least ms:", ost_phantom_name(kind),
+               bench_voxel_method_name((bench_voxel_method)i));
         for (int k = 0; k < f.count; k++)
             printf(" %d: %.2f", (int)f.frame[k].chunks, f.frame[k].ms.min);
         assert_ok(bench_voxel_removal(m, (bench_voxel_method)i, "cpu", FRAMES, &cut, &err));
-        printf("; removal: least frame %.2f ms, idle %.2f ms, %.1f chunks changed, %.1f meshed in %.3f ms, copied in %.3f ms, lists "
-               "%.2f ms%s\n", cut.ms.min, cut.idle_ms.min, cut.changed_chunks, cut.meshed_chunks, cut.mesh_ms,
-               cut.copy_ms, cut.update_ms, cut.reason);
+        printf("; removal: least frame %.2f ms, idle %.2f ms, %.1f chunks changed, %.1f meshed in %.3f ms, copied in "
+               "%.3f ms, lists %.2f ms%s\n",
+               cut.ms.min, cut.idle_ms.min, cut.changed_chunks, cut.meshed_chunks, cut.mesh_ms, cut.copy_ms,
+               cut.update_ms, cut.reason);
+        fflush(stdout);
         bench_voxel_frames_free(&f);
     }
     bench_voxel_close(m);
