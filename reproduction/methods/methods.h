@@ -115,9 +115,12 @@ ost_status methods_chunk_sizes(const methods_options *options, ost_tool_kind too
 ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind tool, methods_table *table,
                                ost_error *err);
 
-/* Figs. 3.8 and 3.10 to 3.12: the tool inside a bone of which only the `counts[i]` chunks of 32^3 voxels that
-   are nearest to the tool's centre have active voxels. A count greater than the number of chunks that
-   the tool's box enters gives rows with a reason. */
+/*
+ * Figs. 3.8 and 3.10 to 3.12: the tool inside a bone of which only the `counts[i]` chunks of 32^3 voxels that
+ * are nearest to the tool's centre have active voxels. So that 64 chunks are possible, the voxels of bone and
+ * tool are half as long as in the static event for a reamer, and a quarter as long for a peg. A count greater
+ * than the number of chunks that the tool's box enters gives rows with a reason.
+ */
 ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind tool, const int *counts, int count,
                                 methods_table *table, ost_error *err);
 

@@ -128,12 +128,19 @@ ost_status points_cl_restore(void *state, ost_error *err)
 {
     points_cl *s = state;
     const rect r = region_of(s);
+    const ost_voxel_box nothing = {.hi = {0, 0, 0}};
     if (method_box_count(&s->scene->region) == 0)
         return OST_OK;
-    return method_device_check(clEnqueueWriteBufferRect(s->device->cl.queue, s->bone, CL_TRUE, r.origin, r.origin,
-                                                        r.size, r.row, r.slice, r.row, r.slice, s->scene->voxels, 0,
-                                                        NULL, NULL),
-                               "clEnqueueWriteBufferRect", err);
+    ost_status status = method_device_check(
+        clEnqueueWriteBufferRect(s->device->cl.queue, s->bone, CL_TRUE, r.origin, r.origin, r.size, r.row, r.slice,
+                                 r.row, r.slice, s->scene->voxels, 0, NULL, NULL),
+        "clEnqueueWriteBufferRect", err);
+    /* A blocking write may return before the data is on the device. This run waits for it, reads all points, and
+       removes nothing, because no voxel is in an empty box. */
+    const size_t items = s->blocks ? (size_t)s->points.block_count * 64 : points_cl_items(s->points.count);
+    if (status == OST_OK)
+        status = points_cl_run(s, &nothing, 0, s->points.count, items, s->blocks ? 64 : 0, err);
+    return status;
 }
 
 ost_status points_cl_result(void *state, method_set *set, ost_error *err)

@@ -5,7 +5,7 @@
 #include "reproduction/methods/measure.h"
 
 #define HALF_MM (OST_PM_PER_MM / 2)
-enum { CHUNK = 32, COUNTS_SIDE = 256 };
+enum { CHUNK = 32 };
 
 static void show(const methods_options *options, const char *text)
 {
@@ -62,20 +62,29 @@ static ost_status not_made(const methods_options *options, ost_tool_kind tool, c
     return methods_not_measured(options, &row, reason.text, table, err);
 }
 
+/* The bone's dimension, so that the tool enters at least 64 chunks; a peg is smaller than a reamer. */
+static int32_t counts_side(ost_tool_kind tool)
+{
+    return tool == OST_TOOL_REAMER ? 2 * SCENE_SIDE : 4 * SCENE_SIDE;
+}
+
 ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind tool, const int *counts, int count,
                                 methods_table *table, ost_error *err)
 {
+    const int32_t side = counts_side(tool);
+    const methods_row row_of_case = {.tool_voxel = HALF_MM * SCENE_SIDE / side, .bone_side = side, .chunk_size = CHUNK,
+                                     .bone_voxel = SCENE_SIDE * SCENE_SPACING / side};
     ost_status status = methods_check(options, err);
     for (int c = 0; c < count && status == OST_OK; c++) {
-        const methods_row row = {.tool_voxel = HALF_MM, .bone_side = COUNTS_SIDE, .chunk_size = CHUNK,
-                                 .bone_voxel = SCENE_SIDE * SCENE_SPACING / COUNTS_SIDE, .chunks = counts[c]};
+        methods_row row = row_of_case;
         methods_scene scene = {.voxels = NULL};
         char text[BENCH_TEXT];
         if (counts[c] < 1)
             return ost_fail(err, OST_ERR_USAGE, "a number of chunks is %d; it must be at least 1", counts[c]);
+        row.chunks = counts[c];
         snprintf(text, sizeof text, "%s, %d chunks", ost_tool_kind_name(tool), counts[c]);
         show(options, text);
-        status = methods_scene_middle(&scene, tool, HALF_MM, COUNTS_SIDE, CHUNK, counts[c], err);
+        status = methods_scene_middle(&scene, tool, row.tool_voxel, side, CHUNK, counts[c], err);
         if (status == OST_OK)
             status = methods_measure(options, &scene, CHUNK, table, err);
         else

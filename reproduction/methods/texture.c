@@ -151,6 +151,10 @@ static void region_of(const methods_scene *scene, size_t origin[3], size_t size[
     }
 }
 
+static ost_status run_event(texture *s, bool clear, ost_error *err);
+
+/* A blocking write may return before the data is on the device. Marking the voxels waits for it, reads the event's
+   part of the image, and removes nothing. */
 static ost_status restore(void *state, ost_error *err)
 {
     texture *s = state;
@@ -161,9 +165,10 @@ static ost_status restore(void *state, ost_error *err)
     region_of(s->scene, origin, size);
     const int16_t *from = s->scene->voxels + origin[0] + (size_t)d.x * (origin[1] + (size_t)d.y * origin[2]);
     const size_t row = (size_t)d.x * sizeof *from;
-    return method_device_check(clEnqueueWriteImage(s->device->cl.queue, s->bone, CL_TRUE, origin, size, row,
-                                                   row * (size_t)d.y, from, 0, NULL, NULL),
-                               "clEnqueueWriteImage", err);
+    ost_status status = method_device_check(clEnqueueWriteImage(s->device->cl.queue, s->bone, CL_TRUE, origin, size,
+                                                                row, row * (size_t)d.y, from, 0, NULL, NULL),
+                                            "clEnqueueWriteImage", err);
+    return status == OST_OK ? run_event(s, false, err) : status;
 }
 
 static ost_status set_arguments(texture *s, ost_error *err)
@@ -189,9 +194,9 @@ static ost_status set_arguments(texture *s, ost_error *err)
     return method_device_check(code, "clSetKernelArg", err);
 }
 
-static ost_status remove_event(void *state, ost_error *err)
+/* Runs the kernel that marks voxels and, if `clear`, the kernel that removes them. */
+static ost_status run_event(texture *s, bool clear, ost_error *err)
 {
-    texture *s = state;
     const bench_scene *event = &s->scene->event;
     cl_command_queue queue = s->device->cl.queue;
     size_t range[3];
@@ -211,12 +216,17 @@ static ost_status remove_event(void *state, ost_error *err)
     if (status == OST_OK)
         status = method_device_check(clEnqueueNDRangeKernel(queue, s->mark, 3, NULL, range, NULL, 0, NULL, NULL),
                                      "clEnqueueNDRangeKernel", err);
-    if (status == OST_OK)
+    if (status == OST_OK && clear)
         status = method_device_check(clEnqueueNDRangeKernel(queue, s->clear, 3, NULL, range, NULL, 0, NULL, NULL),
                                      "clEnqueueNDRangeKernel", err);
     if (status == OST_OK)
         status = method_device_check(clFinish(queue), "clFinish", err);
     return status;
+}
+
+static ost_status remove_event(void *state, ost_error *err)
+{
+    return run_event(state, true, err);
 }
 
 static ost_status result(void *state, method_set *set, ost_error *err)
