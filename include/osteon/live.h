@@ -44,7 +44,7 @@ typedef struct ost_live_state {
     ost_pose device, pose;  /* pose of the device and pose of the tool, which differ while the tool is in contact */
     double force_n[3], torque_nm[3]; /* hand force and hand torque, exerted by the device */
     double contact_n;       /* contact force of the tool on the bone */
-    double reached_mm[OST_LIVE_TOOLS]; /* greatest depth at which each tool removed bone (depth_of in operation.h) */
+    double reached_mm[OST_LIVE_TOOLS]; /* maximum depth at which each tool removed bone (depth_of in operation.h) */
     uint64_t removals, removed_voxels;
     uint64_t missed;        /* number of skipped ticks */
     uint32_t wake_ns, exec_ns; /* delay of the last tick's start, and duration of the last tick */

@@ -80,7 +80,7 @@ OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
  * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_RANGE
- * if a dimension is out of range. The caller frees *out by ost_mesh_free.
+ * if a dimension is out of range. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 
