@@ -38,8 +38,8 @@ ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
  * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of `path` opens
- * this file from its start. Only streams that are already open are copied, so the function never waits for a program to
- * open a pipe: "-" and /dev/stdin, which are standard input, and /dev/fd/N, which a shell passes for <(command). If
+ * this file from its start. Only streams that are already open are copied: standard input ("-" or /dev/stdin), and
+ * /dev/fd/N, which a shell passes for <(command). The function therefore never waits for a program to open a pipe. If
  * standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The function does
  * nothing for any other path. A process has one such stream.
  *
@@ -55,7 +55,7 @@ ost_status ost_file_spool(const char *path, ost_error *err);
  */
 bool ost_file_is_stream(const char *path);
 
-/* The greatest size of a stream in bytes, 16 GiB. Tests set a smaller size. */
+/* The maximum size of a stream in bytes, 16 GiB. Tests set a smaller size. */
 extern int64_t ost_file_spool_max;
 
 /*
