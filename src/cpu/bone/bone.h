@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the CPU backend.  Memory is allocated for the same chunks and the same voxels are
- * active as in the reference, but inside a chunk the voxels are stored as bricks of 4^3 voxels.
- * The bricks of a chunk are stored in Morton order.
+ * The bone of the CPU backend.  The chunks that have memory and the active voxels are those of the reference. Inside a
+ * chunk, the voxels are stored as bricks of 4^3 voxels, in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
  *     and one occupancy word of 64 bits       6 ---- 7

@@ -18,10 +18,9 @@
  * value <= -least, all voxels of the cube are empty by (C1); if the value is >= least, all are
  * solid.
  *
- * Match.  If windows may be used (ost_match.windows), a brick's least coordinate
- * on an axis is u + lowest, and its voxels are within
- * 0 <= offset < (8 - step) voxels of it.  The brick is then at most 9 - step voxels
- * wide, so it lies in the window number floor((voxel + margin) / step), and
+ * Match.  If windows may be used (ost_match.windows), the least coordinate of a brick on an axis is u + lowest. The
+ * offset of a voxel of the brick from this coordinate is 0 <= offset < (8 - step) voxels. The brick is then at most
+ * 9 - step voxels wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
  * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
  * the table: its centre lies in a cell with |v| < least, so a granule that is not empty, and with it the tool's grid,
@@ -33,10 +32,10 @@
  *
  * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
- * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13
- * for which the sum with some offset has 13 set bits: such a brick (2.3 % of them) is matched with
- * the carries. `near_tie` has one bit for eight such values, few enough bits for registers: a brick
- * whose bit is clear (five bricks of six) is not a tie.
+ * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13 for which the sum
+ * with some offset has 13 set bits. Such a brick (2.3 % of all bricks) is matched with the carries. `near_tie` has one
+ * bit for eight such values, so that its bits fit registers. If the bit of a brick is clear (five bricks of six), the
+ * brick is not a tie.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
