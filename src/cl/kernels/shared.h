@@ -435,16 +435,15 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 
 /*
  * skip[r]: if the cell of a voxel has the reach r, the next skip[r] voxels of the row, at most 15,
- * certainly have the class of this cell.  At a distance of j voxels a coordinate differs by at most
- * j m, with m the greatest |step[0][a]|, and its tool voxel by at most floor(j m / 2^20) + 1, which
- * is < r if j m < (r - 1) 2^20.
- * m <= 2^24 + 1, so all this is below 2^29.
+ * certainly have the class of this cell.  Let m be the greatest |step[0][a]|. At a distance of j voxels, a coordinate
+ * differs by at most j m, so its tool voxel differs by at most floor(j m / 2^20) + 1. This is < r if
+ * j m < (r - 1) 2^20. m <= 2^24 + 1, so all this is below 2^29.
  *
  * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
  * per edge determines the class of the entire cube.  The middle is the first voxel's coordinate
- * plus (e - 1) / 2 of the three steps, rounded to integer units.  A coordinate of the cube differs
- * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|,
- * and its tool voxel by at most floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
+ * plus (e - 1) / 2 of the three steps, rounded to integer units.  Let t be the sum of the three |step[b][a]|. A
+ * coordinate of the cube differs from that of the middle by at most d = ((e - 1) t + 1) / 2, so its tool voxel differs
+ * by at most floor(d / 2^20) + 1. This must be < r. 15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis, the coordinates of a brick are at most 3 t above the least coordinate. The brick's tool voxels
  * are therefore the voxel of the least coordinate and at most floor(3 t / 2^20) + 1 further voxels. A window begins
