@@ -147,7 +147,7 @@ bool ost_outfile_is_stdout(const char *path)
 
 /*
  * Duplicates the process's own stream if `path` denotes one, such as /dev/stdout. A shell may have opened this stream
- * to append to a file, which must not be replaced. Returns -1 for any other path.
+ * to append to a file; writing to the duplicate preserves the content of that file. Returns -1 for any other path.
  */
 static int standard_stream(const char *path)
 {

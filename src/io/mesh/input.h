@@ -69,9 +69,9 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the function
- * replaces in->bytes by the plain form; otherwise, in->bytes remains unchanged. Returns status, or an error that
- * occurs in this function.
+ * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the plain form
+ * becomes the new in->bytes. If not, in->bytes remains unchanged. Returns status, or an error that occurs in this
+ * function.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 

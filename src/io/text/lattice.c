@@ -123,7 +123,7 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 
 /*
  * Returns the smallest gap above `floor`, or 0 if there is none. If greatest is not NULL, sets *greatest to the
- * greatest gap.
+ * maximum gap.
  */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {
