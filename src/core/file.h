@@ -3,11 +3,10 @@
  * Opens and reads files.  All reads of files in the project use this module, which
  * docs/check-architecture checks.
  *
- * Only regular files are opened, including those behind symbolic links.  Readers check
- * the size of a file before they allocate memory, read some files twice, and must not
- * wait for the writer of a pipe or read an endless device.  /dev/stdin is accepted
- * if the shell redirects it from a regular file.  A verb that accepts a pipe as its
- * input passes the name to ost_file_spool first, which copies the pipe to a file.
+ * Only regular files are opened, including those behind symbolic links, for three reasons. Readers check the size of a
+ * file before they allocate memory. They read some files twice. They must not wait for the writer of a pipe or read an
+ * endless device. /dev/stdin is accepted if the shell redirects it from a regular file. A verb that accepts a pipe as
+ * its input passes the name to ost_file_spool first, which copies the pipe to a file.
  *
  * A failure to read a file must not be mistaken for a statement about the file's content.  Three
  * outcomes are therefore distinguished: the file is absent, the file cannot be read (no descriptor,
