@@ -23,9 +23,9 @@
  * 9 - step voxels wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
  * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
- * the table: its centre lies in a cell with |v| < least, so a granule that is not empty, and with it the tool's grid,
- * is nearer to the cell than least units of 1/8 granule, which is at most (R + 2) / unit + 1 of them.  With R <= 3.6
- * voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
+ * the table. The centre of such a brick lies in a cell with |v| < least. Therefore a granule that is not empty, and
+ * with it the tool's grid, is nearer to the cell than `least` units of 1/8 granule, and `least` is at most
+ * (R + 2) / unit + 1. With R <= 3.6 voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
