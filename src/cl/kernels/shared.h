@@ -19,9 +19,10 @@
  *     the work-group size).  Items beyond the range that the parameters define
  *     return at once.  The work-group size never affects results.  No kernel has
  *     a barrier or local memory.
- *   - An item writes only elements that no other item of the launch reads or
- *     writes, or it uses 32-bit atomics of commuting operations (add, min, max,
- *     or, and, xchg with one value) and no result depends on their old values.
+ *   - If an item writes an element without an atomic, no other item of the launch
+ *     reads or writes this element.  All other writes are 32-bit atomics of commuting
+ *     operations (add, min, max, or, and, xchg with one value), and no result depends
+ *     on the old values that they return.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
  *     ranges of docs/spec/arithmetic.md, section 18, require.
  *   - The build option -DOST_FOR=d selects the kernel sets: for devices that run
