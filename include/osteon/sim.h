@@ -142,7 +142,7 @@ OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glen
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
-/* Counts the active voxels that the voxels of a tool, cutting or not, cover at the given pose. */
+/* Counts the active voxels that a tool covers at the given pose, with cutting or noncutting voxels. */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
                                     ost_error *err);
 
