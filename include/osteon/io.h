@@ -7,8 +7,8 @@
  * of the file. An output file appears under its name only when it is complete. Until then, it is an unnamed or
  * temporary file in the same folder; when it is synced, it gets its name.
  *
- * The kind of a file is determined by its content if it has a signature, and otherwise
- * by its name.  Text is read in the C locale, regardless of the program's locale.
+ * If the content of a file has a signature, the signature determines the kind of the file. If not, the name does. Text
+ * is read in the C locale, regardless of the program's locale.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
