@@ -64,8 +64,8 @@ extern int64_t ost_file_spool_max;
 ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost_error *err);
 
 /*
- * Opens a regular file as a stream, which the caller closes by fclose. *out is NULL after a failure. *absent is set to
- * true if no file has this name, otherwise to false. The pointer `absent` may be NULL.
+ * Opens a regular file as a stream, which the caller closes with fclose. *out is NULL after a failure. *absent is set
+ * to true if no file has this name, otherwise to false. The pointer `absent` may be NULL.
  */
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 

@@ -29,7 +29,7 @@ typedef struct cpu_chunk {
     /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
     int16_t *density;
     uint64_t *occupancy; /* occupancy words, in the memory block that begins at `density` */
-    ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated by malloc */
+    ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated with malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -65,8 +65,8 @@ static inline int32_t ost_brick_gather(int32_t number)
 }
 
 /*
- * Allocates memory for a chunk that has none. The content of the memory is undefined. The memory is a block of `pool`
- * if `pool` is not NULL and has a free block; otherwise it is allocated by malloc. Returns false if memory is
+ * Allocates memory for a chunk that has none. The content of the memory is undefined. If `pool` is not NULL and has a
+ * free block, the memory is a block of `pool`. If not, malloc allocates the memory. Returns false if memory is
  * exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);

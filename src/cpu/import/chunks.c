@@ -377,7 +377,7 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
 
 /*
  * Fills the bone in parts of several chunk layers each. Before a part is filled, addresses for all of its chunks are
- * reserved. If the reservation fails, the memory of the chunks is allocated by malloc.
+ * reserved. If the reservation fails, malloc allocates the memory of the chunks.
  */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {

@@ -36,8 +36,10 @@ typedef struct job {
     ost_embree *embree[2]; /* if not NULL, Embree finds the candidate triangles, and bins are not used */
     ost_vox_result result;
     bool stream; /* true if classes are written by stores that bypass the caches */
-    /* true if the fill kernel writes directly to the result, which is possible for one mesh if only bits are
-       requested and rows fill complete blocks */
+    /*
+     * True if the fill kernel writes directly to the result. This requires that there is one mesh, that only bits are
+     * requested, and that rows fill complete blocks.
+     */
     bool direct;
 } job;
 
