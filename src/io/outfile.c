@@ -245,8 +245,10 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /* A name that is too long for the file system is refused at once; otherwise the error would occur only at
-         * commit. */
+        /*
+         * A name that is too long for the file system is refused here, before any data are written, and not only at
+         * commit.
+         */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);

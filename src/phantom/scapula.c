@@ -223,8 +223,8 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     blade = ost_blend(blade, vault(s, depth, ahead, above), 12);
 
     /*
-     * The dish is cut out before the processes are added.  The sphere of the dish is as large as
-     * the humeral head and would otherwise cut into the processes.
+     * The dish is cut out before the processes are added, because its sphere is as large as the humeral head and would
+     * cut into the processes.
      */
     double dish = ost_v3_length(ost_v3_sub(p, s->dish)) - DISH_RADIUS;
     double crest = ost_bar_distance(&s->crest, p, FAR), coracoid = ost_bar_distance(&s->coracoid, p, FAR);
