@@ -348,9 +348,9 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
  * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; its size is about
- * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE, with a report of zeros and without running
- * a tick, if the period is not within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is
- * set for a device without OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
+ * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
+ * if lead_ns is not within 0 to half a period, or if no_clock is set for a device without OST_HAPTIC_LOGICAL. In these
+ * cases, no tick is run, and *report contains zeros. Returns an error if a device with a clock of its own cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

@@ -19,8 +19,8 @@
  * reads them from the device and blocks until they arrive, as for the report of a removal. `plugin` cannot deliver
  * words of occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE for it.
  *
- * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread, ost_live_state_get
- * and ost_live_take on one viewer thread. ost_live_create and ost_live_free are called while neither thread uses
+ * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread. ost_live_state_get and
+ * ost_live_take are called on one viewer thread. ost_live_create and ost_live_free are called while neither thread uses
  * the object.
  */
 #ifndef OSTEON_LIVE_H
