@@ -86,8 +86,8 @@ typedef uint64_t ost_cl_u64;
  * vary, but the number of duplicates does not vary. place: the sample with the greatest key writes its voxel. Keys are
  * unique, except with the max rule: several samples of the same density may then have the greatest key, and the first
  * of them that sets a flag writes the voxel. place also finds the first line with the worst offset. check: updates seen
- * and clears owner. With the error rule, check also finds the lowest line whose density differs from the density of its
- * voxel, which has not changed since the voxel was set. report_first_bad: finds the first sample on that line whose
+ * and clears owner. With the error rule, a voxel that is set does not change again, and check also finds the lowest
+ * line whose density differs from the density of its voxel. report_first_bad: finds the first sample on that line whose
  * density differs. had: reads the density of the voxel of that sample. The host combines the report of the batch with
  * that of earlier batches. Counts are added. Of the two worst offsets, the greater one is used; if they are equal and
  * above 0, the lower line is used. Of the other line numbers, the lower one is used. Before lines are compared, the
@@ -407,8 +407,8 @@ typedef struct ost_cl_block_report {
  *                   look-ups), and 400 turns for the rest of a row
  *   others          fewer than 2^14 turns
  *
- * A device that allows fewer than OST_CL_TURNS must therefore allow at least OST_CL_TURNS_LEAST, and its events are
- * limited to OST_CL_TURNS_POSES poses.
+ * If a device allows fewer than OST_CL_TURNS turns, it must therefore allow at least OST_CL_TURNS_LEAST turns, and its
+ * events are limited to OST_CL_TURNS_POSES poses.
  */
 #define OST_CL_TURNS 0x40000u
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
