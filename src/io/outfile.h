@@ -20,7 +20,7 @@
  *   return status;
  *
  * A process that is killed before the commit leaves no file under the final name. With O_TMPFILE, the process also
- * leaves no other file, unless it is killed between the link and the rename by which an old file is replaced.
+ * leaves no other file, unless it is killed between the link and the rename that replace an old file.
  *
  * A target that exists and is not a regular file (/dev/null, a pipe, a terminal) is written in place; /dev/stdout,
  * /dev/stderr and "-.ENDING", in which the ending selects the format, are the process's own streams. If writing to a
