@@ -78,8 +78,8 @@ typedef struct ost_scapula_landmarks {
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*
-     * The uncertainty of the proposal. A spread is the greatest change of a value when the surface is moved inward
-     * or outward, when only the even or only the odd directions of the rim are used, and when the grid is coarser.
+     * The uncertainty of the proposal. A spread is the maximum change of a value in these variants: the surface is
+     * moved inward or outward, only the even or only the odd directions of the rim are used, or the grid is coarser.
      */
     double rim_share;      /* share of the directions in which the rim was found */
     double rim_residual_mm; /* RMS distance of the rim from its plane */

@@ -19,11 +19,11 @@
  * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE. Threads: a backend and
  * its objects may be used by one thread at a time; different backends may be used by different threads at the same
  * time. After fork(), the child must not call osteon before exec, because the OpenMP runtime's threads do not exist
- * in the child. Errors: these functions check their arguments. If a call fails, the objects that it would have
- * changed remain unchanged, unless the comment of the function states otherwise. The exception is a device that
- * fails while it changes a grid or a bone. The state of this object is then unknown; the object can only be freed,
- * and every other call with it returns OST_ERR_UNAVAILABLE. The caller can create the object again;
- * ost_world_failover (sim.h) does this for a world, on another backend.
+ * in the child. Errors: these functions check their arguments. If a call fails, no object changes, unless the comment
+ * of the function states otherwise. There is one exception: if a device fails while it changes a grid or a bone, the
+ * state of this grid or bone is unknown. The object can then only be freed, and every other call with it returns
+ * OST_ERR_UNAVAILABLE. The caller can create the object again; ost_world_failover (sim.h) does this for a world, on
+ * another backend.
  */
 #ifndef OSTEON_BACKEND_H
 #define OSTEON_BACKEND_H
@@ -139,9 +139,9 @@ typedef struct ost_scatter_report {
     uint64_t samples;
     uint64_t duplicates;         /* number of samples whose voxel already had a density, whether equal or different */
     uint64_t off_lattice;        /* number of samples that are more than 1/8 of a voxel off the lattice */
-    /* greatest distance of a sample from the lattice, in millionths of a voxel, rounded down */
+    /* maximum distance of a sample from the lattice, in millionths of a voxel, rounded down */
     uint64_t worst_offset_ppm;
-    int64_t worst_line;          /* line of the first sample with the greatest distance */
+    int64_t worst_line;          /* line of the first sample with the maximum distance */
     /* Line of the first sample that is more than 3/8 of a voxel off the lattice, or outside the grid. */
     int64_t rejected_line;
     /* line of the first sample whose voxel already has a different density (only with OST_DUPLICATES_ERROR) */
@@ -283,7 +283,7 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM): its
  * density becomes 0 and its occupancy bit is cleared. ost_bone_collide reports the same voxels without removing
  * them. *report is cleared first, and is undefined after an error. The tool's dims must be <=
- * OST_TOOL_DIM_REMOVE_MAX, and the event's maps must have been made for this bone and this tool.
+ * OST_TOOL_DIM_REMOVE_MAX, and the event's maps must have been computed for this bone and this tool.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
@@ -292,8 +292,8 @@ OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, 
                                     ost_removal_report *report, ost_error *err);
 
 /*
- * Blocks until all previous calls are complete. Returns the error if the work of a previous call failed after that
- * call had returned.
+ * Blocks until all previous calls are complete. If the work of a previous call failed after the call had returned,
+ * returns the error of this work.
  */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 

@@ -2,8 +2,8 @@
 /*
  * Digests of grids (docs/spec/arithmetic.md, AR-DIG).
  *
- * To test grids for equality, the voxels are compared by memcmp; digests are stored in files. The digest of a grid
- * is the SHA-256 of a canonical form that does not depend on the chunk size or the backend:
+ * Digests identify grids in files. Two grids in memory are compared with memcmp instead. The digest of a grid is the
+ * SHA-256 of a canonical form that does not depend on the chunk size or the backend:
  *
  *   leaf    SHA-256(0x00 || 32^3 voxels, x fastest, little-endian, zero outside the grid)
  *   node    SHA-256(0x01 || left || right)      a tree over the leaves in x-fastest
@@ -79,7 +79,7 @@ OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
  * the caller that opened it.
  */
 typedef struct ost_hasher ost_hasher;
-/* Creates a hasher. The caller frees it by ost_hasher_close. */
+/* Creates a hasher. The caller frees it with ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
 /* Adds bytes to the hash. After a failure only ost_hasher_close may be called. */
 OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);

@@ -141,7 +141,7 @@ typedef struct ost_chunk_report {
 
 /*
  * The report of an event. It contains totals, and the chunks with at least one hit in ascending order.
- * Zero-initialise a report once, reuse it for every event, and free it by ost_removal_report_free.
+ * Zero-initialise a report once, reuse it for every event, and free it with ost_removal_report_free.
  */
 typedef struct ost_removal_report {
     size_t count, capacity;

@@ -10,9 +10,9 @@
  * The tool's surface is a shell of points with inward normals.  A point touches
  * bone if the voxel one voxel outward of it is active.  There are two force laws:
  *
- *   energy    A spring and a damper couple the tool to the device.  A cutting point
- *             that touches bone advances at the speed at which the cutting power that
- *             results from its pressure removes the bone, so dense bone takes longer.
+ *   energy    A spring and a damper couple the tool to the device.  The pressure of a
+ *             cutting point on bone determines the point's cutting power.  The point
+ *             advances as fast as this power removes bone, so dense bone takes longer.
  *             A non-cutting point that touches bone stops the tool.
  *   instant   The tool is at the device's pose, as in the thesis. The force is
  *             that of an elastic layer of bone, compressed around the tool.
@@ -57,10 +57,11 @@ typedef struct ost_force_params {
      * orientation. */
     double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, N m s/rad */
-    /* Ratio of the force amplitude at the tooth-passing frequency to shaking_n; 0 means no vibration. */
+    /* Ratio to shaking_n of the force amplitude at the tooth-passing frequency; 0 means no vibration. */
     double vibration;
-    /* Ratio of the force amplitude perpendicular to the axis, at the frequency of rotation, to shaking_n; 0 means
-     * no runout. */
+    /*
+     * Ratio to shaking_n of the force amplitude perpendicular to the axis at the frequency of rotation; 0: no runout.
+     */
     double runout;
     double teeth;              /* number of teeth that pass a fixed point during one revolution */
 } ost_force_params;
@@ -89,7 +90,7 @@ typedef struct ost_shell {
 
 /*
  * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels.  The sum of the points' areas is the surface
- * area of the tool.  The caller frees *out by ost_shell_free.  Returns OST_ERR_MEMORY on failure.
+ * area of the tool.  The caller frees *out with ost_shell_free.  Returns OST_ERR_MEMORY on failure.
  */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
 /* Frees the points of a shell, which is then empty. */
@@ -127,9 +128,9 @@ typedef struct ost_force_result {
 } ost_force_result;
 
 /*
- * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Bone is not
- * removed; for this, the caller passes out->tool to ost_world_step. Allocates no memory and does not block. In its
- * first step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
+ * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Does not remove bone:
+ * the caller passes out->tool to ost_world_step, which removes it. Allocates no memory and does not block. In its first
+ * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
@@ -141,8 +142,8 @@ OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose
                                       ost_force_result *out, ost_error *err);
 /*
  * Sets the motor of the current tool (AR-MOTOR). speed is the angular speed in rad/s from now on. If speed is 0,
- * the motor is off, and the tool presses on bone without cutting. turned is the angle in radians by which the motor
- * has turned the tool and the device's pose about the tool's z axis since the last step.
+ * the motor is off, and the tool presses on bone without cutting. turned is an angle in radians about the tool's z
+ * axis: the motor has turned the tool and the device's pose by this angle since the last step.
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
 /* Makes `tool` the current tool and sets its pose, which may differ from the device's pose. */
@@ -155,16 +156,15 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    double max_force_n, max_torque_nm; /* greatest force, N, and torque, N m; the limits are approached smoothly */
-    double slew_n;              /* greatest change of the force in one tick, N */
+    double max_force_n, max_torque_nm; /* maximum force, N, and torque, N m; the limits are approached smoothly */
+    double slew_n;              /* maximum change of the force in one tick, N */
     double ramp_s;              /* time, s, in which the force rises from 0 after a start or a fault */
     int max_ticks_without_sample; /* the force becomes 0 after this number of consecutive ticks without a new pose */
     /* Bit mask of dead-man buttons, at least one of which must be held; 0 means that no button is required. */
     uint32_t dead_man;
-    /* Greatest energy, J, that the coupling can store. The passivity observer limits the stored energy to this
-     * value. */
+    /* Maximum energy, J, that the coupling can store. The passivity observer enforces this limit. */
     double stored_j;
-    double max_damping;         /* greatest damping, N s/m, that the passivity controller adds; 0 means no controller */
+    double max_damping;         /* maximum damping, N s/m, that the passivity controller adds; 0 means no controller */
 } ost_safety_params;
 
 /* Returns the default limits listed in docs/reference/force.md. */
@@ -188,7 +188,7 @@ typedef struct ost_force_key {
 OST_API int ost_force_key_count(void);
 /* Returns the description of parameter number `index`, which is static. Returns NULL if index is out of range. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Returns the value of parameter number `index` from the one struct, *force or *safety, that contains the parameter. */
+/* Returns the value of parameter number `index`, which is in *force or in *safety. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value to text in the format of a parameter file. Returns text. */

@@ -63,7 +63,7 @@ typedef struct ost_haptic_info {
     uint32_t caps;           /* OST_HAPTIC_* bits */
     bool available;
     char reason[256];        /* if the device is not available: the reason, and how to make it available */
-    double max_force_n;      /* greatest force, N; 0 if the device renders no force */
+    double max_force_n;      /* maximum force, N; 0 if the device renders no force */
     double max_stiffness_n_m;
     int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
     ost_button buttons[OST_BUTTONS_MAX];
@@ -117,7 +117,7 @@ typedef struct ost_haptic_setup {
  *                     bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
  * Returns OST_ERR_USAGE for an unknown name, key or value, or if the setup lacks an input that the device needs.
- * The caller owns *out and closes it by ost_haptic_close.
+ * The caller owns *out and closes it with ost_haptic_close.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
 /* Sets the device's force to 0, and closes and frees the device. NULL is allowed. */
@@ -183,14 +183,14 @@ typedef struct ost_wrench {
 } ost_wrench;
 
 /*
- * Reads a device.  Called once per tick.  Does not block.  For a device with a clock of its own, may be called only on
- * the device's thread within a tick, as ost_servo_run does.
+ * Reads a device.  Called once per tick.  Does not block.  If the device has a clock of its own, only the device's
+ * thread may call this function, and only within a tick, as ost_servo_run does.
  */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
 /*
- * Writes a wrench to a device.  Called once per tick.  Does not block.  For a device with a clock of its own, may be
- * called only on the device's thread within a tick, or while no ticks run.  Has no effect if the device renders no
- * force.
+ * Writes a wrench to a device.  Called once per tick.  Does not block.  If the device has a clock of its own, only the
+ * device's thread may call this function within a tick; any thread may call it while no ticks run. If the device
+ * renders no force, the call has no effect.
  */
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
@@ -227,7 +227,7 @@ typedef struct ost_times {
 OST_API void ost_times_add(ost_times *times, uint64_t ns);
 /*
  * Returns the quantile `share` (0 to 1) in us.  The result is the upper end of the bin that contains the quantile,
- * limited to the greatest time that was added.  Returns 0 for an empty histogram.
+ * limited to the maximum time that was added. Returns 0 for an empty histogram.
  */
 OST_API double ost_times_share_us(const ost_times *times, double share);
 
@@ -235,8 +235,8 @@ OST_API double ost_times_share_us(const ost_times *times, double share);
 
 /*
  * Returns the core to reserve for the servo loop. This is the last core in the calling thread's affinity mask, or
- * -1 if the mask has only one core or is unknown. Must be called before ost_servo_core_leave. With a reserved core,
- * the loop does not miss deadlines because of a renderer that uses all other cores.
+ * -1 if the mask has only one core or is unknown. Must be called before ost_servo_core_leave. With a reserved core, the
+ * loop meets its deadlines even if a renderer uses all other cores.
  */
 OST_API int ost_servo_core(void);
 /*
@@ -287,10 +287,10 @@ typedef struct ost_servo_options {
     bool pinned;          /* true to run the loop only on `core`; the affinity mask is restored afterwards */
     int core;
     /*
-     * Time in ns before a tick is due at which the loop wakes, calls rehearse, and then spins until the tick is
-     * due. When the tick starts, the core is therefore awake and its caches contain the tick's data. The range is 0
-     * to half a period. There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has
-     * a clock of its own.
+     * The loop wakes lead_ns nanoseconds before a tick is due, calls rehearse, and then spins until the tick is due.
+     * When the tick starts, the core is therefore awake and its caches contain the tick's data. The range is 0 to half
+     * a period. There is no rehearsal if lead_ns is 0, rehearse is NULL, no_clock is set, or the device has a clock of
+     * its own.
      */
     int64_t lead_ns;
     ost_servo_rehearse *rehearse;
@@ -313,18 +313,18 @@ typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
     /*
-     * Number of missed deadlines. A deadline is missed by a tick that ends after the next tick was due, and by a
-     * tick that is skipped for this reason.
+     * Number of missed deadlines. A tick misses its deadline if it ends after the next tick was due. Each tick that is
+     * skipped for this reason also counts as a missed deadline.
      */
     uint64_t missed;
     /*
      * Missed deadlines by cause; their sum is `missed`. missed_by_work counts ticks that used more than half a
      * period of thread CPU time. Of the other ticks, missed_woken_late counts those for which the loop woke at
-     * least one period late. missed_preempted counts all remaining ticks, whose thread was preempted.
+     * least one period late. missed_preempted counts all remaining ticks; their thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
     int64_t lead_ns;           /* time by which a rehearsal precedes its tick; 0 if there were no rehearsals */
-    uint64_t longest_miss;     /* greatest number of consecutive skipped ticks */
+    uint64_t longest_miss;     /* maximum number of consecutive skipped ticks */
     uint64_t without_sample;   /* number of ticks without a new pose */
     uint64_t tracking_lost;    /* number of ticks during which tracking was lost */
     /* Time in ms that the hypervisor stole during the run, summed over all cores; -1 if unknown. */
@@ -348,9 +348,9 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
  * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; its size is about
- * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE, with a report of zeros and without running
- * a tick, if the period is not within 10,000 ns to 1 s, if lead_ns is not within 0 to half a period, or if no_clock is
- * set for a device without OST_HAPTIC_LOGICAL.  Returns an error if a device with a clock of its own cannot run.
+ * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
+ * if lead_ns is not within 0 to half a period, or if no_clock is set for a device without OST_HAPTIC_LOGICAL. In these
+ * cases, no tick is run, and *report contains zeros. Returns an error if a device with a clock of its own cannot run.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

@@ -7,8 +7,8 @@
  * of the file. An output file appears under its name only when it is complete. Until then, it is an unnamed or
  * temporary file in the same folder; when it is synced, it gets its name.
  *
- * The kind of a file is determined by its content if it has a signature, and otherwise
- * by its name.  Text is read in the C locale, regardless of the program's locale.
+ * If the content of a file has a signature, the signature determines the kind of the file. If not, the name does. Text
+ * is read in the C locale, regardless of the program's locale.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
@@ -51,7 +51,7 @@ typedef struct ost_dicom_report {
     int64_t localizers;     /* number of localizer images of the series, which were ignored */
     int64_t doubled;        /* number of images with the same position and pixels as another image */
     int64_t interpolated;   /* number of interpolated slices; interpolation is an option */
-    ost_pm largest_gap;     /* greatest distance between neighbouring slices */
+    ost_pm largest_gap;     /* maximum distance between neighbouring slices */
     ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
     ost_pm sheared;         /* distance by which slices were shifted to undo a tilt; shifting is an option */
     uint64_t padded;        /* number of pixels that had a padding value and were set to air */
@@ -159,9 +159,9 @@ typedef struct ost_write_options {
 
 /*
  * Writes a volume. The file name selects the format: .nrrd, .nii, .nii.gz, .mha or .txt (the text format of the
- * thesis, with one line "x y z density" per voxel). A label map, whose kind is "labels", is written so that 3D
- * Slicer opens it as a segmentation. For this, an NRRD file has a group of fields for each label, and a NIfTI file
- * has the intent 1002. options may be NULL.
+ * thesis, with one line "x y z density" per voxel). If the kind of the volume is "labels", the file is a label map that
+ * 3D Slicer opens as a segmentation: an NRRD file has a group of fields for each label, and a NIfTI file has the intent
+ * 1002. options may be NULL.
  */
 OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
                                     ost_error *err);
@@ -189,14 +189,14 @@ typedef struct ost_mesh_report {
 } ost_mesh_report;
 
 /*
- * Greatest number of triangles in a mesh file. The greatest number of vertices is three times as large. For a text
- * format, assimp needs up to 230 bytes per triangle, which is 2 GB for a file at the limit. Larger files are
- * rejected before this memory is allocated.
+ * Maximum number of triangles in a mesh file. The maximum number of vertices is three times as large. For a text
+ * format, assimp needs up to 230 bytes per triangle, which is 2 GB for a file at the limit. Larger files are rejected
+ * before this memory is allocated.
  */
 enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
 
 /*
- * Reads a mesh with assimp. AUTO interprets the numbers in the file as millimetres. With AUTO, a greatest extent of
+ * Reads a mesh with assimp. AUTO interprets the numbers in the file as millimetres. With AUTO, a maximum extent of
  * less than 1 mm or more than 1 m is an error, and the message lists the plausible units. With any other unit, the
  * size is not checked. NaN, infinity, a mesh without triangles and indices out of range are errors.
  */
@@ -309,8 +309,8 @@ typedef struct ost_import_options {
     const char *mask;
     int16_t mask_labels[OST_MASK_LABELS_MAX]; /* the labels that are selected */
     /*
-     * Names of further selected labels. The file mask_names_file or, if it is NULL, the header of the label map
-     * (NRRD of 3D Slicer, NIfTI of TotalSegmentator) states the values of the names.
+     * Names of further selected labels. Their values are read from the file mask_names_file. If mask_names_file is
+     * NULL, they are read from the header of the label map (NRRD of 3D Slicer, NIfTI of TotalSegmentator).
      */
     const char *mask_names[OST_MASK_LABELS_MAX];
     int mask_name_count;
@@ -318,8 +318,8 @@ typedef struct ost_import_options {
     int mask_label_count; /* number of selected labels; if 0 and there are no names, all labels except 0 are selected */
     bool mask_fill;           /* true to set selected voxels below the threshold to the threshold */
     /*
-     * Function that is called after the mask was applied, or NULL. The voxels to which the function gives a label
-     * are the bone, as with a mask of all labels and mask_fill. Not supported for CTs given as text.
+     * Function that is called after the mask was applied, or NULL. The bone consists of the voxels to which the
+     * function assigns a label, as with a mask of all labels and mask_fill. Not supported for CTs given as text.
      */
     ost_import_labels *labels;
     void *labels_user;

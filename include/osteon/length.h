@@ -68,9 +68,9 @@ OST_API const char *ost_decimal_read(const char *text, const char *end, ost_deci
 
 /*
  * Computes value * factor, rounded half to even, for factor >= 1. The result is exact for decimals of up to 36
- * significant digits. If the factor is a product of powers of 2 and 10 whose ties have at most 36 digits, the
- * result is exact for any number of digits. Returns false if the result does not fit int64. If exact is not NULL,
- * sets *exact to true if nothing was rounded, and to false otherwise.
+ * significant digits. The result is exact for any number of digits if the factor is a product of powers of 2 and 10 and
+ * each tie has at most 36 digits. Returns false if the result does not fit int64. If exact is not NULL, sets *exact to
+ * true if nothing was rounded, and to false otherwise.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 

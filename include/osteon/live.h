@@ -19,8 +19,8 @@
  * reads them from the device and blocks until they arrive, as for the report of a removal. `plugin` cannot deliver
  * words of occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE for it.
  *
- * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread, ost_live_state_get
- * and ost_live_take on one viewer thread. ost_live_create and ost_live_free are called while neither thread uses
+ * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread. ost_live_state_get and
+ * ost_live_take are called on one viewer thread. ost_live_create and ost_live_free are called while neither thread uses
  * the object.
  */
 #ifndef OSTEON_LIVE_H
@@ -44,7 +44,7 @@ typedef struct ost_live_state {
     ost_pose device, pose;  /* pose of the device and pose of the tool, which differ while the tool is in contact */
     double force_n[3], torque_nm[3]; /* hand force and hand torque, exerted by the device */
     double contact_n;       /* contact force of the tool on the bone */
-    double reached_mm[OST_LIVE_TOOLS]; /* greatest depth at which each tool removed bone (depth_of in operation.h) */
+    double reached_mm[OST_LIVE_TOOLS]; /* maximum depth at which each tool removed bone (depth_of in operation.h) */
     uint64_t removals, removed_voxels;
     uint64_t missed;        /* number of skipped ticks */
     uint32_t wake_ns, exec_ns; /* delay of the last tick's start, and duration of the last tick */

@@ -100,7 +100,7 @@ typedef struct ost_metrics {
     double centre_depth_mm;
     /*
      * Fit of an implant whose back is the fitted sphere. contact_percent is the percentage of the floor with
-     * backing contact. gap_max_mm is the largest gap, where the worst 1 % of the floor is ignored.
+     * backing contact. gap_max_mm is the largest gap, without the worst 1 % of the floor.
      */
     double contact_percent, gap_max_mm;
     /*
@@ -108,15 +108,15 @@ typedef struct ost_metrics {
      * before the operation, and plate_kept_percent is the percentage of this volume that remains.
      */
     double plate_mm3, plate_kept_percent;
-    double over_mm3; /* over-reaming: volume that was removed, except by drills, more than 1 mm below the planned
-                      * depth */
-    /* Percentage of the floor that is more than 1 mm below the planned depth, and greatest depth of the floor below
-     * the planned depth. */
+    double over_mm3; /* over-reaming: volume removed more than 1 mm below the planned depth, without drill holes */
+    /*
+     * Percentage of the floor that is more than 1 mm below the planned depth, and maximum depth of the floor below the
+     * planned depth.
+     */
     double over_percent, over_max_mm;
     /*
      * The rim of the face. rim_seen_percent is the percentage of the rim that lies on the map. rim_lowered_percent
-     * is the percentage of this part that was lowered by more than 1 mm, and rim_lowered_mm is its greatest
-     * lowering.
+     * is the percentage of this part that was lowered by more than 1 mm, and rim_lowered_mm is the maximum lowering.
      */
     double rim_seen_percent, rim_lowered_percent, rim_lowered_mm;
     /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
@@ -141,7 +141,7 @@ typedef struct ost_metrics {
     bool drilled[OST_METRICS_MAP * OST_METRICS_MAP];
 } ost_metrics;
 
-/* Greatest gap, in um, that counts as contact. A gap of up to 0.6 bone voxels also counts. */
+/* Maximum gap, in um, that counts as contact. A gap of up to 0.6 bone voxels also counts. */
 enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*

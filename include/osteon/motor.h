@@ -43,22 +43,22 @@ OST_API ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *t
 /* Returns the tool's rotation about its z axis in radians, from 0 to -2 pi. For forces and pictures. */
 OST_API double ost_motor_angle(const ost_motor *motor);
 /*
- * Converts a tick that contains the pose of the hand. Sets the tick's speed to rpm, advances the motor, and
- * replaces the pose by the pose of the tool.
+ * Converts a tick that contains the pose of the hand. Sets the tick's speed to rpm, advances the motor, and converts
+ * the pose to the pose of the tool.
  */
 OST_API void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm);
 
 /*
- * Greatest number of ticks into which a row of a path is divided. A row is divided if the motor rotates by more
- * than 1/8 turn since the previous row.
+ * Maximum number of ticks into which a row of a path is divided. A row is divided if the motor rotates by more than 1/8
+ * turn since the previous row.
  */
 enum { OST_MOTOR_PARTS_MAX = 4096 };
 
 /*
- * Converts a path of a hand to the ticks of a tool that a motor rotates at rpm (AR-MOTOR-7). Only rows that are
- * poses of a hand (OST_RPM_OF_DEVICE) are replaced; all other rows remain unchanged. *motor is the state of the
- * motor: before the path on entry, and after the path on return. Returns OST_ERR_RANGE if a row is too far from the
- * previous row, and OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
+ * Converts a path of a hand to the ticks of a tool that a motor rotates at rpm (AR-MOTOR-7). Only rows that are poses
+ * of a hand (OST_RPM_OF_DEVICE) are converted; all other rows remain unchanged. *motor is the state of the motor:
+ * before the path on entry, and after the path on return. Returns OST_ERR_RANGE if a row is too far from the previous
+ * row, and OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
  */
 OST_API ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_error *err);
 

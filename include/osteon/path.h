@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A path: the motion of a tool over time.  Each row is a tick, and t strictly
- * increases.  A row contains the index of the tool in use, so that a path can switch
- * tools, and the speed of the tool's motor (docs/spec/arithmetic.md, AR-MOTOR).
+ * increases.  A row contains the index of the tool in use and the speed of the tool's motor (docs/spec/arithmetic.md,
+ * AR-MOTOR). A path can therefore switch tools.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */

@@ -2,13 +2,11 @@
 /*
  * Generated bones and parametric tools, so that all programs can be run without patient data.
  *
- * A phantom is a CT: densities in HU on a rect grid with the sizes and spacings of Table 3.1 of the thesis,
- * with the partial volume effect and with noise generated from a seed.
- * The same seed gives the same grid on every machine, because the noise is computed
- * with integers and no libm function except sqrt is used.  meta contains the position
- * and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS,
- * OST_META_SIDE), and the landmarks of the scapula (OST_META_TRIGONUM,
- * OST_META_INFERIOR_ANGLE).
+ * A phantom is a CT: densities in HU on a rect grid that has a size and spacing of Table 3.1 of the thesis. The
+ * densities include the partial volume effect, and noise that is generated from a seed. The same seed gives the same
+ * grid on every machine, because the noise is computed with integers and no libm function except sqrt is used. meta
+ * contains the position and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE),
+ * and the landmarks of the scapula (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -80,7 +78,7 @@ OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
  * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_RANGE
- * if a dimension is out of range. The caller frees *out by ost_mesh_free.
+ * if a dimension is out of range. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 

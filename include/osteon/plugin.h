@@ -306,8 +306,8 @@ typedef struct ost_plugin {
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
     /*
-     * Waits until all work is complete. Returns the error if work failed after the slot that started this work had
-     * returned.
+     * Waits until all work is complete. If work failed after the slot that started it had returned, returns the error
+     * of this work.
      */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 

@@ -38,8 +38,8 @@ typedef struct ost_pose {
 OST_API ost_pose ost_pose_identity(void);
 
 /*
- * Converts a position t_mm = x, y, z in millimetres and a quaternion q = w, x, y, z to a pose. Each double is
- * replaced by the shortest decimal that reads back as this double, and then quantised. Returns OST_ERR_RANGE if a
+ * Converts a position t_mm = x, y, z in millimetres and a quaternion q = w, x, y, z to a pose. Each double is converted
+ * to the shortest decimal that reads back as this double. The decimal is then quantised. Returns OST_ERR_RANGE if a
  * number is NaN or out of range, or if the length of q is not near 1.
  */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);

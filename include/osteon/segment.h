@@ -45,8 +45,8 @@ typedef struct ost_segment_options {
     bool fill;             /* true to give holes that contain no air the label of the surrounding bone */
     int32_t air;           /* a hole that contains a voxel below this density is not filled */
     /*
-     * Depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX, or 0 to divide no components. A component is divided at a
-     * neck if the radius of the neck is smaller, by at least this depth, than the radius of the bone on both sides.
+     * Depth of a neck, 1 um to OST_SEGMENT_SEPARATE_MAX, or 0 to divide no components. A component is divided at a neck
+     * if, on both sides of the neck, the radius of the bone exceeds the radius of the neck by at least this depth.
      */
     ost_pm separate;
 } ost_segment_options;

@@ -73,7 +73,7 @@ typedef struct ost_session_tick {
     uint64_t digest;         /* ost_step_digest (sim.h) */
     uint32_t removed, touched; /* number of removed voxels and number of touched voxels, each at most 2^32 - 1 */
     uint16_t poses;          /* number of poses of the sweep */
-    /* The fault, an ost_fault (operation.h), because of which the device receives no force; 0 without a fault. */
+    /* The fault, an ost_fault (operation.h); 0 if there is none. During a fault, the device receives no force. */
     uint16_t fault;
     /* The following members are set only in a live operation; otherwise, they are zero. */
     int32_t force_un[3];     /* force in micronewtons, in the bone's frame */

@@ -103,7 +103,7 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  * Requires saved_ticks > 0.  Such a world stores in host memory the complete grid of the bone (2 bytes per voxel), the
  * grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world is
  * created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the new
- * copy is complete.  Must not be called if the bone was changed other than by ticks of the world.
+ * copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
  *
  * The caller owns *bone and the tools, which must outlive the world.  tools is an array of OST_WORLD_TOOLS_MAX
  * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
@@ -142,7 +142,7 @@ OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glen
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
-/* Counts the active voxels that the voxels of a tool, cutting or not, cover at the given pose. */
+/* Counts the active voxels that a tool covers at the given pose, with cutting or noncutting voxels. */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
                                     ost_error *err);
 

@@ -15,7 +15,7 @@ enum {
     ROWS = 60,
     MIDDLE_LO = 10, /* first and last bin, 30 to 72 mm medial of the face, in which the spine is certainly prominent */
     MIDDLE_HI = 24,
-    STRAY_ROWS = 3  /* greatest change in row between the crest's positions in neighbouring bins */
+    STRAY_ROWS = 3  /* maximum change in row between the crest's positions in neighbouring bins */
 };
 #define BIN_MM 3.0       /* width of a bin (medial direction); ROW_MM is the width of a row (superior direction) */
 #define ROW_MM 2.0

@@ -53,7 +53,7 @@ static double surface_along(const anatomy_field *f, double level, const double f
 
 /*
  * Follows the surface outward in the direction `way`. Returns the distance of the rim from the axis, or 0
- * without a rim. The distance is negative if the surface continues and climbs to another part of the bone.
+ * without a rim. If the surface continues and climbs to another part of the bone, the distance is negative.
  */
 static double trace(const anatomy_field *f, double level, const anatomy_face *face, const double way[3],
                     double rim[3], double crest[3])

@@ -33,7 +33,7 @@ typedef struct anatomy_face {
 } anatomy_face;
 
 /*
- * Finds the face near face->centre, viewed along face->inward, and replaces both by the exact centre and axis.
+ * Finds the face near face->centre, viewed along face->inward, and replaces both with the exact centre and axis.
  * Returns false if the rim cannot be found in half of the directions.
  */
 bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);

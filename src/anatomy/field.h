@@ -32,8 +32,8 @@ ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *b
 void anatomy_field_free(anatomy_field *field);
 
 /*
- * Fills the cavities of the bone: sets the share to 1 in each cell below 0.5 that no path of such cells
- * connects with the border of the field.
+ * Fills the cavities of the bone. A cavity is a set of cells with shares below 0.5 that no path of such cells connects
+ * with the border of the field. Sets the share of each cell of a cavity to 1.
  */
 ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
 /*

@@ -21,7 +21,7 @@
 #define COARSER_MM 2.0
 #define FINE_MM 0.7     /* cell width of the fine field around the face */
 #define ROUND_MM 36.0   /* half width of the fine field */
-#define HEAD_MM 15.0 /* greatest distance between the humeral head's centre and the centre of the glenoid's curvature */
+#define HEAD_MM 15.0 /* maximum distance between the humeral head's centre and the centre of the glenoid's curvature */
 #define VAULT_MM 11     /* depth behind the face, in mm, that is checked for bone */
 #define FREE_MM 15      /* depth in front of the face, in mm, that is checked for free space */
 

@@ -29,7 +29,7 @@ enum {
 #define STEP_MM 1.5         /* cell width of the field */
 #define VOTE_MM 2.0         /* cell width of the vote grid */
 #define APART_MM 10.0       /* least distance between the centres of two spheres */
-#define COARSE_MM 3.0       /* greatest distance of a point from the sphere in the first fit; FINE_MM applies in the
+#define COARSE_MM 3.0       /* maximum distance of a point from the sphere in the first fit; FINE_MM applies in the
                              * last fit */
 #define FINE_MM 1.2
 #define ALIGNED 0.85        /* smallest cosine between a point's normal and the normal of the sphere at this point */
@@ -112,7 +112,7 @@ static void vote(search *s)
     }
 }
 
-/* Replaces each cell by the weighted sum of its neighbourhood, with the weights 1, 2, 1 along each axis. */
+/* Replaces each cell with the weighted sum of its neighbourhood, with the weights 1, 2, 1 along each axis. */
 static void smooth(search *s)
 {
     const size_t stride[3] = {1, (size_t)s->n[0], (size_t)s->n[0] * (size_t)s->n[1]};

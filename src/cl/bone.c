@@ -3,8 +3,8 @@
  * The bones of the `cl` backend: a pool of slots on the device, and a table of chunks on the host
  * (AR-CHK).
  *
- * Slices are stored in two passes, so that an operation for which memory is insufficient fails
- * before it has changed anything:
+ * Slices are stored in two passes. If memory is insufficient, the operation therefore fails before it has changed
+ * anything:
  *
  *   scan    counts the voxels of each chunk that the slices make active     only reads
  *           slots are assigned to the chunks that need one; the pool grows if needed

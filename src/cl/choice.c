@@ -23,7 +23,7 @@
 /* The maximum number of platforms, and of devices per platform. A driver that reports more is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Removes the blanks at both ends of a text and replaces control characters by '?'. */
+/* Removes the blanks at both ends of a text and replaces control characters with '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");
@@ -132,8 +132,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
     /*
-     * Mesa's llvmpipe reports a CPU but ends long loops early. fingerprint.c would detect this, and the kernel set for
-     * GPUs would then be built; testing the name avoids building two programs.
+     * Mesa's llvmpipe reports a CPU but ends long loops early. Testing the name avoids a second build: fingerprint.c
+     * detects the fault only after the kernel set for CPUs is built, and the set for GPUs is then built too.
      */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 

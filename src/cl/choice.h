@@ -30,7 +30,7 @@ typedef struct ost_cl_device {
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
     bool cpu; /* true if OST_CL_SET_AUTO selects the kernel set for CPUs, that is, if the device has few strong cores */
-    /* why the device is rejected by the properties that the driver reports; "" if the device is not rejected */
+    /* the reported property for which the device is rejected; "" if the device is not rejected */
     char reason[OST_CL_REASON];
 } ost_cl_device;
 

@@ -4,9 +4,8 @@
  * through these functions.
  *
  * Work groups.  Kernels accept ranges that are rounded up, have no barrier and never
- * read their group, so the size of a group affects only the speed.  The host always
- * specifies the size, because otherwise some drivers use groups of one item if a range
- * is a prime number.
+ * read their group, so the size of a group affects only the speed.  The host always specifies the size: some drivers
+ * would choose groups of one item if a range is a prime number.
  */
 #include "cl/cl.h"
 

@@ -59,8 +59,8 @@ struct ost_backend_ops {
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Calls `visit` for every device, with the reason if the device cannot be used. If the backend has no choice of
-     * devices, `visit` is not called. The slot is slow, because it tests the devices.
+     * Calls `visit` for every device. If the device cannot be used, `visit` receives the reason. If the backend has no
+     * choice of devices, `visit` is not called. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. `options` is the text after "name:", or "". Sets *out but not (*out)->ops, which the caller

@@ -58,9 +58,8 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
 }
 
 /*
- * Limits a count of digits to half of the range of int32. Readers limit the length of lines, so the
- * counts that they pass are far smaller. With a longer text, the limited count results in a value
- * that is out of range.
+ * Limits a count of digits to half of the range of int32. If a count is limited, the value is out of range in any case.
+ * Counts from files are far smaller, because readers limit the length of lines.
  */
 static int32_t saturated(int64_t count)
 {
@@ -139,8 +138,8 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     bool none_rounded = beyond == 0 && !value->more;
 
     /*
-     * Each step moves one digit of the tail to `integer`. The tail has 18 digits, and with 36 digits `integer` exceeds
-     * int64; the function therefore returns before all digits of the tail are moved.
+     * Each step moves one digit of the tail to `integer`. Before all 18 digits of the tail are moved, `integer` exceeds
+     * int64, and the function returns.
      */
     for (int32_t e = value->exponent; e > 0 && (integer || beyond); e--) {
         if (integer > INT64_MAX)

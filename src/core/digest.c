@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the leaves, the tree and the root of a digest (AR-DIG) by the SHA-256 of libcrypto.
+ * Computes the leaves, the tree and the root of a digest (AR-DIG) with the SHA-256 of libcrypto.
  *
  *   leaves in x-fastest order   L0 L1 L2 L3 L4
  *   split at the greatest power  \  / \  /   |

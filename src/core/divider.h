@@ -4,8 +4,8 @@
  * computes a reciprocal. Each quotient is estimated by a multiplication with the reciprocal. The
  * remainder shows whether the estimate must be corrected, by at most one.
  *
- * With D the divisor, s such that d = floor(D / 2^s) is in [2^61, 2^62) (for
- * s < 0: d = D 2^-s), and I = floor(2^124 / (d + 1)), which is in [2^62, 2^63):
+ * Let D be the divisor. Let s be the integer for which d = floor(D / 2^s) is in [2^61, 2^62); for s < 0, d = D 2^-s.
+ * Let I = floor(2^124 / (d + 1)), which is in [2^62, 2^63). Then
  *
  *     h = floor(n / 2^(s+46))       e = floor(h I / 2^78)
  *

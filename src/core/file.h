@@ -3,11 +3,10 @@
  * Opens and reads files.  All reads of files in the project use this module, which
  * docs/check-architecture checks.
  *
- * Only regular files are opened, including those behind symbolic links.  Readers check
- * the size of a file before they allocate memory, read some files twice, and must not
- * wait for the writer of a pipe or read an endless device.  /dev/stdin is accepted
- * if the shell redirects it from a regular file.  A verb that accepts a pipe as its
- * input passes the name to ost_file_spool first, which copies the pipe to a file.
+ * Only regular files are opened, including those behind symbolic links, for three reasons. Readers check the size of a
+ * file before they allocate memory. They read some files twice. They must not wait for the writer of a pipe or read an
+ * endless device. /dev/stdin is accepted if the shell redirects it from a regular file. A verb that accepts a pipe as
+ * its input passes the name to ost_file_spool first, which copies the pipe to a file.
  *
  * A failure to read a file must not be mistaken for a statement about the file's content.  Three
  * outcomes are therefore distinguished: the file is absent, the file cannot be read (no descriptor,
@@ -38,8 +37,8 @@ ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
  * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of `path` opens
- * this file from its start. Only streams that are already open are copied, so the function never waits for a program to
- * open a pipe: "-" and /dev/stdin, which are standard input, and /dev/fd/N, which a shell passes for <(command). If
+ * this file from its start. Only streams that are already open are copied: standard input ("-" or /dev/stdin), and
+ * /dev/fd/N, which a shell passes for <(command). The function therefore never waits for a program to open a pipe. If
  * standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The function does
  * nothing for any other path. A process has one such stream.
  *
@@ -55,7 +54,7 @@ ost_status ost_file_spool(const char *path, ost_error *err);
  */
 bool ost_file_is_stream(const char *path);
 
-/* The greatest size of a stream in bytes, 16 GiB. Tests set a smaller size. */
+/* The maximum size of a stream in bytes, 16 GiB. Tests set a smaller size. */
 extern int64_t ost_file_spool_max;
 
 /*
@@ -65,8 +64,8 @@ extern int64_t ost_file_spool_max;
 ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost_error *err);
 
 /*
- * Opens a regular file as a stream, which the caller closes by fclose. *out is NULL after a failure. *absent is set to
- * true if no file has this name, otherwise to false. The pointer `absent` may be NULL.
+ * Opens a regular file as a stream, which the caller closes with fclose. *out is NULL after a failure. *absent is set
+ * to true if no file has this name, otherwise to false. The pointer `absent` may be NULL.
  */
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 

@@ -4,7 +4,7 @@
  *
  *   v = RHE((p - corner) * 2^f / s),   0 <= v <= dims * 2^f <= 2^20
  *
- * f is the greatest number of fraction bits, at most 10, with which the longest axis has at most
+ * f is the maximum number of fraction bits, at most 10, with which the longest axis has at most
  * 2^20 lattice units: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a tool).  The
  * centre of a voxel, (i + 1/2) 2^f, is therefore always a lattice point.
  *

@@ -10,15 +10,15 @@
 
 /*
  * Finds the decimal that a float represents, which is the shortest decimal that reads back as the float. There is one
- * exception. If no decimal of at most six digits reads back as a float32, and the float32 is a multiple of 2^-9 below
- * 2^24 in magnitude, the float32 represents its exact value. For example, 431/512 represents 0.841796875, not
- * 0.8417969. `value` must be finite. `single` is true if `value` was read as a float32. Returns false if the exponent
- * is out of the range of ost_decimal.
+ * exception: a float32 represents its exact value if no decimal of at most six digits reads back as this float32 and it
+ * is a multiple of 2^-9 below 2^24 in magnitude. For example, 431/512 represents 0.841796875, not 0.8417969. `value`
+ * must be finite. `single` is true if `value` was read as a float32. Returns false if the exponent is out of the range
+ * of ost_decimal.
  */
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out);
 
 /*
- * Replaces the decimal separator of the locale, which may have several bytes, by a point in a number
+ * Replaces the decimal separator of the locale, which may have several bytes, with a point in a number
  * printed by %e: "1,5e+00" becomes "1.5e+00".
  */
 void ost_point_put_back(char *text);

@@ -108,7 +108,7 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
                     "order=N and voxelizer=NAME", option);
 }
 
-/* Parses a comma-separated list of options. Replaces the commas in `text` by zero bytes. Strings in *options
+/* Parses a comma-separated list of options. Replaces the commas in `text` with zero bytes. Strings in *options
    point into `text`. */
 static ost_status read_options(char *text, cpu_options *options, ost_error *err)
 {

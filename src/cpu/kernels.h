@@ -94,10 +94,9 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
 /*
  * Writes the density of voxel (at[0][i], at[1][i], at[2][i]) to densities[i] for each i < count.  The
  * coordinates can have any value.  The density is 0 outside the grid and for voxels that are not
- * active.  Entries of the chunk table are read only for voxels in the grid, and occupancy words only
- * for voxels in chunks for which memory is allocated.  For active voxels, the density and the two
- * bytes after it are read; these bytes are part of the chunk's allocation.  Of *bone, the kernel
- * reads only pointers, `dims` and `chunk_size`.
+ * active.  Entries of the chunk table are read only for voxels in the grid. Occupancy words are read only for voxels in
+ * chunks that have memory. For active voxels, the density and the two bytes after it are read; these bytes are part of
+ * the chunk's allocation. Of *bone, the kernel reads only pointers, `dims` and `chunk_size`.
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 

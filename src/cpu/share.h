@@ -16,7 +16,7 @@
  *   ost_team_end(sharing, &team);
  *
  * A threshold affects the speed of a computation, never its result.  The `grain` option replaces all
- * thresholds by one number, so that small grids enter every path.  Items are then assigned to the
+ * thresholds with one number, so that small grids enter every path.  Items are then assigned to the
  * threads in turn, one at a time, so that each thread of a team processes items even if it starts
  * late.
  *

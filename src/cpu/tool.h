@@ -10,10 +10,7 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    /*
-     * `cutting` has the tables of class 1, and `touching` those of class 2, which are computed only if `touches` is
-     * true
-     */
+    /* The tables of class 1 and of class 2. `touching` is computed only if `touches` is true. */
     ost_shape cutting, touching;
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;

@@ -110,8 +110,8 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 }
 
 /*
- * Refuses a bone that is too large for the memory. Otherwise the import could run for hours before the system kills
- * the process. Backends allocate different amounts of memory: cpu allocates no cubic grid, and stores only the active
+ * Refuses a bone that is too large for the memory, because its import could run for hours before the system kills the
+ * process. Backends allocate different amounts of memory: cpu allocates no cubic grid, and stores only the active
  * voxels of a bone. The check therefore counts only the active voxels and scales their number by volume. A grid with
  * too many voxels passes this check and fails later with its own message.
  */
@@ -310,9 +310,9 @@ static ost_status upload_batch(job *j, ost_error *err)
 }
 
 /*
- * Adds to the batch the part of a slice that lies in the rect grid. Implements ost_target.slice. After an upload, the
+ * Implements ost_target.slice. Adds to the batch the part of a slice that lies in the rect grid. After each upload, the
  * threads of a backend spin for some milliseconds and take processor time from a reader that runs in other processes.
- * Uploading batches makes these pauses rare.
+ * Batches make uploads rare.
  */
 static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_error *err)
 {
@@ -338,8 +338,7 @@ static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_er
 
 /*
  * Determines the threshold: the option if it is set, else the stored threshold if the file is a bone, else the
- * default. A bone cannot be imported with a threshold below its stored threshold, because voxels below the stored
- * threshold are not in the file.
+ * default. The file of a bone contains only voxels at or above the stored threshold, so a lower threshold is an error.
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {

@@ -56,7 +56,7 @@ static ost_status place(const char *path, const char *mask, const ost_geometry *
 }
 
 /*
- * Replaces the label map by a label map on the grid of the CT. Voxels outside the original label map get the label 0.
+ * Replaces the label map with a label map on the grid of the CT. Voxels outside the original label map get the label 0.
  */
 static ost_status move(const char *mask, const ost_geometry *g, const placed *where, ost_volume *labels, ost_error *err)
 {

@@ -17,7 +17,7 @@
 ost_status ost_mask_apply(const char *path, const ost_import_options *options, int32_t threshold, ost_volume *volume,
                           ost_import_result *result, ost_error *err);
 
-/* Returns the error for a mask together with a CT in text form, whose grid is unknown until its samples are read. */
+/* Returns the error for a mask on a CT in text form. The grid of such a CT is unknown until its samples are read. */
 ost_status ost_mask_refuse_text(const char *path, ost_error *err);
 
 #endif

@@ -147,7 +147,7 @@ bool ost_outfile_is_stdout(const char *path)
 
 /*
  * Duplicates the process's own stream if `path` denotes one, such as /dev/stdout. A shell may have opened this stream
- * to append to a file, which must not be replaced. Returns -1 for any other path.
+ * to append to a file; writing to the duplicate preserves the content of that file. Returns -1 for any other path.
  */
 static int standard_stream(const char *path)
 {
@@ -245,8 +245,10 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /* A name that is too long for the file system is refused at once; otherwise the error would occur only at
-         * commit. */
+        /*
+         * A name that is too long for the file system is refused here, before any data are written, and not only at
+         * commit.
+         */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);

@@ -20,7 +20,7 @@
  *   return status;
  *
  * A process that is killed before the commit leaves no file under the final name. With O_TMPFILE, the process also
- * leaves no other file, unless it is killed between the link and the rename by which an old file is replaced.
+ * leaves no other file, unless it is killed between the link and the rename that replace an old file.
  *
  * A target that exists and is not a regular file (/dev/null, a pipe, a terminal) is written in place; /dev/stdout,
  * /dev/stderr and "-.ENDING", in which the ending selects the format, are the process's own streams. If writing to a
@@ -67,8 +67,9 @@ bool ost_outfile_is_stdout(const char *path);
 const char *ost_outfile_path(const ost_outfile *file);
 
 /*
- * Returns the file's descriptor. Through /dev/fd/N, another program can write the file without a name that another
- * user could replace. The outfile still owns the descriptor, and the caller must not write to the outfile itself.
+ * Returns the file's descriptor. Another program can write the file through /dev/fd/N, which involves no file name that
+ * another user could replace. The outfile still owns the descriptor, and the caller must not write to the outfile
+ * itself.
  */
 int ost_outfile_descriptor(const ost_outfile *file);
 

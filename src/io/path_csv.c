@@ -314,8 +314,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Sets *out to `given` unless `given` is 0. If it is 0, *out becomes `least` or, if greater, `factor` times the
- * median of median_of. The median is computed only if `of` exceeds `least` for some pair of ticks.
+ * If `given` is not 0, sets *out to `given`. If `given` is 0, sets *out to the greater of `least` and `factor` times
+ * the median of median_of. The median is computed only if `of` exceeds `least` for some pair of ticks.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)

@@ -10,8 +10,8 @@
 
 /*
  * Reads the file at `path` without its UTF-8 byte order mark, if there is one. *text receives *size bytes and a final
- * NUL; the caller frees it. It is NULL after an error. A file with more than `most` bytes, or with a NUL byte, gets
- * OST_ERR_INPUT. Its message names the contents, for example "landmarks", and the formats that are expected.
+ * NUL; the caller frees *text. After an error, *text is NULL. Returns OST_ERR_INPUT if the file has more than `most`
+ * bytes or contains a NUL byte. The message names the contents, for example "landmarks", and the expected formats.
  */
 ost_status ost_small_text_read(const char *path, size_t most, const char *contents, const char *expected, char **text,
                                size_t *size, ost_error *err);

@@ -29,8 +29,10 @@ typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
-        /* Vertex from which a fan of triangles has no diagonal in a face of the cell. If there is no such vertex,
-         * the loop needs a vertex in its middle, and the value is -1. */
+        /*
+         * A vertex whose fan of triangles has no diagonal in a face of the cell; -1 if there is no such vertex. With
+         * -1, the loop needs a vertex in its middle.
+         */
         int8_t apex;
         uint8_t edge[LOOP_MAX];
     } loop[4];

@@ -104,7 +104,7 @@ static const ost_bar_node ROOT[] = {
  * CARTILAGE is the thickness of the cartilage at the centre. In a CT, the blur removes some of this thickness on
  * both sides.
  */
-#define GREATEST_SIZE 1.142 /* greatest size that fits into the box of Table 3.1, which is the scapula of a tall man */
+#define GREATEST_SIZE 1.142 /* maximum size that fits into the box of Table 3.1, which is the scapula of a tall man */
 #define CARTILAGE 2.4
 #define DISH_RADIUS 31.0
 #define PAD_RADIUS 29.0
@@ -223,8 +223,8 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     blade = ost_blend(blade, vault(s, depth, ahead, above), 12);
 
     /*
-     * The dish is cut out before the processes are added.  The sphere of the dish is as large as
-     * the humeral head and would otherwise cut into the processes.
+     * The dish is cut out before the processes are added, because its sphere is as large as the humeral head and would
+     * cut into the processes.
      */
     double dish = ost_v3_length(ost_v3_sub(p, s->dish)) - DISH_RADIUS;
     double crest = ost_bar_distance(&s->crest, p, FAR), coracoid = ost_bar_distance(&s->coracoid, p, FAR);

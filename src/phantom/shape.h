@@ -114,7 +114,7 @@ typedef struct ost_bar {
     int count;
     ost_bar_node node[OST_BAR_NODES];
     ost_v3 middle[OST_BAR_NODES]; /* middle of the straight piece from a node to the next node */
-    double reach[OST_BAR_NODES];  /* greatest distance of a piece's surface from the middle of the piece */
+    double reach[OST_BAR_NODES];  /* maximum distance of a piece's surface from the middle of the piece */
     ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
@@ -124,8 +124,8 @@ typedef struct ost_bar {
  */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
- * Returns the distance from p to the bar. If p is farther than `far` from the box that contains the bar, returns
- * the distance to the box instead, which is less.
+ * Returns the distance from p to the bar. If p is farther than `far` from the box that contains the bar, returns the
+ * distance to the box, which is smaller.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 

@@ -41,12 +41,12 @@ enum {
 typedef struct reamer {
     ost_pm radius;
     ost_pm sphere; /* radius of the dome */
-    ost_pm groove; /* greatest depth of a groove */
+    ost_pm groove; /* maximum depth of a groove */
     int segments;
 } reamer;
 
 /*
- * Returns the depth of the groove at segment k, as a share of the greatest depth. The profile of a tooth consists
+ * Returns the depth of the groove at segment k, as a share of the maximum depth. The profile of a tooth consists
  * of a land at 0, a relief slope from 0 to 1, a floor at 1, and a steep cutting face.
  */
 static ost_q60 groove_share(const reamer *r, int k)

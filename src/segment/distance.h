@@ -6,7 +6,7 @@
 #include "segment/sparse.h"
 
 /*
- * The greatest distance in micrometres. Greater distances are stored as this value, and so are all distances in
+ * The maximum distance in micrometres. Greater distances are stored as this value, and so are all distances in
  * a grid that has no unlabelled voxel.
  */
 enum { SEGMENT_DISTANCE_MAX = 65535 };

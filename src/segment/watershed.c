@@ -9,8 +9,8 @@
  *     | /     V \/   \          2. the peaks that remain (A, B) are markers, from which
  *     |/       pass   \            the pieces are flooded.
  *
- * The flood visits a plateau in the order of a queue, so that it is divided half way between
- * two markers.  Step 1 alone would assign the plateau to the basin that comes first.
+ * The flood visits a plateau in the order of a queue, so that a plateau between two markers is divided in the middle.
+ * Step 1 alone would assign the complete plateau to the basin that comes first.
  */
 #include "core/conditions.h"
 

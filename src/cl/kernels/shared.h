@@ -19,9 +19,10 @@
  *     the work-group size).  Items beyond the range that the parameters define
  *     return at once.  The work-group size never affects results.  No kernel has
  *     a barrier or local memory.
- *   - An item writes only elements that no other item of the launch reads or
- *     writes, or it uses 32-bit atomics of commuting operations (add, min, max,
- *     or, and, xchg with one value) and no result depends on their old values.
+ *   - If an item writes an element without an atomic, no other item of the launch
+ *     reads or writes this element.  All other writes are 32-bit atomics of commuting
+ *     operations (add, min, max, or, and, xchg with one value), and no result depends
+ *     on the old values that they return.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
  *     ranges of docs/spec/arithmetic.md, section 18, require.
  *   - The build option -DOST_FOR=d selects the kernel sets: for devices that run
@@ -85,8 +86,8 @@ typedef uint64_t ost_cl_u64;
  * vary, but the number of duplicates does not vary. place: the sample with the greatest key writes its voxel. Keys are
  * unique, except with the max rule: several samples of the same density may then have the greatest key, and the first
  * of them that sets a flag writes the voxel. place also finds the first line with the worst offset. check: updates seen
- * and clears owner. With the error rule, check also finds the lowest line whose density differs from the density of its
- * voxel, which has not changed since the voxel was set. report_first_bad: finds the first sample on that line whose
+ * and clears owner. With the error rule, a voxel that is set does not change again, and check also finds the lowest
+ * line whose density differs from the density of its voxel. report_first_bad: finds the first sample on that line whose
  * density differs. had: reads the density of the voxel of that sample. The host combines the report of the batch with
  * that of earlier batches. Counts are added. Of the two worst offsets, the greater one is used; if they are equal and
  * above 0, the lower line is used. Of the other line numbers, the lower one is used. Before lines are compared, the
@@ -406,8 +407,8 @@ typedef struct ost_cl_block_report {
  *                   look-ups), and 400 turns for the rest of a row
  *   others          fewer than 2^14 turns
  *
- * A device that allows fewer than OST_CL_TURNS must therefore allow at least OST_CL_TURNS_LEAST, and its events are
- * limited to OST_CL_TURNS_POSES poses.
+ * If a device allows fewer than OST_CL_TURNS turns, it must therefore allow at least OST_CL_TURNS_LEAST turns, and its
+ * events are limited to OST_CL_TURNS_POSES poses.
  */
 #define OST_CL_TURNS 0x40000u
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
@@ -435,16 +436,15 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 
 /*
  * skip[r]: if the cell of a voxel has the reach r, the next skip[r] voxels of the row, at most 15,
- * certainly have the class of this cell.  At a distance of j voxels a coordinate differs by at most
- * j m, with m the greatest |step[0][a]|, and its tool voxel by at most floor(j m / 2^20) + 1, which
- * is < r if j m < (r - 1) 2^20.
- * m <= 2^24 + 1, so all this is below 2^29.
+ * certainly have the class of this cell.  Let m be the greatest |step[0][a]|. At a distance of j voxels, a coordinate
+ * differs by at most j m, so its tool voxel differs by at most floor(j m / 2^20) + 1. This is < r if
+ * j m < (r - 1) 2^20. m <= 2^24 + 1, so all this is below 2^29.
  *
  * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
  * per edge determines the class of the entire cube.  The middle is the first voxel's coordinate
- * plus (e - 1) / 2 of the three steps, rounded to integer units.  A coordinate of the cube differs
- * from the middle's by at most d = ((e - 1) t + 1) / 2, with t the sum of the three |step[b][a]|,
- * and its tool voxel by at most floor(d / 2^20) + 1, which must be < r. 15 t < 2^29 (AR-MAP-5).
+ * plus (e - 1) / 2 of the three steps, rounded to integer units.  Let t be the sum of the three |step[b][a]|. A
+ * coordinate of the cube differs from that of the middle by at most d = ((e - 1) t + 1) / 2, so its tool voxel differs
+ * by at most floor(d / 2^20) + 1. This must be < r. 15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis, the coordinates of a brick are at most 3 t above the least coordinate. The brick's tool voxels
  * are therefore the voxel of the least coordinate and at most floor(3 t / 2^20) + 1 further voxels. A window begins

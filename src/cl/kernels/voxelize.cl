@@ -8,15 +8,12 @@
  *   ost_vox_fill    computes the running sum of a row; a voxel is solid if its sum is not 0
  *   ost_vox_tiles   for CPUs: both steps for a tile of rows per item (voxelize_cpu.cl)
  *
- * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b,
- * E = dy (Z - az) - dz (Y - ay) has |dy|, |dz| <= L, |Z - az| <= L + 2^9 (a centre), so
- * |E| < 2^42 at every row of the triangle's bounds, and E is computed only there.
- * |nx|, |ny|, |nz| <= 2^41, and a crossing times nx,
- * K = nx ax - ny (Y - ay) - nz (Z - az), is a sum of three terms of at most
- * 2^61: it and its partial sums stay below 2^63 (in fact |n| <= 2^40, each
- * twice the area of a triangle in a square of side L, so below 2^62).  nx 2^f
- * <= 2^51, and K / nx lies in [0, L], so K - nx 2^(f-1) >= -2^50.  A count is
- * at most the number of triangles, 2^26.
+ * Ranges.  L = 2^20 and coordinates lie in [0, L].  For an edge a -> b, E = dy (Z - az) - dz (Y - ay), with
+ * |dy|, |dz| <= L and |Z - az| <= L + 2^9 (a centre). E is computed only for rows within the triangle's bounds, where
+ * |E| < 2^42. |nx|, |ny|, |nz| <= 2^41. The position of a crossing, times nx, is K = nx ax - ny (Y - ay) - nz (Z - az).
+ * K is a sum of three terms of at most 2^61, so K and its partial sums stay below 2^63. (In fact, each |n| is twice the
+ * area of a triangle in a square of side L, so |n| <= 2^40, and the sums stay below 2^62.) nx 2^f <= 2^51, and K / nx
+ * lies in [0, L], so K - nx 2^(f-1) >= -2^50. A count is at most the number of triangles, 2^26.
  */
 
 /* Returns the lattice coordinate of the centre of voxel i on one axis. */

@@ -163,7 +163,7 @@ static inline uint8x16_t coordinate(const uint16_t *offsets, uint16x8_t c)
     return high_bytes(vaddq_u16(vld1q_u16(offsets), c), vaddq_u16(vld1q_u16(offsets + 8), c));
 }
 
-/* Computes the coordinates that the function `coordinate` computes, but with the carries of the low bits. */
+/* Computes the same coordinates as the function `coordinate`, but includes the carries of the low bits. */
 static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets,
                                          uint16x8_t low)
 {

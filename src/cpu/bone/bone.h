@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the CPU backend.  Memory is allocated for the same chunks and the same voxels are
- * active as in the reference, but inside a chunk the voxels are stored as bricks of 4^3 voxels.
- * The bricks of a chunk are stored in Morton order.
+ * The bone of the CPU backend.  The chunks that have memory and the active voxels are those of the reference. Inside a
+ * chunk, the voxels are stored as bricks of 4^3 voxels, in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
  *     and one occupancy word of 64 bits       6 ---- 7
@@ -30,7 +29,7 @@ typedef struct cpu_chunk {
     /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
     int16_t *density;
     uint64_t *occupancy; /* occupancy words, in the memory block that begins at `density` */
-    ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated by malloc */
+    ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated with malloc */
     int32_t active;
     int32_t highest;
 } cpu_chunk;
@@ -66,8 +65,8 @@ static inline int32_t ost_brick_gather(int32_t number)
 }
 
 /*
- * Allocates memory for a chunk that has none. The content of the memory is undefined. The memory is a block of `pool`
- * if `pool` is not NULL and has a free block; otherwise it is allocated by malloc. Returns false if memory is
+ * Allocates memory for a chunk that has none. The content of the memory is undefined. If `pool` is not NULL and has a
+ * free block, the memory is a block of `pool`. If not, malloc allocates the memory. Returns false if memory is
  * exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);

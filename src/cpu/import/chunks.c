@@ -9,10 +9,9 @@
  *       for every chunk            tests whether one of its rows has an active voxel
  *         for every four rows      sixteen rows are written as a row of bricks
  *
- * Memory for a chunk is allocated at the first layer with an active voxel. The chunk's earlier
- * layers have no active voxel, so zeros are then written to them. Therefore a source row is read
- * only once from memory and afterwards from the nearest cache, and a chunk without an active voxel
- * is never written. Tasks write to disjoint chunks.
+ * Memory for a chunk is allocated at its first layer with an active voxel, and zeros are then written to its earlier
+ * layers. A chunk without an active voxel is therefore never written. A source row is read from memory once, and
+ * afterwards from the nearest cache. Tasks write to disjoint chunks.
  *
  * Interpolated rows are computed sixteen at a time, just before they are written. A
  * weighted mean is never greater than the greatest of its voxels. Therefore a layer
@@ -378,7 +377,7 @@ static ost_chunk_pool *pool_for(cpu_backend *backend, int n)
 
 /*
  * Fills the bone in parts of several chunk layers each. Before a part is filled, addresses for all of its chunks are
- * reserved. If the reservation fails, the memory of the chunks is allocated by malloc.
+ * reserved. If the reservation fails, malloc allocates the memory of the chunks.
  */
 static bool fill_bone(cpu_backend *backend, filling *f)
 {

@@ -10,9 +10,8 @@
  * its range of voxels. Therefore one thread processes all samples of a voxel, in order.
  *
  * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the floor.  The
- * result does not depend on the estimate, because the floor and the remainder are corrected by
- * steps of s until 0 <= remainder < s.  The quotient is then rounded RHE, by comparing the
- * remainder with s / 2.
+ * result does not depend on the estimate, because the floor and the remainder are corrected in steps of s until
+ * 0 <= remainder < s. The quotient is then rounded RHE, by comparing the remainder with s / 2.
  */
 #include "core/conditions.h"
 

@@ -2,8 +2,10 @@
 #include "core/integer.h"
 #include "cpu/kernels.h"
 
-/* Returns RHE(sum / 2^bits). Before the shift, which rounds down, half a unit minus 1 is added to the sum, and 1 more
-   if the floor of the quotient is odd. */
+/*
+ * Returns RHE(sum / 2^bits). The shift rounds down. Therefore half a unit minus 1 is added to the sum first, and 1 more
+ * if the floor of the quotient is odd.
+ */
 static inline int64_t rhe_shift(int64_t sum, int bits)
 {
     return (sum + (INT64_C(1) << (bits - 1)) - 1 + (sum >> bits & 1)) >> bits;

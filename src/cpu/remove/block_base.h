@@ -7,8 +7,8 @@
  * The three parts are tabulated, in units of 2^-16, rounded down with an error below 2: their sum V
  * has V <= exact * 2^16 < V + 6. Let W = V + 2^15. If the low 16 bits of W are 1..2^16 - 7, the
  * base is floor(W / 2^16), because exact + 1/2 then lies strictly between this integer and the
- * next. Otherwise (for about one in ten thousand bases), ost_map_block_base computes the base by a
- * division.
+ * next. About one in ten thousand bases does not satisfy this condition; ost_map_block_base then computes the base with
+ * a division.
  *
  * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
  * at least 1 um), so the sums stay below 2^63.

@@ -106,8 +106,10 @@ static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, cons
     return met & beyond;
 }
 
-/* Returns the set of the voxels of a brick that lie in the box. These are all 64 voxels if the cube that contains the
-   brick is not in the set `across`. */
+/*
+ * Returns the set of the voxels of a brick that lie in the box. If the cube that contains the brick is not in the set
+ * `across`, these are all 64 voxels.
+ */
 static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
 {
     if (!(across >> (number >> 3) & 1))

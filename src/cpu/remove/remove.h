@@ -18,25 +18,24 @@
  * value <= -least, all voxels of the cube are empty by (C1); if the value is >= least, all are
  * solid.
  *
- * Match.  If windows may be used (ost_match.windows), a brick's least coordinate
- * on an axis is u + lowest, and its voxels are within
- * 0 <= offset < (8 - step) voxels of it.  The brick is then at most 9 - step voxels
- * wide, so it lies in the window number floor((voxel + margin) / step), and
+ * Match.  If windows may be used (ost_match.windows), the least coordinate of a brick on an axis is u + lowest. The
+ * offset of a voxel of the brick from this coordinate is 0 <= offset < (8 - step) voxels. The brick is then at most
+ * 9 - step voxels wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
  * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
- * the table: its centre lies in a cell with |v| < least, so a granule that is not empty, and with it the tool's grid,
- * is nearer to the cell than least units of 1/8 granule, which is at most (R + 2) / unit + 1 of them.  With R <= 3.6
- * voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
+ * the table. The centre of such a brick lies in a cell with |v| < least. Therefore a granule that is not empty, and
+ * with it the tool's grid, is nearer to the cell than `least` units of 1/8 granule, and `least` is at most
+ * (R + 2) / unit + 1. With R <= 3.6 voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
  *
  * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
- * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13
- * for which the sum with some offset has 13 set bits: such a brick (2.3 % of them) is matched with
- * the carries. `near_tie` has one bit for eight such values, few enough bits for registers: a brick
- * whose bit is clear (five bricks of six) is not a tie.
+ * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13 for which the sum
+ * with some offset has 13 set bits. Such a brick (2.3 % of all bricks) is matched with the carries. `near_tie` has one
+ * bit for eight such values, so that its bits fit registers. If the bit of a brick is clear (five bricks of six), the
+ * brick is not a tie.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H

@@ -17,10 +17,9 @@
  *
  * where v = floor(8 * least distance between the cell and a granule that differs from the cell),
  * and v <= 8 OST_CELL_REACH.  The table extends so far beyond the tool's grid that its outermost
- * cells are empty and have the greatest v.  For a point outside the table the nearest cell may be
- * used: moving the point there projects it onto a convex box that contains the tool, which does not
- * increase its distance to any part of the tool, so (C1) is true with the cell's v for the point
- * itself too.
+ * cells are empty and have the greatest v.  For a point outside the table, the nearest cell may be used. Moving the
+ * point to this cell projects it onto a convex box that contains the tool. The projection does not increase the
+ * distance to any part of the tool. Therefore (C1) with the cell's v is true for the original point too.
  *
  * Windows.  Window (i, j, k) begins at voxel step * (i, j, k) - OST_WINDOW_MARGIN.
  * Row (y, z) of a window is byte number 8 y + z, and voxel x of the row is bit x of this byte.  On

@@ -27,7 +27,7 @@
  * so that b' is the borrow of m - p - b.
  *
  * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the conditions, and W =
- * -Q. A kernel first tries the order that was valid for the previous row, and then the opposite order. A row that
+ * -Q. A kernel first tests the order that was valid for the previous row, and then the opposite order. A row that
  * satisfies the conditions in neither order is marked OST_VOX_UNPROVEN and is summed crossing by crossing.
  */
 #include <string.h>

@@ -18,9 +18,8 @@
  *   emit_bits             as emit, but m is an integer with one bit per lane
  *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
- * Every value is an integer or an integer + 1/4, or a quotient whose rounding is accounted for; no
- * value is approximate. With w = 2^f, h = w / 2 and the extents ex, ey, ez <= 2^20 of a triangle, the
- * triangle is small if
+ * No value is approximate: every value is an integer, an integer + 1/4, or a quotient whose rounding error is bounded
+ * below. With w = 2^f, h = w / 2 and the extents ex, ey, ez <= 2^20 of a triangle, the triangle is small if
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
@@ -37,18 +36,15 @@
  * All of these, their quarters and their steps from row to row are exact in
  * doubles (2^53).
  *
- * Quotients.  dj <= floor(C / D) is computed as floor((C + 1/4) (1 / D)), D = dz w.
- * (C + 1/4) / D differs from every integer by at least 1 / (4 |D|), and the two
- * roundings by at most 2^-51 times its magnitude, which is less, as
- * |C| + 1/4 < 2^49.  So the floor is exact.  For dz < 0 the quarter moves the quotient
- * down, below its ceiling's integer by the same margin: dj >= ceil((C + 1/4) (1 / D)).
- * For dz = 0 the reciprocal is replaced by a number so large that the quotient is beyond
- * all rows, on the side of C's sign; C + 1/4 is never 0.
- * i = A + ceil(M / (nx w)) is computed as A + ceil((M - 1/4) (1 / (nx w))).  The quotient
- * differs from the nearest integer by at least 1 / (4 nx w); in an owned row the error by
- * rounding is less, at most 2^-52 (1 + 2^-54) times a magnitude of at most
- * (2^49 + 1/4) / (nx w).  The results of lanes that are not owned, or have no triangle,
- * are not used.
+ * Quotients.  dj <= floor(C / D) is computed as floor((C + 1/4) (1 / D)), D = dz w. (C + 1/4) / D differs from every
+ * integer by at least 1 / (4 |D|). The two roundings change it by at most 2^-51 times its magnitude. This is less,
+ * because |C| + 1/4 < 2^49. So the floor is exact. For dz < 0, the quarter moves the quotient down, so that it is below
+ * the integer above it by the same margin: dj >= ceil((C + 1/4) (1 / D)). For dz = 0 the reciprocal is replaced by a
+ * number so large that the quotient is beyond all rows, on the side of C's sign; C + 1/4 is never 0.
+ * i = A + ceil(M / (nx w)) is computed as A + ceil((M - 1/4) (1 / (nx w))). The quotient differs from the nearest
+ * integer by at least 1 / (4 nx w). In an owned row, the rounding error is less: it is at most 2^-52 (1 + 2^-54) times
+ * a magnitude of at most (2^49 + 1/4) / (nx w). The results of lanes that are not owned, or have no triangle, are not
+ * used.
  *
  * ost_vox_mark_triangle processes the other triangles: triangles that are not small, and
  * triangles that may have a crossing after the last centre of a row.

@@ -5,9 +5,9 @@
  * not process.
  *
  * The triangle is oriented so that its projection on (y, z) runs
- * counter-clockwise (AR-VOX-1).  In slice k the rows it owns are consecutive:
- * each edge a -> b bounds them on one side.  With Y = j w + h, w = 2^f,
- * h = w / 2, and t = 0 if the rule of AR-VOX-2 owns E = 0, otherwise 1,
+ * counter-clockwise (AR-VOX-1).  In slice k, the rows that the triangle owns are consecutive, because each edge a -> b
+ * bounds them on one side. With Y = j w + h, w = 2^f, h = w / 2, and t = 0 if the rule of AR-VOX-2 owns E = 0,
+ * otherwise 1,
  *
  *   E >= t   <=>   dz w j <= C,   C = dy (Z - az) + dz (ay - h) - t
  *
@@ -19,12 +19,11 @@
  *   i = A + ceil(M / (nx w)) = A + ceil(ceil(M / w) / nx)
  *   M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az)
  *
- * Proof that the quotients by doubles are exact.  Let m < N / D < m + 1 for an
- * integer m.  N / D differs by at least 1/D from both; the rounded quotient is the
- * nearest double (or, in other rounding modes, the next below or above), and as m
- * and m + 1 are doubles it is within [m, m + 1].  It is strictly inside if half a
- * unit in the last place, or a full unit when not rounding to nearest, is less
- * than 1/D.  An integer quotient is a double and is not rounded.
+ * Proof that the quotients by doubles are exact.  Let m < N / D < m + 1 for an integer m. N / D differs from m and from
+ * m + 1 by at least 1/D. The rounded quotient is the nearest double or, in other rounding modes, the next double below
+ * or above. Because m and m + 1 are doubles, the rounded quotient is within [m, m + 1]. It is strictly inside if the
+ * rounding error is less than 1/D. This error is at most half a unit in the last place or, in other rounding modes,
+ * less than a unit. An integer quotient is a double and is not rounded.
  *   rows       |C| <= 2^43, D = |dz| w <= 2^30.  Quotients above 2^13 only have to
  *              remain outside the tile; below, a unit in the last place is
  *              <= 2^-40 < 2^-30.

@@ -36,8 +36,10 @@ typedef struct job {
     ost_embree *embree[2]; /* if not NULL, Embree finds the candidate triangles, and bins are not used */
     ost_vox_result result;
     bool stream; /* true if classes are written by stores that bypass the caches */
-    /* true if the fill kernel writes directly to the result, which is possible for one mesh if only bits are
-       requested and rows fill complete blocks */
+    /*
+     * True if the fill kernel writes directly to the result. This requires that there is one mesh, that only bits are
+     * requested, and that rows fill complete blocks.
+     */
     bool direct;
 } job;
 
@@ -50,10 +52,10 @@ typedef struct scratch {
 } scratch;
 
 /*
- * Estimates the time of the work on one thread. Additional threads must be started, and may have to
- * wait for a core that another process uses. Additional threads reduce the total time if the work
- * takes at least about a millisecond (docs/log/0.1.md). The estimate uses times measured on one
- * core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
+ * Estimates the time of the work on one thread, which determines whether additional threads are started. Starting a
+ * thread takes time, and the thread may have to wait for a core that another process uses. Additional threads therefore
+ * reduce the total time only if the work takes at least about a millisecond (docs/log/0.1.md). The estimate uses times
+ * measured on one core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
  * 0.15 ns per voxel written as a byte, or 0.03 ns per voxel written as a bit.
  */
 static int64_t estimated_ns(const job *j)

@@ -100,10 +100,10 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
 
 /*
  * Cubes are processed in groups of eight, with two parts of each cube per register: lanes 0..7 of
- * register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.  If the last group has at
- * most four cubes, a register has four parts of each cube; otherwise half of the lanes would not be
- * used.  This case is frequent, because a unit has few blocks.  The cells of all groups are found
- * first, then the values of the cells are read one by one, and then the parts are sorted.
+ * register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.  If the last group has at most four cubes, a
+ * register has four parts of each cube, so that all lanes are used. This case is frequent, because a unit has few
+ * blocks. The cells of all groups are found first, then the values of the cells are read one by one, and then the parts
+ * are sorted.
  */
 enum { GROUPS = 8 };
 typedef struct split_piece {
@@ -337,7 +337,7 @@ static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, 
 }
 
 /*
- * Replaces the number of the window by the number of the window's line for the first `count` bricks, and
+ * Replaces the number of the window with the number of the window's line for the first `count` bricks, and
  * prefetches the lines.
  */
 static inline void find_lines(const ost_windows *windows, size_t count, places *at)

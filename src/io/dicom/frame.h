@@ -6,8 +6,8 @@
  *   directions   integers times 10^-9, rounded in the same way
  *   rescale      integers times 10^-12, rounded in the same way
  *
- * If an attribute is missing or bad, the image is stored with this defect, because the defect is an error only if the
- * image's series is read.
+ * A missing or bad attribute is an error only if the image's series is read. Until then, the image is stored with this
+ * defect.
  */
 #ifndef OST_IO_DICOM_FRAME_H
 #define OST_IO_DICOM_FRAME_H

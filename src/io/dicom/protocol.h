@@ -126,7 +126,7 @@ enum {
     OST_DICOM_FILES_MAX = 1 << 16,  /* files in a folder */
     OST_DICOM_IMAGES_MAX = 1 << 16, /* images in all of these files */
     OST_DICOM_DEPTH_MAX = 16,       /* depth of nested folders */
-    OST_DICOM_SIDE_MAX = 16384      /* greatest number of rows and of columns; equal to OST_DIM_MAX */
+    OST_DICOM_SIDE_MAX = 16384      /* maximum number of rows and of columns; equal to OST_DIM_MAX */
 };
 #define OST_DICOM_FILE_BYTES_MAX (INT64_C(1) << 32)
 #define OST_DICOM_MEMORY_MAX (INT64_C(2) << 30) /* limit on the address space of osteon-dicom, in bytes */

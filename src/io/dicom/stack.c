@@ -83,7 +83,7 @@ static ost_status check_pixels(const char *path, const ost_dicom_frame *f, ost_e
 
 /* ----------------------------------------------------------- pairs of images */
 
-/* Returns true if the two identities differ. An identity that a file does not state differs from no other. */
+/* Returns true if the two identities differ. A missing identity counts as equal to every identity. */
 static bool differ(const uint8_t a[OST_DICOM_IDENTITY], const uint8_t b[OST_DICOM_IDENTITY])
 {
     static const uint8_t none[OST_DICOM_IDENTITY];

@@ -88,7 +88,7 @@ static ost_status face(obj *o, ost_error *err)
 }
 
 /*
- * Replaces each backslash and the newline after it by blanks. The joined lines count as one line, so messages about
+ * Replaces each backslash and the newline after it with blanks. The joined lines count as one line, so messages about
  * later lines state line numbers that are too small.
  */
 static void join_lines(char *at, const char *end)

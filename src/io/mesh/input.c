@@ -201,9 +201,9 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 }
 
 /*
- * Returns true if the word is a decimal whose magnitude is below 10^38; the greatest float32 is 3.4 * 10^38. A
- * magnitude is less than 10^(digits of the mantissa + exponent). A value that nevertheless becomes infinite is
- * detected after assimp has converted it. A word of more than 64 bytes is not a coordinate.
+ * Returns true if the word has at most 64 bytes, is a decimal, and satisfies (digits of the mantissa) + exponent <= 38.
+ * The magnitude of such a decimal is at most 10^38, and the greatest float32 is 3.4 * 10^38. If assimp nevertheless
+ * converts a word to infinity, read.c refuses the vertex.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

@@ -4,13 +4,11 @@
  *
  *   file --load--> bytes --check--> bytes whose counts and indices are correct --> assimp
  *
- * assimp reads well-formed files correctly, but it does not check counts, opens files
- * named in the input, repairs errors silently, and reports no line numbers. Therefore
- * every file is first read into memory and checked completely here. assimp receives only
- * data that have passed the check, and cannot open any other file of the system. Binary
- * files are checked in place, and the parts that do not affect the vertices (headers,
- * materials, animation) are zeroed. Text is rewritten in a plain form, in which the
- * numbers are copied verbatim.
+ * assimp reads well-formed files correctly. However, it does not check counts. It also opens files that are named in
+ * the input, repairs errors silently, and reports no line numbers. Therefore every file is first read into memory and
+ * checked completely here. assimp receives only data that have passed the check, and cannot open any other file of the
+ * system. Binary files are checked in place, and the parts that do not affect the vertices (headers, materials,
+ * animation) are zeroed. Text is rewritten in a plain form, in which the numbers are copied verbatim.
  */
 #ifndef OST_IO_MESH_INPUT_H
 #define OST_IO_MESH_INPUT_H
@@ -69,9 +67,9 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the function
- * replaces in->bytes by the plain form; otherwise, in->bytes remains unchanged. Returns status, or an error that
- * occurs in this function.
+ * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the plain form
+ * becomes the new in->bytes. If not, in->bytes remains unchanged. Returns status, or an error that occurs in this
+ * function.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 

@@ -148,7 +148,7 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /*
- * Replaces the spacing in a column of the affine transform by pixdim. The spacing is replaced only if the column
+ * Replaces the spacing in a column of the affine transform with pixdim. The spacing is replaced only if the column
  * deviates from its axis by no more than noise and if the spacing agrees with pixdim.
  */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
@@ -240,7 +240,7 @@ static bool leads_to_patient(int code)
     return code == NIFTI_XFORM_SCANNER_ANAT || code == NIFTI_XFORM_ALIGNED_ANAT;
 }
 
-/* Determines the affine transform. pixdim is read from the raw header, because libnifti would replace 0 by 1. */
+/* Determines the affine transform. pixdim is read from the raw header, because libnifti would replace 0 with 1. */
 static ost_status find_affine(const char *path, const nifti_image *nim, const double pixdim[3], const scale *s,
                               ost_nifti_form chosen, ost_nifti_header *out, ost_error *err)
 {
@@ -301,8 +301,9 @@ static bool same_float(ost_pm a, ost_pm b)
 }
 
 /*
- * Replaces the header's lengths by the exact lengths from osteon's own comment, unless another program has changed
- * the header after osteon wrote it. Then removes the comment's lengths from the header facts.
+ * If the exact lengths in osteon's own comment, rounded to float, equal the header's lengths, they replace the header's
+ * lengths. If they differ, another program has changed the header. In every case, removes the comment's lengths from
+ * the header facts.
  */
 static void take_exact(ost_nifti_header *h)
 {
@@ -368,7 +369,7 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
 }
 
 /*
- * Refuses NaN and infinity, which libnifti would silently replace by 0. libnifti does not change srow, which is
+ * Refuses NaN and infinity, which libnifti would silently replace with 0. libnifti does not change srow, which is
  * checked where it is used. A slope that is not finite means that there is no scaling.
  */
 static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)

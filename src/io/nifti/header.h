@@ -4,7 +4,7 @@
  *
  * libnifti swaps the bytes and names the fields. It does not check a header, so
  * every field on which it relies is checked here first. Voxels are never read
- * through it, because it would replace NaN by 0 and load the complete file into
+ * through it, because it would replace NaN with 0 and load the complete file into
  * memory.
  *
  *   orientation   sform if its code is 1 (scanner) or 2 (aligned), else
@@ -22,8 +22,8 @@
  *   values        times slope plus intercept; a slope of 0, NaN or infinity
  *                 means none
  *
- * The affine is computed only with + * / and sqrt of doubles, which IEEE 754
- * defines exactly, in header.c, which is compiled without contraction.
+ * header.c computes the affine only with + * / and sqrt of doubles, which IEEE 754 defines exactly. header.c is
+ * compiled without contraction.
  */
 #ifndef OST_IO_NIFTI_HEADER_H
 #define OST_IO_NIFTI_HEADER_H

@@ -25,7 +25,7 @@
 #include "io/nifti/extension.h"
 
 /*
- * Greatest size of the extension in bytes: OST_META_MAX lines of the greatest possible size, the lines with the exact
+ * Maximum size of the extension in bytes: OST_META_MAX lines of the greatest possible size, the lines with the exact
  * spacing and origin, and the fields of the extension itself.
  */
 enum { EXTENSION_CAPACITY = OST_META_MAX * (OST_META_KEY + OST_META_VALUE + 16) + 512 };

@@ -5,8 +5,8 @@
  *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
  * The writer thread wakes up periodically, because waking it from put would require a system call within the tick.
- * Unless the disk is slow, 25 ms and the time of a write and a sync are together less than 100 ms. A power cut then
- * loses at most 100 ms of records, and a kill loses at most 25 ms.
+ * Unless the disk is slow, a wait of 25 ms, a write and a sync together take less than 100 ms. A power cut therefore
+ * loses at most 100 ms of records. A kill loses at most 25 ms.
  *
  * A failed write is undone (the file is cut to its last complete block) and
  * repeated every 250 ms, while the ring accepts further records. Records that do
@@ -29,8 +29,8 @@
 #include "io/thread.h"
 
 /*
- * Greatest number of records in a block, which are one second of ticks. A damaged block thus loses at most one
- * second, even if more records were waiting when it was written.
+ * Maximum number of records in a block: one second of ticks. A damaged block thus loses at most one second, even if
+ * more records were waiting when it was written.
  */
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
@@ -279,9 +279,8 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
 }
 
 /*
- * Creates the file or, if it exists, truncates it. Fails if another recorder has locked the file. Because a recording
- * has its final name from the beginning, a symbolic link with this name is refused; otherwise its target would be
- * truncated.
+ * Creates the file or, if it exists, truncates it. Fails if another recorder has locked the file. Refuses a symbolic
+ * link: a recording has its final name from the beginning, so opening a link would truncate its target.
  */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {

@@ -6,9 +6,9 @@
  *          row 0, row 1, ... in this order
  *
  * A file may be malicious. Only grey pictures with one value per pixel are accepted, and their form is checked before
- * any row is read. The sizes of a picture are limited to OST_DIM_MAX, one allocation of libtiff to 256 MiB (the
- * greatest strip), and a PNG chunk without pixels to 1 MiB. The unpacked size must be at most OST_SLICE_UNPACK_MAX
- * times the file size, which is checked before the grid is allocated.
+ * any row is read. The limits are OST_DIM_MAX for the sizes of a picture, 256 MiB (the greatest strip) for one
+ * allocation of libtiff, and 1 MiB for a PNG chunk without pixels. The unpacked size must be at most
+ * OST_SLICE_UNPACK_MAX times the file size, which is checked before the grid is allocated.
  */
 #ifndef OST_IO_STACK_SLICE_H
 #define OST_IO_STACK_SLICE_H

@@ -10,8 +10,8 @@
  *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit moves to the highest byte
  *   ^ '0'            digits are 0 to 9; bytes below them are masked off
  *
- * A byte b is a digit iff b < 10, iff neither b nor b + 6 reaches 16.  (A
- * carry out of a byte requires b >= 250, which the first test has found.)
+ * A byte b is a digit iff b < 10. This is equivalent to b < 16 and b + 6 < 16. (A carry out of a byte requires
+ * b >= 250, which the first test has found.)
  */
 #ifndef OST_IO_TEXT_DENSITY_H
 #define OST_IO_TEXT_DENSITY_H

@@ -4,33 +4,31 @@
  * the condition (F).
  *
  * Steps.  The smallest gap is one step.
- *   1. Exact: all distances from c_0 are multiples of it.  A gap of one unit
- *      (the coarsest that occurs) proves little (1.3 mm written without decimals
- *      looks like 1 mm with absent layers), so such a gap is accepted only if all
- *      gaps are equal.
+ *   1. Exact: all distances from c_0 are multiples of it.  If the smallest gap is
+ *      at most the coarsest unit that occurs, this proves little: layers of 1.3 mm,
+ *      written without decimals, look like layers of 1 mm of which some are absent.
+ *      Such a gap is accepted only if all gaps are equal.
  *   2. Else rounded: gaps of at most u may be one layer written in two ways, and
  *      the smallest gap above u is one step, s in [g - u, g + u].  In ascending
  *      order, c_i restricts s to [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for
- *      its k.  It is an error if no k is consistent with the remaining interval,
- *      or if several are.  If exactly one is, it narrows the interval.
+ *      its k.  If exactly one k is consistent with the remaining interval, this k
+ *      narrows the interval.  No such k, or several, are an error.
  *      (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
  *
  * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than
- * their precision. Therefore the units that occur are tried from the finest to the
- * coarsest, and the first one with a lattice is used. Coordinates that fit a finer
- * unit fit a coarser one too, so the result asserts nothing beyond the digits.
+ * their precision. Therefore the units that occur are tested from the finest to the coarsest, and the first unit with a
+ * lattice is used. Coordinates that fit a finer unit fit a coarser unit too, so the result asserts nothing beyond the
+ * digits.
  *
- * Spacing. The result is the feasible decimal with the fewest digits after the
- * point; of several, the nearest to (c_(m-1) - c_0) / n, n = k_(m-1); of two equally
- * near, the smaller. The left side of (F) is a maximum of linear functions of s, so
- * it is convex and the feasible s are an interval. At an infeasible s, the pair (i,
- * j) of its maximum and minimum shows on which side the interval lies: k_i - k_j is
- * the negative slope there. This is `probe`; with it the multiples of 10^-d are
- * searched by bisection.
+ * Spacing. The result is the feasible decimal with the fewest digits after the point. Of several such decimals, it is
+ * the one nearest to (c_(m-1) - c_0) / n, with n = k_(m-1); of two equally near decimals, the smaller one. The left
+ * side of (F) is a maximum of linear functions of s, so it is convex and the feasible s are an interval. At an
+ * infeasible s, the pair (i, j) of its maximum and minimum shows on which side the interval lies: k_i - k_j is the
+ * negative slope there. The function `probe` determines this side, and a bisection with `probe` searches the multiples
+ * of 10^-d.
  *
- * If no decimal with nine digits is feasible (thirds of a millimetre),
- * RHE((c_(m-1) - c_0) / n) is used if (F) holds with n pm more: an error of half a
- * picometre in the spacing becomes k / 2 pm after k steps.
+ * If no decimal with nine digits is feasible (for example, for thirds of a millimetre), RHE((c_(m-1) - c_0) / n) is
+ * tested with n pm more in (F), because an error of half a picometre in the spacing becomes k / 2 pm after k steps.
  *
  * Axes whose spacings differ by at most 1 % share one spacing that is feasible for
  * all of them, found in the same way, so that an isotropic grid remains isotropic.
@@ -123,7 +121,7 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 
 /*
  * Returns the smallest gap above `floor`, or 0 if there is none. If greatest is not NULL, sets *greatest to the
- * greatest gap.
+ * maximum gap.
  */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {

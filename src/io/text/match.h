@@ -20,7 +20,7 @@
 #include "core/isa.h"
 
 /*
- * OST_TEXT_MARGIN is the greatest number of bytes that a kernel reads beyond the end of the text. It is sufficient
+ * OST_TEXT_MARGIN is the maximum number of bytes that a kernel reads beyond the end of the text. It is sufficient
  * for eight lines, each with the longest pattern and a density that is one byte too long, and for the reads that
  * begin at the end of the last line.
  */
@@ -50,14 +50,13 @@ typedef struct ost_text_pattern {
 
 /*
  * Matches lines that follow each other from `text` on; the last byte before `end` is
- * a newline, or text == end.  Line i, 0 <= i < lines, is matched if the lines before
- * it are, it begins before end, and it consists of
+ * a newline, or text == end.  Line i, 0 <= i < lines, is matched if all lines before it are matched, it begins before
+ * `end`, and it consists of
  *   before, columns[i].text with lengths[i] bytes, after,
  *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage, and a newline.
  * Returns the number of matched lines, stores their densities, and sets *next to the
- * beginning of the line after them.  No other density is written, because those of
- * lines after `end` may belong to another thread.  OST_TEXT_MARGIN bytes from end on
- * must be readable.
+ * beginning of the line after them.  Writes no other densities: the densities of lines after `end` may belong to
+ * another thread. OST_TEXT_MARGIN bytes from end on must be readable.
  */
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                               const char *text, const char *end, size_t lines, int16_t *density, const char **next);

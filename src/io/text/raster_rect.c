@@ -22,8 +22,8 @@ typedef struct axis_map {
     int32_t *index;    /* owned; index in the complete grid for each coordinate */
     ost_pm spacing;
     int64_t good;      /* number of coordinates that are within the crop and at most 1/8 of a voxel off */
-    int64_t worst;     /* greatest distance from a voxel centre within the crop, in ppm of a voxel */
-    int32_t worst_at;  /* index of the first coordinate with the greatest distance */
+    int64_t worst;     /* maximum distance from a voxel centre within the crop, in ppm of a voxel */
+    int32_t worst_at;  /* index of the first coordinate with the maximum distance */
 } axis_map;
 
 static void maps_free(axis_map maps[3])
@@ -89,7 +89,7 @@ static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost
     report->samples = (uint64_t)samples;
     report->off_lattice = (uint64_t)(samples - maps[0].good * maps[1].good * maps[2].good);
     for (int rank = 0; rank < 3; rank++) {
-        /* Finds the first line within the crop whose coordinate has the greatest distance from its voxel centre. */
+        /* Finds the first line within the crop whose coordinate has the maximum distance from its voxel centre. */
         int64_t line = raster->first_line;
         for (int other = 0; other < 3; other++)
             line += (other == rank ? maps[other].worst_at : maps[other].from) * ost_text_raster_stride(raster, other);

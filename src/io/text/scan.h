@@ -87,11 +87,10 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * Scans the text.
- * given: spacings by option, which override the text's own; 0 means none.
- * hasher: if not NULL, the records of the samples are added to it, 32 bytes each:
- * x, y, z as int64, density as int32, 0 as uint32, little-endian.
- * progress may be NULL.  The caller frees the summary, also after an error.
+ * Scans the text. `given` contains the spacings from options, which override the spacings in the text; 0 means that
+ * there is no option. If `hasher` is not NULL, adds a record of 32 bytes for each sample to the hasher: x, y, z as
+ * int64, density as int32, 0 as uint32, little-endian. progress may be NULL. The caller frees the summary, also after
+ * an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);

@@ -8,7 +8,7 @@
 
 #include "io/volume/input.h"
 
-enum { OST_HEADER_MAX = 1 << 22 }; /* greatest size of a header in bytes; enough for 16384 file names */
+enum { OST_HEADER_MAX = 1 << 22 }; /* maximum size of a header in bytes; enough for 16384 file names */
 
 /*
  * The lines of a header. The struct must be initialised with 0. A pointer into `bytes` remains valid until the next

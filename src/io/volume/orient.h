@@ -12,11 +12,10 @@
  *   ones the first in the order xyz xzy yxz yzx zxy zyx), so it depends on
  *   integers only.
  *
- *   A grid is straight if no voxel centre lies more than 1/8 of a voxel from
- *   its position in the straight grid along any axis: with off(a, w) the component
- *   of column a that should be 0, sum over a of |off(a, w)| * max(n_a - 1, 64) <=
- *   spacing_w / 8.  (At least 64 steps count, so that a thin stack cannot hide a
- *   real tilt.)  Every other grid is oblique; its angle is reported to the user.
+ *   A grid is straight if no voxel centre lies more than 1/8 of a voxel from its position in the straight grid along
+ *   any axis. Let off(a, w) be the component of column a along w that should be 0. The condition for every axis w is:
+ *   sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8. (At least 64 steps count, so that a thin stack
+ *   cannot hide a real tilt.) Every other grid is oblique; its angle is reported to the user.
  */
 #ifndef OST_IO_ORIENT_H
 #define OST_IO_ORIENT_H

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Decodes JPEG 2000 by OpenJPEG. Before decoding, the size in the code stream's header is compared with the size of
+// Decodes JPEG 2000 with OpenJPEG. Before decoding, the size in the code stream's header is compared with the size of
 // the image, so that a stream cannot make the decoder allocate more memory than its image needs.
 #include "io/dicom/child/child.h"
 

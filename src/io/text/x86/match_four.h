@@ -16,12 +16,10 @@
  *
  * Proof that this is the end of line k. Let lines 0 to k - 1 match, so that their
  * densities have n_i <= 7 bytes ("-12345" and a carriage return). The density of line
- * k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window. If all
- * lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities, the
- * window begins within those bytes, which contain no newline if line k matches; the
- * newline is then at n_0 + .. + n_k <= 28 of 32. If line k does not match, the four
- * do not match either, wherever the other ends were found, because a caller accepts
- * all four or none.
+ * k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window. Let all lines have at least
+ * OST_TEXT_JUMP = 21 bytes in front of their densities. The window then begins within these bytes. If line k matches,
+ * these bytes contain no newline, so the newline is at n_0 + .. + n_k <= 28 of 32. If line k does not match, the ends
+ * that were found do not matter, because a caller accepts all four lines or none.
  */
 #ifndef OST_IO_TEXT_X86_MATCH_FOUR_H
 #define OST_IO_TEXT_X86_MATCH_FOUR_H
