@@ -273,8 +273,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity, in the
- * tool's frame; the balance does not solve for this part.
+ * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity in the
+ * tool's frame. The balance does not solve for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
@@ -314,8 +314,7 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
 }
 
 /*
- * The greatest force of the coupling, more than a hand can exert. It limits the force if the device is
- * far from the tool.
+ * Maximum force of the coupling, more than a hand can exert. The limit takes effect if the device is far from the tool.
  */
 #define DEVICE_FORCE_MAX_N 300.0
 

@@ -116,8 +116,8 @@ static void take_state(bridge *b, const link_packet *p)
         return;
     }
     if (!b->simulation) {
-        /* The sequence numbers of this simulation begin at this packet. All packets sent before
-           this run have smaller numbers than the packets that follow. */
+        /* The window of received sequence numbers begins at this packet. A packet that was sent before this run has a
+           smaller number and is dropped. */
         b->simulation = p->simulation;
         b->sequence = p->answers;
         b->window = (link_window){.last = p->sequence - 1};

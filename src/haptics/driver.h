@@ -33,7 +33,7 @@ typedef struct haptic_driver {
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL if there is no text */
-    /* may be NULL; the device then reports no limits; *out is zero before the call */
+    /* If NULL, the device reports no limits. *out is zero before the call. */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
     /* may be NULL; the driver then has no counters */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);

@@ -6,8 +6,8 @@
  * (SCHED_RESET_ON_FORK), because OpenMP's workers and the drivers' threads must not have a higher
  * priority than the loop that uses them.
  *
- * Memory is locked so that no tick waits for a page. Later allocations are locked only if they
- * cannot fail because of the limit on locked memory.
+ * Memory is locked so that no tick waits for a page. If locked memory has no limit, later allocations are locked too.
+ * With a limit, locking could make them fail.
  *
  * The loop runs on the last core, because most interrupts are handled by the first cores.
  */

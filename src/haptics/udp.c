@@ -9,11 +9,10 @@
  * the newest state, so the bridge's clock drives the link. The tick takes no lock, makes no system
  * call and allocates no memory.
  *
- * The bridge computes the force on the device from the contents of the newest state: a pose that
- * the bridge sent before, the force at that pose, and the stiffness along this force (bridge.c).
- * Therefore no feedback loop includes the delay of the link. This driver checks each pose. A pose
- * is rejected if a hand could not have moved that far since the last pose. The bridge must then
- * engage its clutch again.
+ * The bridge computes the force on the device from the contents of the newest state: a pose that the bridge sent
+ * before, the force at that pose, and the stiffness along this force (bridge.c). Therefore no feedback loop includes
+ * the delay of the link. This driver checks each pose. If a hand could not have moved that far since the last pose, the
+ * driver rejects the pose, and the bridge must engage its clutch again.
  */
 #include <arpa/inet.h>
 #include <errno.h>

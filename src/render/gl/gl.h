@@ -62,8 +62,8 @@ extern const ost_gl_variant ost_gl_thesis;
 
 typedef struct ost_gl_options {
     bool debug;  /* if true, the driver's messages are enabled and reported as errors */
-    /* newest OpenGL version to use, times ten; 0 if there is no limit; an older version is used if the driver supports
-       only that version */
+    /* maximum OpenGL version to use, times ten; 0 means no limit. If the driver does not support this version, an older
+       version is used. */
     int version;
 } ost_gl_options;
 

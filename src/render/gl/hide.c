@@ -99,8 +99,8 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* Computes the greatest depth of each tile. Depths are compared as integers by their bits, which gives the same order,
-   because no depth is negative. */
+/* Computes the maximum depth of each tile. The code compares the bit patterns of the depths as integers. Because no
+   depth is negative, the order is the same. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the colours of voxels with a table of the brightness in all directions, which is
- * computed once per frame.
+ * Computes the colours of voxels with a table that contains the brightness in all directions. The table is computed
+ * once per frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
  *        --paint---> colour; for flat paints this is the tint

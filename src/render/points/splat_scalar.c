@@ -17,8 +17,8 @@
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
- * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if one of the two tests
- * passes. A wrong sign can only make a test stricter, because s d <= |d|.
+ * On an axis with |o_a| <= h, the code tests both signs, and a pixel is covered if one of the two tests passes. A wrong
+ * sign can only make a test stricter, because s d <= |d|.
  *
  * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that
  * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,

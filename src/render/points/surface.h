@@ -44,8 +44,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    /* greatest distance, in voxels, between a point and a voxel on which the point's shade depends
-       (renew.c) */
+    /* maximum distance, in voxels, between a point and a voxel on which the point's shade depends (renew.c) */
     OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)

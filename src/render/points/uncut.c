@@ -115,8 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if there is a voxel at most two steps away along one of the axes whose density d satisfies from <= d <
-   to. */
+/* Returns true if a voxel at most two steps away along one of the axes has a density d with from <= d < to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
