@@ -76,8 +76,8 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The least number of rows and bricks that every method must write in an event, counted in the chunks that the thesis'
-   kernel has modified. */
+/* The minimum numbers of rows and bricks that every method must write in an event. They are counted in the chunks that
+   the thesis' kernel has modified. */
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;
