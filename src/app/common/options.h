@@ -74,8 +74,8 @@ typedef struct usage_text {
 } usage_text;
 
 /*
- * Parses the arguments. Returns true if the verb must continue. Otherwise, the verb must return *status, which is
- * OST_OK after --help.
+ * Parses the arguments. Returns true if the verb must continue. If the function returns false, the verb must return
+ * *status; after --help, *status is OST_OK.
  */
 bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
 

@@ -31,7 +31,7 @@ typedef struct dicom_options {
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold; /* threshold; 0 selects the threshold stored in the file if the file is a bone, otherwise 120 */
+    int64_t threshold; /* threshold; 0 selects the threshold that a bone's file stores, or 120 for any other file */
     const char *crop;
     int chunk; /* index in "16|32|64" */
     int resample; /* an ost_resample, index in "linear|nearest|thesis"; if negative, the file determines it */

@@ -15,7 +15,7 @@ typedef struct sim_camera {
     bool flying;
     ost_view_subject subject;
     ost_view_name home;    /* name of the initial view */
-    /* Greatest distance in mm from camera to target, and from target to the middle of the subject. */
+    /* Maximum distance in mm from camera to target, and from target to the middle of the subject. */
     double farthest;
 } sim_camera;
 

@@ -29,8 +29,9 @@ static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wr
 }
 
 /*
- * Returns the time in ns by which a rehearsal precedes its tick, or 0 for no rehearsal. On an OpenCL device, a
- * rehearsal would cost one more launch; on a shared core, it would take time from other threads.
+ * Returns the time in ns by which a rehearsal precedes its tick, or 0 for no rehearsal. By default, there is no
+ * rehearsal on an OpenCL device, because it would cost one more launch, and none on a shared core, because it would
+ * take time from other threads.
  */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {
