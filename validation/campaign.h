@@ -34,7 +34,7 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; the member text contains the error line */
-    CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL, which ends the campaign instead */
+    CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL; SIGKILL ends the campaign instead */
     CASE_LATE,
     CASE_NOT_RUN, /* the backend is not available here */
     CASE_VERDICTS

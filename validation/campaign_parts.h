@@ -30,9 +30,13 @@ typedef struct task {
 
 typedef struct batch {
     int first, end;
-    bool open, ready; /* open: the batch has begun; ready: the reference has run all cases of the batch */
+    /* `open` is true if the batch has begun; `ready` is true if the reference has run all cases of the batch */
+    bool open, ready;
     trace reference;
-    /* descriptor of the reference's trace, which the other backends' workers read if options->apart; -1 otherwise */
+    /*
+     * descriptor of the reference's trace; if options->apart is set, the other backends' workers read the trace from
+     * this descriptor; if options->apart is not set, the value is -1
+     */
     int given;
     task *tasks;      /* owned; one per subject */
     stored_trace *stored_traces;

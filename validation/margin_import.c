@@ -14,9 +14,9 @@
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* greatest distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
+    /* maximum distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
     int64_t leave;
-    /* smallest distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
+    /* minimum distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
     int64_t enter;
 } moved;
 

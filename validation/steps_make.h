@@ -22,9 +22,9 @@ int steps_count_of(bool second, const ost_pose *a, const ost_pose *b, const ost_
 ost_pose steps_between(bool second, const ost_pose *a, const ost_pose *b, int k, int count);
 
 /*
- * Returns the two meshes of a tool on its grid. If the scene has the meshes before snapping, the second
- * implementation snaps them itself. If *own is true, the meshes were allocated by this function and must be
- * freed by steps_meshes_free; otherwise the scene owns them.
+ * Returns the two meshes of a tool on its grid. If the scene has the meshes before snapping, the second implementation
+ * snaps them itself. If *own is true, this function allocated the meshes, and steps_meshes_free must free them. If *own
+ * is false, the scene owns them.
  */
 ost_status steps_meshes_of(bool second, const scene_tool *t, ost_snapped_mesh out[2], bool *own, ost_error *err);
 void steps_meshes_free(ost_snapped_mesh meshes[2], bool own);

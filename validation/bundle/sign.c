@@ -42,8 +42,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
                                  json_string(name)) == 0;
 }
 
-/* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all
-   results are equal but the campaign covers too little. Otherwise returns FAILED, also if nothing was compared or the
+/* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all results
+   are equal but the campaign covers too little. Returns FAILED in all other cases, also if nothing was compared or the
    campaign is incomplete. */
 static const char *result_of(const json_t *summary)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the tool voxel of every active bone voxel at one pose (AR-MAP). The bone is processed in
- * blocks, as in docs/spec/arithmetic.md, with 64-bit integers. This code uses neither the rule of far
- * blocks nor the event's boxes. If a backend omits voxels because of a mistake in them, the results
- * therefore differ. A block is skipped only if the coordinates of all its corners lie beyond one side of
- * the tool. This test is sufficient because the coordinates are linear.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP). The bone is processed in blocks, as in
+ * docs/spec/arithmetic.md, with 64-bit integers. This code uses neither the rule of far blocks nor the event's boxes.
+ * If a backend omits voxels because of a mistake in this rule or in the boxes, its results therefore differ from the
+ * results of this code. A block is skipped only if the coordinates of all its corners lie beyond one side of the tool.
+ * This test is sufficient because the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 

@@ -53,7 +53,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
     return wide_order(all, wide_power_of_two(33)) <= 0;
 }
 
-/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20. Tries the values from 0 upwards. */
+/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20. Tests the values from 0 upwards. */
 static int fraction_bits(const ost_tool_geometry *grid)
 {
     int f = 0;
