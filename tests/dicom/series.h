@@ -7,7 +7,7 @@
  *
  *   origin + i * spacing[0] * rows + j * spacing[1] * columns + k * (spacing[2] * normal + tilt * columns)
  *
- * with normal = rows x columns, and its stored value is, unless `smooth` or `padding` is given,
+ * with normal = rows x columns. If neither `smooth` nor `padding` is given, the stored value of the voxel is
  *
  *   values[0] + (13 i + 1009 j + 30011 k + 7 i j k) mod (values[1] - values[0] + 1)
  *

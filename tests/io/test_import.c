@@ -674,8 +674,8 @@ static void other_files_are_refused(void **state)
 #define MEMORY_OPTION "--import-within-bounds"
 
 /*
- * Returns the peak memory of this process in KiB, or -1. ru_maxrss is not used, because it
- * includes the memory before exec.
+ * Returns the peak memory of this process in KiB, or -1. ru_maxrss is unsuitable, because it includes the memory before
+ * exec.
  */
 static long peak_kib(void)
 {

@@ -199,7 +199,10 @@ static void data_in_several_files(void **state)
     }
 }
 
-/* Writes a valid file in which one line replaces the line with the same key or, if there is none, is added. */
+/*
+ * Writes a valid file with one changed line. The new line replaces the line with the same key. If there is no such
+ * line, the new line is added.
+ */
 static void write_changed(const char *line)
 {
     static const char *const right[] = {"ObjectType = Image\n",      "NDims = 3\n",  "DimSize = 2 2 2\n",

@@ -173,8 +173,8 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* Imports the text in two passes. `crop` is the part of the grid to read; the complete grid is read if crop->lo[0] <
-   0. */
+/* Imports the text in two passes. If crop->lo[0] < 0, the complete grid is read. If not, `crop` is the part of the grid
+   to read. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};

@@ -238,7 +238,7 @@ static void a_difference_is_named(void **state)
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
-            /* the second implementation does not use this tick, because it rotates the rows of the path itself */
+            /* the second implementation rotates the rows of the path itself, so it does not use this tick */
             s.path.ticks[5].pose.t.x++;
         assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err)
                          : perform(dense, &s, 0, w, NULL, NULL, &why, &err));
