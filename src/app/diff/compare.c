@@ -91,8 +91,8 @@ static ost_pm magnitude(ost_pm v)
 }
 
 /*
- * Returns the greatest distance from zero, on one axis, of a voxel centre. This is the distance of the first or the
- * last centre.
+ * Returns the maximum distance from zero, on one axis, of a voxel centre. This is the distance of the first or the last
+ * centre.
  */
 static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 {

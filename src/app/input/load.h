@@ -146,7 +146,7 @@ typedef struct loaded_volume {
     load_kind kind;
     ost_volume volume;             /* voxels; the voxels of a tool are 0, 1 and 2 */
     ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
-    /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, otherwise 120. */
+    /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, 120 for any other volume. */
     int32_t threshold;
 } loaded_volume;
 

@@ -9,8 +9,8 @@
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
  *
- * If an OpenCL device fails during the run, the backend cpu continues from the last complete tick
- * (ost_world_failover) and produces the same grid, unless --no-failover is given.
+ * If an OpenCL device fails during the run and --no-failover is not given, the backend cpu continues from the last
+ * complete tick (ost_world_failover) and produces the same grid.
  */
 #include "app/ream/ream.h"
 

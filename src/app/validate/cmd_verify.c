@@ -46,8 +46,8 @@ static void show(void *user, const char *what, double share)
 }
 
 /*
- * Reads the record of the user's own files in the bundle. The caller owns *out, which is NULL if the bundle has no
- * such record.
+ * Reads the record of the user's own files in the bundle. If the bundle has no such record, *out is NULL. The caller
+ * owns *out.
  */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
