@@ -92,7 +92,10 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
 
 /* ---- campaign_results.c */
 
-/* Stores the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
+/*
+ * Stores the results of the reference. If the reference did not finish, nothing can be compared, and the function
+ * fails.
+ */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
 /* Stores the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also stores the
    verdict of the case that the worker was running. */

@@ -76,8 +76,8 @@ ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item
 void perform_record_counts(performer *p, const ost_bone_info *info);
 /* Writes the digest of a bone into the open record, where it is compared as a result. */
 void perform_record_digest(performer *p, const ost_digest *root);
-/* Writes a record of the complete bone and copies the bone to p->was. If p->second is true, the digest is computed by
-   the second implementation, otherwise by the backend. */
+/* Writes a record of the complete bone and copies the bone to p->was. If p->second is true, the second implementation
+   computes the digest. If it is false, the backend computes it. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* ---- perform_apart.c: these functions do nothing if p->given is NULL */

@@ -16,8 +16,8 @@
 #include "validation/bundle/bundle.h"
 #include "validation/plan.h"
 
-/* Checks everything except the results. Sets *summary to the bundle's verdict (evidence_summary), which the caller
-   owns, or to NULL if the verdict cannot be read. */
+/* Checks everything except the results. Sets *summary to the bundle's verdict (evidence_summary). If the verdict cannot
+   be read, sets *summary to NULL. The caller owns *summary. */
 ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary,
                         ost_error *err);
 

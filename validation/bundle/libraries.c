@@ -113,9 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut off after PROGRAM_TEXT bytes. The caller frees *text, which is NULL if
- * the program is not installed. Returns an error if the program cannot be started, its output cannot be
- * read or the program fails, because the list of libraries would be incomplete.
+ * Reads the output of a program, cut off after PROGRAM_TEXT bytes. If the program is not installed, *text is NULL. The
+ * caller frees *text. If the program cannot be started or fails, or if its output cannot be read, the list of libraries
+ * would be incomplete; the function then returns an error.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
