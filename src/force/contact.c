@@ -20,7 +20,8 @@
 
 #include "core/backend.h"
 
-#define NEAR_AXIS 1e-3 /* least distance from the axis, in m, that is used to compute the cutting speed of a point */
+/* minimum distance from the axis, in m; the cutting speed of a nearer point is computed at this distance */
+#define NEAR_AXIS 1e-3
 
 /* Vectors of four elements; the compiler chooses the registers. */
 typedef float four __attribute__((vector_size(16)));

@@ -44,7 +44,7 @@ typedef struct link_packet {
     /* random numbers that identify the two sides for this run; `simulation` is 0 in a hello packet */
     uint64_t bridge, simulation;
     uint64_t sequence;           /* number of this packet, counted by the sender */
-    /* in a state packet, the greatest sequence number of the poses that the simulation has accepted */
+    /* in a state packet, the maximum sequence number of the poses that the simulation has accepted */
     uint64_t answers;
     /* in a hello or pose packet, the time on the sender's clock, only for diagnosis */
     int64_t t_ns;

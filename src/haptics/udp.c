@@ -48,7 +48,8 @@ enum {
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* greatest motion per tick in m, below the jump that an operation treats as a fault */
+/* maximum motion per tick in m, below the jump that an operation treats as a fault */
+#define FAR_M 0.004
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };

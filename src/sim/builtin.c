@@ -103,8 +103,8 @@ static double mm(ost_pm value)
 }
 
 /*
- * Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the coordinate of the grid's
- * middle.
+ * If the z axis of the tool's frame passes through the grid, returns 0. If it does not, returns the coordinate of the
+ * grid's middle.
  */
 static double axis_of(ost_pm lo, ost_pm hi)
 {

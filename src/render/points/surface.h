@@ -133,7 +133,7 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
 /* Starts a new interval for highlighting removed voxels. Fresh voxels become recent, and recent voxels are no longer
-   highlighted. Has no effect unless shows_contact is set. */
+   highlighted. If shows_contact is not set, the call has no effect. */
 void ost_surface_age(ost_surface *surface);
 
 /*
