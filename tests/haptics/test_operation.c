@@ -170,8 +170,8 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 }
 
 /*
- * Pressing a tool of rigid points into bone must give a force. If a pose jumps, which is a fault, the force
- * must become zero and then increase gradually.
+ * Pressing a tool of rigid points into bone must give a force. A jump of the pose is a fault. After it, the force must
+ * become zero and then increase gradually.
  */
 typedef struct felt {
     ost_operation *operation;

@@ -349,7 +349,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
     return result.resample;
 }
 
-/* The file has the labels 200 and 300. Their mean, which would be a third label, must not occur. */
+/* The file has the labels 200 and 300. Their mean would be a third label, so it must not occur. */
 static void labels_take_the_nearest(void **state)
 {
     (void)state;

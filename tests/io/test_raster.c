@@ -538,7 +538,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* The bytes after the end are newlines or digits, which a kernel could mistake for a part of the text. */
+        /* The bytes after the end are newlines or digits. A kernel could mistake them for a part of the text. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', CAPACITY + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);
