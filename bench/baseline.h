@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The baselines of the benchmarks. They are plain C, compiled at -O3 for the machine that builds
- * them (for any machine with configure --disable-native-bench), in a separate library that only
- * the command links.
+ * The baselines of the benchmarks. They are plain C, compiled at -O3 for the machine that builds them. With configure
+ * --disable-native-bench, they are compiled for any machine. They form a separate library, which only the command
+ * links.
  *
  * This code may contain instructions that the executing machine lacks, so bench_baseline_runs() must be called first.
  * The file baseline_needs.c lists the instruction sets that the compiler was allowed to use. This file contains no

@@ -48,8 +48,8 @@ ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_
 ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
-/* Returns the slices z0 <= z < z0 + count of the full bone, which the caller frees by free. Returns NULL if memory is
-   exhausted. */
+/* Returns the slices z0 <= z < z0 + count of the full bone. Returns NULL if memory is exhausted. The caller frees the
+   slices with free. */
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
 /* Creates the full bone on a backend. */

@@ -68,7 +68,8 @@ typedef struct usage_text {
     const char *about;
     const operand *operands; /* array that ends with a NULL name; all operands are required; may be NULL */
     const option *options;   /* the array ends with a NULL name */
-    bool streams; /* true if an operand may be "-" or a pipe, whose data are copied to a temporary file (core/file.h) */
+    /* true if an operand may be "-" or a pipe; its data are then copied to a temporary file (core/file.h) */
+    bool streams;
     const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;

@@ -9,8 +9,8 @@
 #include "app/picture/preview.h"
 
 /*
- * Checks the file name of a preview, which may be NULL, and checks that pictures can be written. Begins to record
- * warnings. Called before any work.
+ * Checks the file name of a preview, and checks that pictures can be written. The file name may be NULL. Begins to
+ * record warnings. Called before any work.
  */
 ost_status preview_check(app_state *app, const char *path, ost_error *err);
 
