@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A campaign runs every case of a plan on every backend, each backend in its own process, and compares each
- * trace with the trace of the reference by memcmp.
+ * A campaign runs every case of a plan on every backend, each backend in its own process. It compares each trace with
+ * the reference's trace with memcmp.
  *
  *   plan, subjects --campaign_run--> results[case][subject], tracks of the reference
  *

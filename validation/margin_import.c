@@ -9,8 +9,8 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A voxel of the rect grid that differs, and the smallest distances by which the reference's samples would have to
-   move so that the voxel gets the other backend's value. */
+/* A voxel of the rect grid that differs. The other backend's value could result if samples of the reference moved; the
+   struct contains the minimum distances of such motions. */
 typedef struct moved {
     size_t voxel;
     int32_t got;

@@ -88,7 +88,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* Writes to the rect grid, which must not change the cubic grid made from it. Writes no record. */
+/* Writes to the rect grid. The cubic grid made from it must not change. Writes no record. */
 static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;

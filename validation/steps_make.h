@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the steps of a case (steps_record.h), either with src/core and src/sim, whose results every
- * backend uses, or with the second implementation (dense/steps.h).
+ * Computes the steps of a case (steps_record.h), either with src/core and src/sim or with the second implementation
+ * (dense/steps.h). Every backend uses the results of src/core and src/sim.
  *
  *   a pose, the bone's grid, a tool's grid --steps_pose_of--> map, bases, box
  */

@@ -43,8 +43,8 @@ void bundle_abandon(bundle *b); /* b may be NULL */
    was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Called for each problem of a bundle. If a file cannot be read, the check itself fails and this function is not
-   called. */
+/* Called for each problem of a bundle. If a file cannot be read, the check itself fails without a call of this
+   function. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
 /* Reports every problem of the folder's files, of the manifest and of the log's hash chain. Adds the number of

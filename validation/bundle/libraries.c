@@ -48,7 +48,7 @@ typedef struct visit {
     bool incomplete; /* memory was exhausted */
 } visit;
 
-/* Writes the build id that the linker stored in the file, which is the note with type 3 and name "GNU". */
+/* Writes the build id that the linker stored in the file. It is in the note with type 3 and name "GNU". */
 static void build_id(const struct dl_phdr_info *info, char hex[129])
 {
     hex[0] = '\0';

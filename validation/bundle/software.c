@@ -9,7 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* Software for which this program has a table row, which is found by the beginning of a library's file name. */
+/* Software for which this program has a table row. The beginning of a library's file name selects the row. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;

@@ -133,8 +133,8 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
-/* Returns true if no voxel of the block can be in the tool, because along one axis all coordinates of the block lie
-   on one side of the tool. */
+/* Returns true if, along one axis, all coordinates of the block lie on one side of the tool. No voxel of the block can
+   then be in the tool. */
 static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
 {
     const ost_dims dims = tool->base.geometry.dims;
