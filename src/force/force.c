@@ -13,7 +13,7 @@
  *   cannot oscillate.  The equation is solved for the end of the tick (balance.h).
  *
  *   If turn_stiffness is not 0, a spring and a damper also couple the orientation
- *   of the tool to that of the device, and the equation has three more rows, for
+ *   of the tool to that of the device. The equation then has three more rows, for
  *   the torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth

@@ -164,8 +164,8 @@ static void leave_rim(work *k)
 }
 
 /*
- * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the
- * hole, so the mean depth of the cell is neither that of the floor nor that of the hole.
+ * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the hole. The mean depth
+ * of the cell is therefore neither the depth of the floor nor the depth of the hole.
  */
 static bool at_hole(const work *k, int i)
 {

@@ -37,9 +37,9 @@ void ost_orientation_letters(const double direction[3], char letters[4]);
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar with its length above it and its lower edge at y. The bar's length is a round number of millimetres
- * (1, 2 or 5 times a power of ten), the greatest for which the bar is at most `longest` pixels long. If from_left is
- * true, x is the bar's left end; if from_left is false, x is its right end.
+ * Draws a scale bar with its length above it and its lower edge at y. The bar's length is 1, 2 or 5 times a power of
+ * ten in millimetres. The function chooses the maximum for which the bar is at most `longest` pixels long. If from_left
+ * is true, x is the bar's left end; if from_left is false, x is its right end.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);

@@ -20,8 +20,8 @@
  *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
  *                 ticks, with the force required for this (press.h)
  *
- * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which every
- * machine rounds in the same way, so a path is the same on every machine.
+ * Depths are integers. The code uses only + - * /, rint and sqrt of doubles. Every machine rounds these operations in
+ * the same way, so a path is the same on every machine.
  */
 #include "core/conditions.h"
 

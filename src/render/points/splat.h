@@ -76,8 +76,8 @@ typedef struct ost_splat_eye {
 /* Half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, some rays to the voxel
-   may run in the positive direction of this axis and others in the negative direction. */
+/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, the rays to the voxel
+   may run in both directions of this axis. */
 #define OST_FACE_HALF 0.501f
 
 /* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */

@@ -43,8 +43,8 @@ typedef struct ost_uncut {
     uint8_t *outside;
 } ost_uncut;
 
-/* Creates a reference. Takes ownership of the volume, which must have cubic voxels. The parameter `at` is the position
-   of the glenoid, or NULL if the position is unknown. */
+/* Creates a reference. Takes ownership of the volume. The volume must have cubic voxels. The parameter `at` is the
+   position of the glenoid, or NULL if the position is unknown. */
 ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
                           const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err);
 /* Frees the reference's memory. Accepts a zero-initialized reference. */
