@@ -26,7 +26,7 @@ static int compare_moved(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Returns floor(2^20 n / d), where 0 <= n <= 2 d and d < 2^37. */
+/* Returns floor(2^20 * n / d), where 0 <= n <= 2 * d and d < 2^37. */
 static int64_t share_of(int64_t n, int64_t d)
 {
     return (int64_t)((ost_i128)n * MARGIN_ONE / d);

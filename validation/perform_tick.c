@@ -13,8 +13,8 @@
  */
 enum { ALL_VOXELS_EVERY = 32 };
 
-/* The second implementation runs the events of a case only if the number of voxels times the number of ticks is at
-   most SECOND_WORK. It needs about a microsecond for a thousand voxels. */
+/* If the number of voxels times the number of ticks is at most SECOND_WORK, the second implementation runs the events
+   of the case. It needs about a microsecond for a thousand voxels. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
 /* Returns the scene's density classes. If the scene has none, returns those of AR-CLS-2. */

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Compares the coordinate o + i s with the fraction bound / n. Returns the sign of i s n - (bound - o n). */
+/* Compares the coordinate o + i * s with the fraction bound / n. Returns the sign of i * s * n - (bound - o * n). */
 static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 {
     return wide_order(wide_times(wide_plus(wide_of(o), wide_times(wide_of(i), wide_of(s))), n), bound);
