@@ -145,7 +145,7 @@ static double read_x_mm(ost_haptic *device)
     return ost_pm_to_mm(s.pose.t.x);
 }
 
-/* Applies a constant force to a hand at rest. In both directions, F = k x must hold to within the friction. */
+/* Applies a constant force to a hand at rest. In both directions, F = k * x must hold to within the friction. */
 static void a_force_meets_the_hands_spring(void **state)
 {
     (void)state;

@@ -93,7 +93,7 @@ static void every_type_order_and_form(void **state)
     }
 }
 
-/* Writes a file with 2 x 3 x 4 voxels of one byte; the voxel (x, y, z) is 100 + x + 2 y + 6 z. */
+/* Writes a file with 2 x 3 x 4 voxels of one byte; the voxel (x, y, z) is 100 + x + 2 * y + 6 * z. */
 static void write_small(const char *name, const char *lines)
 {
     static bytes file;

@@ -111,8 +111,8 @@ static void sweep_and_motor_of_the_text(void **state)
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
     /*
-     * If 2 |d| equals n s exactly, n poses are sufficient. If d is one picometre longer, one
-     * more pose is necessary.
+     * If 2 * |d| equals n * s exactly, n poses are sufficient. If d is one picometre longer, one more pose is
+     * necessary.
      */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
                    more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
