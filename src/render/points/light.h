@@ -57,8 +57,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * Unit vectors of all directions, and the function that computes the shades of all directions. This is the function in
- * light.c or, if `shade` is set to the result of ost_light_shade_for, a variant.
+ * Unit vectors of all directions, and the function that computes the shades of all directions. By default, this is the
+ * function in light.c. If `shade` is set to the result of ost_light_shade_for, it is a variant.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];

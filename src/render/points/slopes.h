@@ -10,7 +10,7 @@
  *
  * The value of a field depends both on a voxel's distance from the smooth surface and on its
  * openness. Let f be the value of the fine field and w the value of the wide field. Across a plane,
- * w rises half as fast as f, so 2 w - f does not depend on the voxel's distance. The difference 2 w
+ * w rises half as fast as f, so 2 * w - f does not depend on the voxel's distance. The difference 2 * w
  * - f is half of the maximum on a plane, less on an edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H

@@ -67,7 +67,7 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u axis[1] + v axis[2] */
+    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u * axis[1] + v * axis[2] */
     float axis[3][3];
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */

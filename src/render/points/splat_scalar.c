@@ -115,7 +115,7 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* An edge of the outline. The value a + v c + u b is positive inside the outline. */
+/* An edge of the outline. The value a + v * c + u * b is positive inside the outline. */
 typedef struct edge {
     float a, b, c;
 } edge;

@@ -36,7 +36,7 @@
 
 enum {
     OST_BLOCK = 32, /* voxels per side */
-    /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 z */
+    /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 * z */
     OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
     /* maximum number of blocks with a slot; the slot in an id has 17 bits, and one of the values means "none" */
@@ -119,7 +119,8 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
                            ost_error *err);
 /*
  * Replaces the active voxels of a chunk of n^3 voxels. The position at[] is in chunks, and n is 16, 32 or 64. Bit v %
- * 32 of word v / 32 is voxel v = x + n (y + n z). Allocates no memory for blocks that never contained an active voxel.
+ * 32 of word v / 32 is voxel v = x + n * (y + n * z). Allocates no memory for blocks that never contained an active
+ * voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
