@@ -114,8 +114,8 @@ void campaign_free(campaign *c);
 /* Returns the number of cores that this process may use. */
 int campaign_cores(void);
 
-/* Returns true if at least one result equals the reference's in a case that the reference did not refuse, and every
-   available backend equals the reference in every case. */
+/* Returns true if every available backend equals the reference in every case. In addition, at least one of these cases
+   must be a case that the reference did not refuse. */
 bool campaign_equal(const campaign *c);
 
 #endif

@@ -112,7 +112,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 const char *dump_of(const campaign *c, int subject_index);
 /* Checks that every dump was made from this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
-/* Stores the verdicts of a batch for a subject that is a dump, for which no worker runs. */
+/* Stores the verdicts of a batch for a dump. No worker runs for a dump. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

@@ -100,7 +100,7 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
-/* Returns true if the bone is made before the cubic grid is downloaded. Until the download, a backend may store the
+/* Returns true if the bone is made before the cubic grid is downloaded. In this case, the backend may still store the
    grid as a list of slices. */
 static bool before_the_download(const performer *p)
 {
@@ -136,8 +136,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. Resamples it to *again before its download, because a backend may store both
-   grids as lists of slices until the download. */
+/* Makes and records the cubic grid. Until its download, a backend may store a grid as a list of slices. The function
+   resamples the grid to *again before the download, so that both grids may be such lists. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);

@@ -92,8 +92,8 @@ ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geome
    not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: these functions write no records. A watch counts the backend's calls, so they are called only
-   if there is no watch. */
+/* ---- perform_before.c: these functions write no records. They are called only without a watch, because a watch counts
+   the backend's calls. */
 
 /* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);

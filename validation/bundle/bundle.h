@@ -56,8 +56,8 @@ ost_status bundle_read(const char *folder, const char *name, char **bytes, size_
 /* Reads a file of a bundle as bundle_read does. If the file is absent, returns OST_OK and sets *bytes to NULL. */
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
 
-/* Parses a file of a bundle within the limits of limits.h. If the file is absent, *out is NULL. The caller owns
-   *out. */
+/* Parses a file of a bundle within the limits of limits.h. The caller owns *out. If the file is absent, *out is
+   NULL. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
 /* Parses a file of a bundle as bundle_find_json does, but the file must exist. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);

@@ -31,7 +31,7 @@ static cube cube_of(const dense_bone *bone, int32_t number)
     return k;
 }
 
-/* Iterates over the voxels of a cube. v receives the coordinates of each voxel, and at its index. */
+/* Iterates over the voxels of a cube. `v` receives the coordinates of each voxel, and `at` its index. */
 #define EACH_VOXEL(bone, k, v, at)                                                                         \
     for (int32_t v[3] = {0, 0, (k).lo[2]}; v[2] < (k).hi[2]; v[2]++)                                       \
         for (v[1] = (k).lo[1]; v[1] < (k).hi[1]; v[1]++)                                                   \

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no
- * box, so the result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's
- * grid, the box of sim/box.h may be empty. Otherwise that box includes the voxels whose centres lie in the
- * bone-aligned bounds of the tool's grid enlarged by one voxel.
+ * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no box, so the
+ * result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's grid, the box of sim/box.h
+ * may be empty. If a voxel is inside, that box includes all voxels whose centres lie in the bone-aligned bounds of the
+ * tool's grid enlarged by one voxel.
  */
 #include "validation/dense/steps.h"
 
