@@ -117,7 +117,7 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
-/* Checks that a grid is lost after a failed upload, because its content is unknown. */
+/* The content of a grid is unknown after a failed upload. Checks that the grid is lost. */
 static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 {
     ost_error err = {0};

@@ -201,7 +201,7 @@ static void flood(oracle *o, int64_t depth)
         order[at] = i;
     }
     o->pieces = 0;
-    /* from a marker, no preceding voxel can be reached on a path above the marker's height minus depth */
+    /* no path above the marker's height minus depth may lead from a marker to a preceding voxel */
     for (size_t k = 0; k < voxels; k++)
         if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
             o->piece[order[k]] = o->pieces++;
