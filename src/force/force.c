@@ -319,8 +319,8 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*
- * Computes the offset from the tool to the device, limited so that a coupling of stiffness k does
- * not exceed DEVICE_FORCE_MAX_N.
+ * Computes the offset from the tool to the device. The offset is limited so that the force of a coupling with stiffness
+ * k does not exceed DEVICE_FORCE_MAX_N.
  */
 static void reach_of(const double to[3], const double at[3], double k, double away[3])
 {

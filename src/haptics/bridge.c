@@ -171,8 +171,8 @@ static void *run_network(void *user)
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
         /*
-         * A restarted simulation has a new random number, so the bridge sends a hello packet again after a time without
-         * packets.
+         * A restarted simulation has a new random number. Therefore, after a time without packets, the bridge sends a
+         * hello packet again.
          */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;

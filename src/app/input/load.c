@@ -54,7 +54,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
     app->to_stdout |= ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
     /*
-     * Rejects a name that is too long before any work. Without this check, the error would occur only after all the
+     * Before any work, rejects a name that is too long. Without this check, the error would occur only after all the
      * work.
      */
     if (!exists && errno == ENAMETOOLONG)

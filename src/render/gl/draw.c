@@ -161,7 +161,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer into the G-buffer. Then copies the pixels of the layer that are nearer than those of the picture to the
+/* Draws a layer into the G-buffer. If a pixel of the layer is nearer than the picture's pixel, copies it to the
    picture. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {

@@ -12,7 +12,7 @@ typedef struct band {
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of tiles in a band that a block may cover. Tile rows are counted from the first row of the
+/* The half-open range of a band's tiles that a block may cover. Tile rows are counted from the first row of the
    band. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
