@@ -306,7 +306,7 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
             /*
-             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If it is odd,
+             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If this number is odd,
              * the distance is a tie.
              */
             for (size_t n = 0; n < 3; n++) {
