@@ -23,7 +23,7 @@
 #include "app/input/removal_options.h"
 
 /*
- * Number of ticks between two copies of the bone, which are made for a device that may fail. A copy takes about as
+ * Number of ticks between two copies of the bone. The copies are made for a device that may fail. A copy takes about as
  * long as 20 ticks.
  */
 enum { SAVED_TICKS = 1024 };
