@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One tick of an operation. The functions called in a tick do not wait or make system calls, and
- * allocate memory only if ost_world_step does.
+ * One tick of an operation. The functions called in a tick do not wait and make no system calls. Only ost_world_step
+ * may allocate memory.
  */
 #include <math.h>
 #include <stdio.h>

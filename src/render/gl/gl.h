@@ -27,8 +27,8 @@ typedef enum ost_gl_target {
 
 /* A drawing method. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* if true, a point is drawn for every voxel of every used block, even if the voxel is not active, as in the
-       thesis; requires OST_GL_WIDE */
+    /* if true, a point is drawn for every voxel of every used block, as in the thesis, including voxels that are not
+       active; requires OST_GL_WIDE */
     bool every_voxel;
     bool frustum;     /* if true, only blocks in view are drawn */
     bool facing;      /* if true, only points with a face toward the eye are drawn */
@@ -51,7 +51,7 @@ typedef struct ost_gl_variant {
     /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
        `target` OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
-    /* if true, bricks are drawn if voxels are small on the screen, and single voxels in all other cases */
+    /* if true, bricks are drawn for voxels that are small on the screen, and single voxels in all other cases */
     bool choose;
     ost_gl_target target;
 } ost_gl_variant;

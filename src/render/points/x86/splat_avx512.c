@@ -128,7 +128,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
     /*
-     * i = 0, 1, 2 selects the vectors focal forward, right and up, from which the coefficients a, b and c of an edge
+     * i = 0, 1, 2 selects the vectors focal * forward, right and up, from which the coefficients a, b and c of an edge
      * are computed
      */
     for (int i = 0; i < 3; i++) {
