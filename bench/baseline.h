@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The baselines of the benchmarks. They are plain C, compiled at -O3 for the machine that builds
- * them (for any machine with configure --disable-native-bench), in a separate library that only
- * the command links.
+ * The baselines of the benchmarks. They are plain C, compiled at -O3 for the machine that builds them. With configure
+ * --disable-native-bench, they are compiled for any machine. They form a separate library, which only the command
+ * links.
  *
- * This code may contain instructions that the executing machine lacks. Therefore, bench_baseline_runs() must be called
- * first. The file baseline_needs.c, which lists the instruction sets that the compiler was allowed to use, contains
- * data and no code.
+ * This code may contain instructions that the executing machine lacks, so bench_baseline_runs() must be called first.
+ * The file baseline_needs.c lists the instruction sets that the compiler was allowed to use. This file contains no
+ * code, so every machine can read the list.
  */
 #ifndef OST_BENCH_BASELINE_H
 #define OST_BENCH_BASELINE_H
@@ -51,9 +51,9 @@ typedef struct bench_row_store {
     uint32_t hit;
 } bench_row_store;
 
-/* Executes only the stores of a removal event on an unmodified bone. The time of these stores is a
-   lower bound of the event's time. Uses masked stores if the machine has them. Otherwise reads each
-   row, clears the densities that are hit, and writes the row. */
+/* Executes only the stores of a removal event on an unmodified bone. The time of these stores is a lower bound of the
+   event's time. If the machine has masked stores, the function uses them. If the machine has none, the function reads
+   each row, clears the densities that are hit, and writes the row. */
 void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */

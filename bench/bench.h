@@ -83,9 +83,9 @@ bool bench_wanted(const bench_options *options, const char *name);
    NULL if memory is exhausted. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
- * If status is an error, adds the named rows with the error's text as their reason, so that the suite continues, and
- * returns OST_OK. The statuses OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in osteon) are returned
- * unchanged. A name is skipped if it is NULL, if the filter excludes it, or if its row already exists.
+ * Returns OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in osteon) unchanged. For any other status, adds the
+ * named rows with the error's text as their reason, and returns OST_OK, so that the suite continues. A name is skipped
+ * if it is NULL, if the filter excludes it, or if its row already exists.
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
@@ -105,8 +105,8 @@ double bench_row_ratio_of_minima(const bench_row *row);
    background load or, for a short operation, cold caches. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions of a row. This is options->repeat if it is not 0, and otherwise `normal`, which
-   options->quick limits to 3. */
+/* Returns the number of repetitions of a row. If options->repeat is not 0, this is options->repeat. If it is 0, the
+   number is `normal`, which options->quick limits to 3. */
 int bench_repeat(const bench_options *options, int normal);
 
 /* ------------------------------------------------------------------ machine */

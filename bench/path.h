@@ -11,8 +11,8 @@
 
 enum { PATH_TICKS = 2000, PATH_TICKS_QUICK = 100 };
 
-/* Creates `count` ticks of 1 ms for tool 0, whose working face points toward -z in the tool's coordinates. The caller
-   frees *out by free. */
+/* Creates `count` ticks of 1 ms for tool 0. The tool's working face points toward -z in the tool's coordinates. The
+   caller frees *out with free. */
 ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, ost_error *err);
 
 /* The times of a sequence of ticks that is repeated. `means` contains the mean time of each repetition, and `ticks` the

@@ -52,8 +52,8 @@ ost_status bench_scene_init_by(bench_scene *scene, const char *backend, ost_tool
 ost_status bench_scene_set_pose(bench_scene *scene, const ost_pose *pose, ost_error *err);
 void bench_scene_free(bench_scene *scene);
 
-/* Returns the slices z0 <= z < z0 + count of the full bone, which the caller frees by free. Returns NULL if memory is
-   exhausted. */
+/* Returns the slices z0 <= z < z0 + count of the full bone. Returns NULL if memory is exhausted. The caller frees the
+   slices with free. */
 int16_t *bench_scene_slices(const bench_scene *scene, int32_t z0, int32_t count);
 
 /* Creates the full bone on a backend. */
@@ -84,8 +84,8 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The least number of rows and bricks that every method must write in an event, counted in the chunks that the thesis'
-   kernel has modified. */
+/* The minimum numbers of rows and bricks that every method must write in an event. They are counted in the chunks that
+   the thesis' kernel has modified. */
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;

@@ -257,8 +257,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* Adds a row. The series `stores` contains the times of the event's stores alone (bench_store_rows), which the row
-   shows as a lower bound. It may be NULL. */
+/* Adds a row. If `stores` is not NULL, this series contains the times of the event's stores alone (bench_store_rows).
+   The row shows these times as a lower bound. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
                           bench_series *stores)
 {

@@ -308,7 +308,7 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Removes the voxels of a surface block that lie inside a ball. The ball's centre `at` and its `radius` are in
+/* Removes those voxels of a surface block that lie inside a ball. The ball's centre `at` and its `radius` are in
    voxels. */
 static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
 {

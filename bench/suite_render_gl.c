@@ -157,9 +157,8 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        /* Frame 0 is drawn last, because its picture is compared. Two other frames precede it, because
-           a frame omits cells that were hidden in the previous frame, and a moving camera saw the
-           previous frame from another position. */
+        /* Frame 0 is drawn last, because its picture is compared. A frame omits cells that were hidden in the previous
+           frame. Therefore two frames from other positions precede frame 0, as for a moving camera. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

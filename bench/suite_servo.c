@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the servo loop without an operation, which shows how many deadlines are missed because of
- * the machine.
+ * Measures the servo loop without an operation. The result shows how many deadlines are missed because of the machine.
  *
  *   servo/empty   a tick does nothing
  *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes,

@@ -6,10 +6,9 @@
  * alternate, so that the ratios of the rows show the cost of a rule independently of other load on the
  * machine.
  *
- * The baseline only moves bytes: it writes as many bytes as the bone's active chunks contain, and reads
- * the rect grid once, or repeatedly if the rect grid has fewer bytes than are written. The baseline's
- * buffers were written before the measurement, whereas osteon allocates its results within the measured
- * time.
+ * The baseline only moves bytes: it writes as many bytes as the bone's active chunks contain, and reads the rect grid.
+ * If the rect grid has fewer bytes than are written, the baseline reads it repeatedly. The baseline's buffers were
+ * written before the measurement, whereas osteon allocates its results within the measured time.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"

@@ -9,9 +9,9 @@
  *
  * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and parity bits as
  * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the faster one
- * counts. To be comparable, osteon and the baseline write bits into memory that was written before the measurement, and
- * osteon's time is the time of the voxelizer alone, without creating a tool. A /bytes row compares the same baseline
- * with the public call, which allocates the tool and assigns each voxel its class.
+ * counts. For a fair comparison, osteon and the baseline write bits into memory that was written before the
+ * measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /bytes row compares
+ * the same baseline with the public call, which allocates the tool and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -232,7 +232,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     char full[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
-    /* The size of two volumes on the host and of one grid on a backend, which exist at the same time. */
+    /* The total size of two volumes on the host and of one grid on a backend. All three exist at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
     snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);

@@ -9,7 +9,7 @@
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w is the focal length in pixels */
-    /* w is half the width of a voxel along this vector, also in eye_up and eye_forward */
+    /* w is half the width of a voxel along the vector. The same applies to eye_up and eye_forward. */
     vec4 eye_right;
     vec4 eye_up;
     vec4 eye_forward;

@@ -26,8 +26,8 @@ bool slabs(vec3 d, out uint face, out float t)
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z,
                       p.z <= layer.z && q.z <= layer.z);
     /*
-     * If a ray is parallel to a plane, the division by zero is harmless, because the ray can still hit the planes of
-     * the other two axes.
+     * A ray parallel to a plane causes a division by zero. The division is harmless, because the ray can still hit the
+     * planes of the other two axes.
      */
     t = hit.x ? near.x : hit.y ? near.y : near.z;
     face = hit.x ? (s.x > 0.0 ? 1u : 0u) : hit.y ? (s.y > 0.0 ? 3u : 2u) : s.z > 0.0 ? 5u : 4u;

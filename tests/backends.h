@@ -80,8 +80,8 @@ static inline bool next_test_backend(const char **at)
 }
 
 /*
- * Returns the number of random trials: n on the first backend and a third of n on each other
- * backend, or n on all of them if OST_TEST_LONG=1.
+ * Returns the number of random trials. With OST_TEST_LONG=1 this is n on every backend. Without it, this is n on the
+ * first backend and a third of n on each other backend.
  */
 static inline int test_rounds(int n)
 {

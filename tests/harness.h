@@ -24,8 +24,8 @@
 #include "rng.h"
 
 /*
- * Returns a generator seeded by OST_TEST_SEED if it is set, else by the clock. Prints the seed
- * so that a failure can be repeated.
+ * Returns a random generator. If OST_TEST_SEED is set, its value is the seed. If it is not set, the seed comes from the
+ * clock. Prints the seed so that a failure can be repeated.
  */
 static inline test_rng rng_seeded(const char *what)
 {

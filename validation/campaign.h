@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A campaign runs every case of a plan on every backend, each backend in its own process, and compares each
- * trace with the trace of the reference by memcmp.
+ * A campaign runs every case of a plan on every backend, each backend in its own process. It compares each trace with
+ * the reference's trace with memcmp.
  *
  *   plan, subjects --campaign_run--> results[case][subject], tracks of the reference
  *
@@ -34,7 +34,7 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; the member text contains the error line */
-    CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL, which ends the campaign instead */
+    CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL; SIGKILL ends the campaign instead */
     CASE_LATE,
     CASE_NOT_RUN, /* the backend is not available here */
     CASE_VERDICTS
@@ -114,8 +114,8 @@ void campaign_free(campaign *c);
 /* Returns the number of cores that this process may use. */
 int campaign_cores(void);
 
-/* Returns true if at least one result equals the reference's in a case that the reference did not refuse, and every
-   available backend equals the reference in every case. */
+/* Returns true if every available backend equals the reference in every case. In addition, at least one of these cases
+   must be a case that the reference did not refuse. */
 bool campaign_equal(const campaign *c);
 
 #endif

@@ -30,9 +30,13 @@ typedef struct task {
 
 typedef struct batch {
     int first, end;
-    bool open, ready; /* open: the batch has begun; ready: the reference has run all cases of the batch */
+    /* `open` is true if the batch has begun; `ready` is true if the reference has run all cases of the batch */
+    bool open, ready;
     trace reference;
-    /* descriptor of the reference's trace, which the other backends' workers read if options->apart; -1 otherwise */
+    /*
+     * descriptor of the reference's trace; if options->apart is set, the other backends' workers read the trace from
+     * this descriptor; if options->apart is not set, the value is -1
+     */
     int given;
     task *tasks;      /* owned; one per subject */
     stored_trace *stored_traces;
@@ -88,7 +92,10 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
 
 /* ---- campaign_results.c */
 
-/* Stores the results of the reference. Fails if the reference did not finish, because nothing can be compared then. */
+/*
+ * Stores the results of the reference. If the reference did not finish, nothing can be compared, and the function
+ * fails.
+ */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
 /* Stores the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also stores the
    verdict of the case that the worker was running. */
@@ -105,7 +112,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 const char *dump_of(const campaign *c, int subject_index);
 /* Checks that every dump was made from this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
-/* Stores the verdicts of a batch for a subject that is a dump, for which no worker runs. */
+/* Stores the verdicts of a batch for a dump. No worker runs for a dump. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

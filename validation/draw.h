@@ -3,10 +3,10 @@
  * The random number generator for a campaign's inputs: splitmix64, which returns the same numbers on every
  * machine. Each stream has a name, so that a case added to a campaign does not change any other case.
  *
- * A statement calls a draw function at most once, unless its order of evaluation is defined by ; && ?: or
- * the commas between declarators. In f(draw(), draw()) and {draw(), draw()} the compiler chooses the order,
- * and gcc and clang choose differently, so the same name would give different cases.
- * tests/validation/test_scene checks the digests of the results.
+ * Several calls of draw functions in one statement are allowed only if && ?: or the commas between declarators define
+ * their order. In f(draw(), draw()) and {draw(), draw()} the compiler chooses the order. gcc and clang choose
+ * differently, so the same name would give different cases. tests/validation/test_scene checks the digests of the
+ * results.
  */
 #ifndef OST_VALIDATION_DRAW_H
 #define OST_VALIDATION_DRAW_H

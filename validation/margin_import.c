@@ -9,14 +9,14 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A voxel of the rect grid that differs, and the smallest distances by which the reference's samples would have to
-   move so that the voxel gets the other backend's value. */
+/* A voxel of the rect grid that differs. The other backend's value could result if samples of the reference moved; the
+   struct contains the minimum distances of such motions. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* greatest distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
+    /* maximum distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
     int64_t leave;
-    /* smallest distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
+    /* minimum distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
     int64_t enter;
 } moved;
 
@@ -26,7 +26,7 @@ static int compare_moved(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Returns floor(2^20 n / d), where 0 <= n <= 2 d and d < 2^37. */
+/* Returns floor(2^20 * n / d), where 0 <= n <= 2 * d and d < 2^37. */
 static int64_t share_of(int64_t n, int64_t d)
 {
     return (int64_t)((ost_i128)n * MARGIN_ONE / d);

@@ -37,7 +37,7 @@ void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
 /* Counts one differing voxel. margin_decided counts a voxel that has a margin. margin_other counts a voxel without a
-   margin by incrementing *why, which must be a member of m. */
+   margin and increments *why. why must point to a member of m. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 

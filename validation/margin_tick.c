@@ -214,8 +214,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
         /* A voxel that both backends changed has two entries. The first entry has the old values of both backends. In
-           the second entry, value[0] is already the new value of backend 0. Therefore the second entry is skipped
-           unless value[0] equals the old value of backend 1. */
+           the second entry, value[0] is already the new value of backend 0. Therefore the second entry is skipped if
+           value[0] differs from the old value of backend 1. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

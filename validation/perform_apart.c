@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs each stage separately: after each stage, the backend's result is replaced by the reference's result, which is
-   the input of the next stage. */
+/* Runs each stage separately: after each stage, the reference's result replaces the backend's result and becomes the
+   input of the next stage. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>

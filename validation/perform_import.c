@@ -88,7 +88,7 @@ static ost_status run_rect(performer *p, ost_grid **out, ost_error *err)
     return status != OST_OK ? status : written;
 }
 
-/* Writes to the rect grid, which must not change the cubic grid made from it. Writes no record. */
+/* Writes to the rect grid. The cubic grid made from it must not change. Writes no record. */
 static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
 {
     const scene *s = p->s;
@@ -100,7 +100,7 @@ static ost_status add_a_sample(performer *p, ost_grid *rect, ost_error *err)
     return ost_ct_to_rect(rect, &one, 1, 1, OST_DUPLICATES_LAST, &ignored, err);
 }
 
-/* Returns true if the bone is made before the cubic grid is downloaded. Until the download, a backend may store the
+/* Returns true if the bone is made before the cubic grid is downloaded. In this case, the backend may still store the
    grid as a list of slices. */
 static bool before_the_download(const performer *p)
 {
@@ -113,8 +113,8 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
 }
 
 /*
- * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. This is omitted for
- * large grids, to save time, and for grids whose result might exceed the range of lengths (AR-LEN-1).
+ * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. A large grid is not resampled
+ * again, to save time. Neither is a grid whose result might exceed the range of lengths (AR-LEN-1).
  */
 static bool is_resampled_again(const performer *p, const ost_grid *cubic)
 {
@@ -136,8 +136,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. Resamples it to *again before its download, because a backend may store both
-   grids as lists of slices until the download. */
+/* Makes and records the cubic grid. Until its download, a backend may store a grid as a list of slices. The function
+   resamples the grid to *again before the download, so that both grids may be such lists. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
@@ -154,9 +154,8 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 }
 
 /*
- * Records that a case has no grid at this stage. The record is empty on every backend, including the
- * reference, and is compared. If p->watch is set, the grid is not made even if the case has one, and the
- * empty record is written in its place.
+ * Records that a case has no grid at this stage. The record is empty on every backend, including the reference, and is
+ * compared. If p->watch is set, the empty record replaces a grid of the case, and the grid is not made.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

@@ -76,8 +76,8 @@ ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item
 void perform_record_counts(performer *p, const ost_bone_info *info);
 /* Writes the digest of a bone into the open record, where it is compared as a result. */
 void perform_record_digest(performer *p, const ost_digest *root);
-/* Writes a record of the complete bone and copies the bone to p->was. If p->second is true, the digest is computed by
-   the second implementation, otherwise by the backend. */
+/* Writes a record of the complete bone and copies the bone to p->was. If p->second is true, the second implementation
+   computes the digest. If it is false, the backend computes it. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* ---- perform_apart.c: these functions do nothing if p->given is NULL */
@@ -92,8 +92,8 @@ ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geome
    not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: these functions write no records. They are called only if there is no watch, because a watch
-   counts the backend's calls. */
+/* ---- perform_before.c: these functions write no records. They are called only without a watch, because a watch counts
+   the backend's calls. */
 
 /* Scatters the case's first samples into a grid with a different lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);

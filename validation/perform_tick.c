@@ -13,8 +13,8 @@
  */
 enum { ALL_VOXELS_EVERY = 32 };
 
-/* The second implementation runs the events of a case only if the number of voxels times the number of ticks is at
-   most SECOND_WORK. It needs about a microsecond for a thousand voxels. */
+/* If the number of voxels times the number of ticks is at most SECOND_WORK, the second implementation runs the events
+   of the case. It needs about a microsecond for a thousand voxels. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
 /* Returns the scene's density classes. If the scene has none, returns those of AR-CLS-2. */
@@ -104,9 +104,9 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* Computes the poses and maps of an event on the backend, only for the record; the sweep begins at *from and ends at
-   the pose of the tick. The event itself runs with the poses and maps of the host, which must equal those of the
-   backend. */
+/* Computes the poses and maps of an event on the backend, only for the record. The sweep begins at *from and ends at
+   the pose of the tick. The event itself runs with the poses and maps of the host. Those of the backend must be
+   equal. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {

@@ -20,7 +20,8 @@ enum { RESAMPLE_ONE = 1 << 15 };
 typedef struct resample_tap {
     int64_t top, bottom; /* numerator and denominator of the quotient before it is clamped; bottom > 0 */
     int64_t index;
-    int64_t weight; /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; if it is 0, that voxel is not read */
+    /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; if the weight is 0, voxel index + 1 is not read */
+    int64_t weight;
 } resample_tap;
 
 /* Returns the source of cubic voxel i in a row of n rect voxels. i is below 2^14 and the spacings cubic and rect are

@@ -29,7 +29,7 @@ static void draw_lattice(scene *s, draw *d)
     s->duplicates = (ost_duplicates)draw_between(d, 0, 3);
 }
 
-/* Makes a bone for cases with ticks. The CT has the bone's spacing, which makes the size of the bone predictable. */
+/* Makes a bone for cases with ticks. The CT has the bone's spacing, so the size of the bone is predictable. */
 static ost_status make_bone(scene *s, draw *d, int32_t side, ost_error *err)
 {
     draw_lattice(s, d);

@@ -74,8 +74,8 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
                     s->samples[n++] = one;
                 }
             }
-    /* The order of the samples may be random, because the result of a scatter depends on it only through the rule for
-       duplicates. */
+    /* Apart from the rule for duplicates, the result of a scatter does not depend on the order of the samples. The
+       order may therefore be random. */
     if (draw_one_in(d, 2))
         for (size_t i = n; i > 1; i--) {
             const size_t other = (size_t)draw_between(d, 0, (int64_t)i - 1);

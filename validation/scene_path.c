@@ -34,7 +34,7 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
     return (ost_pm3){p[0], p[1], p[2]};
 }
 
-/* Draws a unit quaternion: sometimes one of the 24 rotations of a cube, otherwise any rotation. */
+/* Draws a unit quaternion: sometimes one of the 24 rotations of a cube, in all other cases any rotation. */
 static ost_status drawn_turn(draw *d, double q[4])
 {
     static const double root = 0.70710678118654752440;

@@ -396,8 +396,8 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                .end = (int)((injections + PER_SCENE - 1) / PER_SCENE)};
     *out = (sensitivity){.seed = seed};
     run_pass(&p, jobs);
-    /* Each kind of mistake that changed no result is made in every unit of a few more scenes. This is omitted if the
-       run has fewer injections than kinds. */
+    /* If the run has at least as many injections as there are kinds of mistakes, each kind that changed no result is
+       made in every unit of a few more scenes. */
     for (int k = DEVIATION_NONE + 1; k < DEVIATION_KINDS && injections >= DEVIATION_KINDS - 1; k++)
         if (!out->of[k].changed)
             p.kinds[p.kind_count++] = (deviation_kind)k;

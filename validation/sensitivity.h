@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures whether the campaign would have found an error. Mistakes that a port
- * could contain are made deliberately, one at a time, at random positions and
- * rates, and the code that compares backends compares the results.
+ * Measures whether the campaign would have found an error. Mistakes that a port could contain are made deliberately,
+ * one at a time, at random positions and rates. The code that compares backends then compares the results.
  *
  *   small scene --reference--> trace ----------------.
  *        |------dense, correct--> trace --compare--> equal, or a false alarm

@@ -14,8 +14,8 @@
 
 #include <sys/types.h>
 
-/* Adds a folder to the list and copies its path. A folder is not added, and therefore not removed after a signal, if
-   the list is full or the path is too long. */
+/* Adds a folder to the list and copies its path. If the list is full or the path is too long, the folder is not added,
+   and a signal does not remove it. */
 void signal_cleanup_folder(const char *path);
 void signal_cleanup_folder_gone(const char *path);
 /* Removes a listed folder, its contents, and its entry in the list. */

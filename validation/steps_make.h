@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the steps of a case (steps_record.h), either with src/core and src/sim, whose results every
- * backend uses, or with the second implementation (dense/steps.h).
+ * Computes the steps of a case (steps_record.h), either with src/core and src/sim or with the second implementation
+ * (dense/steps.h). Every backend uses the results of src/core and src/sim.
  *
  *   a pose, the bone's grid, a tool's grid --steps_pose_of--> map, bases, box
  */
@@ -22,9 +22,9 @@ int steps_count_of(bool second, const ost_pose *a, const ost_pose *b, const ost_
 ost_pose steps_between(bool second, const ost_pose *a, const ost_pose *b, int k, int count);
 
 /*
- * Returns the two meshes of a tool on its grid. If the scene has the meshes before snapping, the second
- * implementation snaps them itself. If *own is true, the meshes were allocated by this function and must be
- * freed by steps_meshes_free; otherwise the scene owns them.
+ * Returns the two meshes of a tool on its grid. If the scene has the meshes before snapping, the second implementation
+ * snaps them itself. If *own is true, this function allocated the meshes, and steps_meshes_free must free them. If *own
+ * is false, the scene owns them.
  */
 ost_status steps_meshes_of(bool second, const scene_tool *t, ost_snapped_mesh out[2], bool *own, ost_error *err);
 void steps_meshes_free(ost_snapped_mesh meshes[2], bool own);

@@ -39,8 +39,8 @@ ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_
 ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
                              ost_error *err);
 
-/* Adds the words of a snap record. If second is true, the digest is computed by steps_mesh_digest. parts[1] has no
-   triangles if there is no second mesh. parts is NULL if the meshes before snapping are not available. */
+/* Adds the words of a snap record. If second is true, steps_mesh_digest computes the digest. parts[1] has no triangles
+   if there is no second mesh. parts is NULL if the meshes before snapping are not available. */
 ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);

@@ -55,8 +55,8 @@ bool steps_word_is_bound(size_t word)
 }
 
 /* Returns true if a word of `is` covers the bound in the same word of `least`. The word `reaches` covers the bound if
-   it is set or not set in `least`. The box of `is` must contain the box of `least`; the boxes are compared only if
-   `reaches` is set in both records. */
+   it is set in `is` or not set in `least`. If `reaches` is set in both records, the box of `is` must contain the box of
+   `least`; if not, the boxes are not compared. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

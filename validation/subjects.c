@@ -48,7 +48,7 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
         left--;
         for (int t = 0; t < 4; t++) {
             /* In the smoke tier the instruction sets run alternately with 2, 3 and 7 threads. The last set also runs
-               with those of these counts that no other set has. */
+               with those of the three counts that no earlier set used. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;

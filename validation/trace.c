@@ -92,7 +92,10 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
     if (stage != TRACE_TICK)
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
-    /* The start of a range of chunks may be below the bound. The end of a range and boxes_meet may be greater. */
+    /*
+     * The start of a range of chunks may be below the bound. The end of a range may be above the bound, and so may
+     * boxes_meet.
+     */
     return word >= 4 && word % 2 == 0 ? has <= needs
                                       : has >= needs;
 }

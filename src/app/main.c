@@ -90,8 +90,8 @@ static ost_status no_verb(const char *word, ost_error *err)
 }
 
 /*
- * Opens /dev/null for each standard stream that is closed. Otherwise, the next opened file would get the descriptor
- * of the closed stream and receive the stream's output.
+ * Opens /dev/null for each standard stream that is closed. If the descriptor of a closed stream stayed free, the next
+ * opened file would get this descriptor and receive the stream's output.
  */
 static void open_standard_streams(void)
 {

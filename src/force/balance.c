@@ -7,8 +7,8 @@
 enum { SETS = 8 };
 
 /*
- * Solves m u = b by Cholesky decomposition in place. m must be symmetric and positive definite;
- * only its upper triangle is read.
+ * Solves m * u = b with a Cholesky decomposition in place. m must be symmetric and positive definite; only its upper
+ * triangle is read.
  */
 static void solve(int n, double m[6][6], const double b[6], double u[6])
 {

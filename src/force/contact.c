@@ -20,13 +20,14 @@
 
 #include "core/backend.h"
 
-#define NEAR_AXIS 1e-3 /* least distance from the axis, in m, that is used to compute the cutting speed of a point */
+/* minimum distance from the axis, in m; the cutting speed of a nearer point is computed at this distance */
+#define NEAR_AXIS 1e-3
 
 /* Vectors of four elements; the compiler chooses the registers. */
 typedef float four __attribute__((vector_size(16)));
 typedef int32_t four_integers __attribute__((vector_size(16)));
 
-/* Greatest reach of a tool in voxels. At a greater reach, positions in float would not be accurate enough. */
+/* Maximum reach of a tool in voxels. Beyond this reach, positions in float are not accurate enough. */
 #define REACH_MAX 32768.0
 
 double ost_dot(const double a[3], const double b[3])
@@ -244,8 +245,8 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
                 plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->position[a][i]) * along[a] * s * s;
             if (c->found[k] == 0) {
                 /*
-                 * The point has left the bone. A point that is not in bone at the first step
-                 * does not touch bone.
+                 * The point has left the bone. A point that is outside the bone at the first step counts as not
+                 * touching.
                  */
                 if (!first)
                     c->depth[slot[k]] = (c->depth[slot[k]] + plane) / 2 + layer;

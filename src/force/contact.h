@@ -49,8 +49,8 @@ typedef struct contact {
     int16_t density[OST_SHELL_MAX];
     double depth[OST_SHELL_MAX];    /* thickness by which the layer is compressed (law OST_FORCE_INSTANT) */
     /*
-     * Scratch arrays for the positions of the points, in voxels relative to an integer origin, the voxels of the
-     * points, and the densities of these voxels.
+     * Scratch arrays. They contain the positions of the points in voxels relative to an integer origin, the voxels of
+     * the points, and the densities of these voxels.
      */
     float position[3][OST_SHELL_MAX];
     int32_t voxel[3][OST_SHELL_MAX];
@@ -59,7 +59,7 @@ typedef struct contact {
 
 double ost_dot(const double a[3], const double b[3]);
 void ost_cross(const double a[3], const double b[3], double out[3]);
-/* Computes the rotation matrix of the quaternion w, x, y, z, which may have any length except 0. */
+/* Computes the rotation matrix of the quaternion w, x, y, z. The quaternion may have any length except 0. */
 void ost_turn_of(const double q[4], double turn[3][3]);
 void ost_into_bone(const contact_pose *pose, const double v[3], double out[3]);
 void ost_into_tool(const contact_pose *pose, const double v[3], double out[3]);
@@ -69,14 +69,14 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
 /* Updates the values that depend on params->speed, the speed of the tool. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
 /*
- * Finds the points that touch bone. A point touches bone if the position one voxel outward of the point lies in bone.
+ * Finds the points that touch bone. A point counts as touching if the position one voxel outward of the point lies in
+ * bone.
  */
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
                              ost_error *err);
 /*
- * Finds the points for which the position `layer` (m) outward of the point lies in bone. Sets c->depth to the depth of
- * this position in bone, measured along the inward normal, at most 2 * layer. Sets c->density to the density of the
- * first bone voxel.
+ * Finds the points for which the position `layer` (m) outward of the point lies in bone. c->depth is the depth of this
+ * position in bone along the inward normal, limited to 2 * layer. c->density is the density of the first bone voxel.
  */
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
                              contact *c, ost_error *err);

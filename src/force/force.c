@@ -13,7 +13,7 @@
  *   cannot oscillate.  The equation is solved for the end of the tick (balance.h).
  *
  *   If turn_stiffness is not 0, a spring and a damper also couple the orientation
- *   of the tool to that of the device, and the equation has three more rows, for
+ *   of the tool to that of the device. The equation then has three more rows, for
  *   the torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
@@ -273,8 +273,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity, in the
- * tool's frame; the balance does not solve for this part.
+ * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity in the
+ * tool's frame. The balance does not solve for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
@@ -314,14 +314,13 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
 }
 
 /*
- * The greatest force of the coupling, more than a hand can exert. It limits the force if the device is
- * far from the tool.
+ * Maximum force of the coupling, more than a hand can exert. The limit takes effect if the device is far from the tool.
  */
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*
- * Computes the offset from the tool to the device, limited so that a coupling of stiffness k does
- * not exceed DEVICE_FORCE_MAX_N.
+ * Computes the offset from the tool to the device. The offset is limited so that the force of a coupling with stiffness
+ * k does not exceed DEVICE_FORCE_MAX_N.
  */
 static void reach_of(const double to[3], const double at[3], double k, double away[3])
 {

@@ -176,8 +176,8 @@ char *ost_force_value_text(double value, char text[OST_FORCE_VALUE])
 }
 
 /*
- * Returns true if the teeth pass at half the tick rate of 1 kHz or faster. Their vibration would be rendered at a wrong
- * frequency.
+ * Returns true if the frequency of the teeth is at least half the tick rate of 1 kHz. A vibration at such a frequency
+ * would be rendered at a wrong frequency.
  */
 static bool passes_too_fast(const ost_force_params *p)
 {

@@ -116,8 +116,8 @@ static void take_state(bridge *b, const link_packet *p)
         return;
     }
     if (!b->simulation) {
-        /* The sequence numbers of this simulation begin at this packet. All packets sent before
-           this run have smaller numbers than the packets that follow. */
+        /* The window of received sequence numbers begins at this packet. A packet that was sent before this run has a
+           smaller number and is dropped. */
         b->simulation = p->simulation;
         b->sequence = p->answers;
         b->window = (link_window){.last = p->sequence - 1};
@@ -171,8 +171,8 @@ static void *run_network(void *user)
         if (read(b->wake, &ignored, sizeof ignored) < 0 && errno != EAGAIN)
             break;
         /*
-         * A restarted simulation has a new random number, so the bridge sends a hello packet again after a time without
-         * packets.
+         * A restarted simulation has a new random number. Therefore, after a time without packets, the bridge sends a
+         * hello packet again.
          */
         if (b->simulation && ost_clock_ns() - b->heard_ns > FORGET_MS * MS)
             b->simulation = 0;

@@ -6,11 +6,11 @@
  *     ^               |  ^--newest--- thread <-state--    |
  *     '-- wrench: coupling to the plane of the newest state
  *
- * The coupling is computed on this machine. A state contains a force, the pose at which the force was computed, and
- * the stiffness at that pose. These values define a plane, which stays fixed until the next state arrives. A spring
- * and a damper on this machine push the device out of the plane.
- * The safety layer (safety.c) limits this force, also to keep the loop passive. No feedback loop therefore includes
- * the delay of the link, however long the delay is.
+ * The coupling is computed on this machine. A state contains a force, the pose at which the force was computed, and the
+ * stiffness at that pose. These values define a plane, which stays fixed until the next state arrives. A spring and a
+ * damper on this machine push the device out of the plane. The safety layer (safety.c) limits this force and keeps the
+ * loop passive. Because the coupling and the safety layer run on this machine, no feedback loop includes the delay of
+ * the link.
  *
  *   force = f + K (p - x) . n - B v . n, never pulling    f, n, p, K, B: from the state; x, v: position and speed now
  *

@@ -43,10 +43,7 @@ void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
  * too large.
  */
 ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
-/*
- * Returns the tool's pose for a body whose pose is given in the bone's frame. Otherwise, the function is like
- * haptic_clutch_pose.
- */
+/* Computes the same pose as haptic_clutch_pose, but for a body whose pose is given in the bone's frame. */
 ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
 /* Rotates a vector, for example a force, from the bone's frame to the body's frame. */
 void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);

@@ -3,7 +3,7 @@
  * A driver consists of a constant table in its own file and a line in table.c. The table has these functions:
  *
  *   usable   returns true if the device can be opened on this machine; otherwise writes the reason
- *   answers  called only when devices are listed: opens the device to check properties that cannot be checked otherwise
+ *   answers called only when devices are listed: opens the device to check properties that need an open device
  *   open     receives the part of the spec after the colon, "" if there is none
  *   read     polled devices: returns the pose for this tick; takes no lock, allocates no memory and does not wait;
  *            after OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h)
@@ -33,7 +33,7 @@ typedef struct haptic_driver {
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
     void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
     void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL if there is no text */
-    /* may be NULL; the device then reports no limits; *out is zero before the call */
+    /* If NULL, the device reports no limits. *out is zero before the call. */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
     /* may be NULL; the driver then has no counters */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);

@@ -211,8 +211,8 @@ static int write_command(haptic_instance *h, bool nothing, char *text, size_t ca
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)
         f[a] = nothing ? 0 : llrint(force[a] * 1e6);
-    /* The first message selects the form of the answers. A force cannot be sent before a device's
-       id has been received. */
+    /* Without a device's id, no force can be sent. The first message contains no force; it selects the form of the
+       answers. */
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
     return snprintf(text, capacity,
@@ -391,8 +391,8 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
                         strerror(error));
-    /* The device is also opened if the service fails after its first state. The next read then
-       reports that the device is lost. */
+    /* If the service fails after its first state, the device is nevertheless opened. The next read then reports that
+       the device is lost. */
     if (wait_for(&h->met, OPEN_MS) && atomic_load(&h->states) > 0)
         return OST_OK;
     stop_thread(h);

@@ -31,8 +31,8 @@ typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_ty
 enum {
     LINK_SEEN = 1,   /* set in a pose if the device holds the tool */
     LINK_ENDED = 2,  /* set in the last pose or state packet of a run */
-    /* set in a state if the pose was too far away; the bridge must then release its clutch and engage it at the tool's
-       position */
+    /* set in a state if the pose was too far away; the bridge must then release its clutch and engage it again at the
+       tool's position */
     LINK_AGAIN = 4,
     /* set in a state if the simulation is already connected to another bridge */
     LINK_BUSY = 8
@@ -44,7 +44,7 @@ typedef struct link_packet {
     /* random numbers that identify the two sides for this run; `simulation` is 0 in a hello packet */
     uint64_t bridge, simulation;
     uint64_t sequence;           /* number of this packet, counted by the sender */
-    /* in a state packet, the greatest sequence number of the poses that the simulation has accepted */
+    /* in a state packet, the maximum sequence number of the poses that the simulation has accepted */
     uint64_t answers;
     /* in a hello or pose packet, the time on the sender's clock, only for diagnosis */
     int64_t t_ns;

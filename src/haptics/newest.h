@@ -36,7 +36,10 @@ static inline void newest_put(newest *n)
     n->back = atomic_exchange_explicit(&n->middle, (unsigned char)(n->back | NEWEST_FRESH), memory_order_acq_rel) & 3;
 }
 
-/* Takes the newest value. Returns true if slot n->front contains a value that was not yet taken. */
+/*
+ * Takes the newest value. After the call, slot n->front contains this value. Returns true if the value was not taken
+ * before.
+ */
 static inline bool newest_take(newest *n)
 {
     if (!(atomic_load_explicit(&n->middle, memory_order_relaxed) & NEWEST_FRESH))

@@ -133,8 +133,8 @@ static bool run_loop(servo *s)
 }
 
 /*
- * Classifies the missed deadlines. The time spent on rehearsals and on waiting after them counts as work only as far as
- * it exceeds lead_ns.
+ * Classifies the missed deadlines. Rehearsals and the waits after them may take lead_ns. Only time beyond lead_ns
+ * counts as work.
  */
 static void count_missed(servo *s, uint64_t missed)
 {

@@ -9,11 +9,10 @@
  * the newest state, so the bridge's clock drives the link. The tick takes no lock, makes no system
  * call and allocates no memory.
  *
- * The bridge computes the force on the device from the contents of the newest state: a pose that
- * the bridge sent before, the force at that pose, and the stiffness along this force (bridge.c).
- * Therefore no feedback loop includes the delay of the link. This driver checks each pose. A pose
- * is rejected if a hand could not have moved that far since the last pose. The bridge must then
- * engage its clutch again.
+ * The bridge computes the force on the device from the contents of the newest state: a pose that the bridge sent
+ * before, the force at that pose, and the stiffness along this force (bridge.c). Therefore no feedback loop includes
+ * the delay of the link. This driver checks each pose. If a hand could not have moved that far since the last pose, the
+ * driver rejects the pose, and the bridge must engage its clutch again.
  */
 #include <arpa/inet.h>
 #include <errno.h>
@@ -49,7 +48,8 @@ enum {
     NAME = 512,
     FAREWELLS = 3
 };
-#define FAR_M 0.004     /* greatest motion per tick in m, below the jump that an operation treats as a fault */
+/* maximum motion per tick in m, below the jump that an operation treats as a fault */
+#define FAR_M 0.004
 #define FAR_RAD 0.7
 
 enum { GOOD, MALFORMED, WRONG_KEY, REPLAYED, LATE, MISSING, OTHERS, AGAIN, COUNTS };

@@ -19,7 +19,8 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define MARGIN_MM 1.0
 #define WINDOW_MM 0.5   /* the axis of a reamer is the mean axis over the deepest half millimetre */
 /*
- * least depth at which the hole's wall is measured; below WALL_MM, the empty space in front of the face would be found
+ * Minimum depth at which the hole's wall is measured. At a depth below WALL_MM, the search would find the empty space
+ * in front of the face.
  */
 #define ENTRY_MM 6.0
 #define WALL_MM 6.0
@@ -144,8 +145,8 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the cells whose neighbours, up to RIM cells away, all belong to the floor. Cells at the rim of
- * the floor are omitted, because only deeper cells count as floor there, which would distort the fit.
+ * Stores the points of the floor's cells. At the rim of the floor, only deeper cells count as floor, which would
+ * distort the fit. Therefore a cell is used only if its neighbours, up to RIM cells away, all belong to the floor.
  */
 static void leave_rim(work *k)
 {
@@ -163,8 +164,8 @@ static void leave_rim(work *k)
 }
 
 /*
- * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the
- * hole, so the mean depth of the cell is neither that of the floor nor that of the hole.
+ * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the hole. The mean depth
+ * of the cell is therefore neither the depth of the floor nor the depth of the hole.
  */
 static bool at_hole(const work *k, int i)
 {

@@ -115,8 +115,8 @@ static void plunges(const ost_motion *m, size_t count, const bool *in, const dou
             begun = depth[0];
         }
         /*
-         * The end threshold is well below the start threshold. Otherwise a speed that varies
-         * around the limit would be counted as many plunges.
+         * The end threshold is well below the start threshold. With equal thresholds, a speed that varies around the
+         * limit would be counted as many plunges.
          */
         fast = speed > (fast ? OST_PLUNGE_END_MM_S : OST_PLUNGE_MM_S);
         if (fast)

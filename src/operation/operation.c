@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One tick of an operation. The functions called in a tick do not wait or make system calls, and
- * allocate memory only if ost_world_step does.
+ * One tick of an operation. The functions called in a tick do not wait and make no system calls. Only ost_world_step
+ * may allocate memory.
  */
 #include <math.h>
 #include <stdio.h>
@@ -374,8 +374,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         return true;
     }
     /*
-     * After a drop-out, there is no sweep from the previous pose. As without a drop-out, a device that is far from the
-     * previous pose causes a fault.
+     * After a drop-out, there is no sweep from the previous pose. The limit on the distance still applies: a device
+     * that is far from the previous pose causes a fault.
      */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;

@@ -27,9 +27,9 @@ double ost_marks_unit(int height);
 double ost_round_down(double most);
 
 /*
- * Writes the letters of an anatomical direction, beginning with the letter of the axis with the greatest component,
- * followed by those of the other axes whose components are large enough. The frame is LPS+; "S" and "I" mean superior
- * and inferior. For a zero vector, writes "".
+ * Writes the letters of an anatomical direction. The first letter names the axis with the greatest component. Letters
+ * of other axes follow if their components are large enough. The frame is LPS+; "S" and "I" mean superior and inferior.
+ * For a zero vector, writes "".
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
 /* Writes the letters of the anatomical direction toward an edge of a picture. The edges are 0 left, 1 right, 2 upper
@@ -37,9 +37,9 @@ void ost_orientation_letters(const double direction[3], char letters[4]);
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar with its length above it and its lower edge at y. The length is the greatest round number of
- * millimetres (1, 2 or 5 times a power of ten) for which the bar is at most `longest` pixels long. The bar's left end
- * is at x if from_left is true; if it is false, the right end is at x.
+ * Draws a scale bar with its length above it and its lower edge at y. The bar's length is 1, 2 or 5 times a power of
+ * ten in millimetres. The function chooses the maximum for which the bar is at most `longest` pixels long. If from_left
+ * is true, x is the bar's left end; if from_left is false, x is its right end.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);

@@ -34,7 +34,7 @@ typedef struct source {
 /* OVER is the number of samples per pixel along each axis. */
 enum { GAP = OST_SLICES_GAP, OVER = 2 };
 enum { OUTLINE = 2 };        /* width of an outline in pixels */
-enum { LEAST_SIDE = 120 };  /* in pixels; letters do not fit if the shorter side of a panel is less than this */
+enum { LEAST_SIDE = 120 };  /* in pixels; a panel whose shorter side is below this limit has no space for letters */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
 /* Adds the colour at the position (a, b) in the plane, in voxels, to sum[]. Outside the grid, the colour is black. */

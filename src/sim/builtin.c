@@ -20,8 +20,8 @@
  *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
  *                 ticks, with the force required for this (press.h)
  *
- * Depths are integers.  Only + - * /, rint and sqrt of doubles are used, which every
- * machine rounds in the same way, so a path is the same on every machine.
+ * Depths are integers. The code uses only + - * /, rint and sqrt of doubles. Every machine rounds these operations in
+ * the same way, so a path is the same on every machine.
  */
 #include "core/conditions.h"
 
@@ -103,8 +103,8 @@ static double mm(ost_pm value)
 }
 
 /*
- * Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the coordinate of the grid's
- * middle.
+ * If the z axis of the tool's frame passes through the grid, returns 0. If it does not, returns the coordinate of the
+ * grid's middle.
  */
 static double axis_of(ost_pm lo, ost_pm hi)
 {

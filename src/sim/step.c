@@ -38,8 +38,9 @@ static ost_status check_tick(const ost_world *world, const ost_tick *tick, ost_e
 }
 
 /*
- * Returns true if a removal is due. A removal is due in the first tick after the tool was selected or lifted or the
- * motor was switched on, and then in the first tick of every period.
+ * Returns true if a removal is due. A removal is due in the first tick after one of three events: the tool was
+ * selected, the tool was lifted, or the motor was switched on. Afterwards, a removal is due in the first tick of every
+ * period.
  */
 static bool removal_is_due(const ost_world *world, const ost_tick *tick, bool taken_up)
 {

@@ -24,9 +24,9 @@ typedef struct ost_changed_box {
 } ost_changed_box;
 
 /*
- * Copies the picture and returns the number of boxes, which do not overlap. The array `shared` has pixels 0x00RRGGBB,
- * in rows of the picture's width. If `shared` does not contain the previous picture, the caller sets `everything`, and
- * all pixels are written.
+ * Copies the picture and returns the number of boxes. The boxes do not overlap. The array `shared` has pixels
+ * 0x00RRGGBB, in rows of the picture's width. If `shared` does not contain the previous picture, the caller sets
+ * `everything`, and all pixels are written.
  */
 int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared,
                      ost_changed_box box[OST_CHANGED_BOXES]);

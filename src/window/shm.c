@@ -57,8 +57,7 @@ typedef struct calls {
 
 /*
  * Finds a function by name. Returns false if there is no such function. If a library is missing, its handle is NULL,
- * which is equal to RTLD_DEFAULT. With this handle, dlsym searches the program, which does not contain the function
- * either.
+ * which is equal to RTLD_DEFAULT. dlsym then searches the program and does not find the function either.
  */
 static bool find(void *library, const char *name, void *function)
 {

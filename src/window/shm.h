@@ -4,8 +4,8 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software OpenGL would draw the finished picture again, pixel by pixel, which takes a third of a frame's time on one
- * core. The program is not linked with the X libraries. GLFW and the driver load these libraries, and the functions are
+ * A software OpenGL would draw the finished picture again, pixel by pixel. On one core this takes a third of a frame's
+ * time. The program is not linked with the X libraries. GLFW and the driver load these libraries, and the functions are
  * looked up by name. If a precondition is not met, OpenGL shows the picture instead.
  *
  * All functions must be called on the window's thread.

@@ -7,8 +7,8 @@
  * Other modules draw the pictures. OpenGL, on a graphics card or in software, shows them on the
  * screen.
  *
- * There is at most one window. All functions must be called on the thread that opened the window, which must be the
- * program's main thread.
+ * There is at most one window. The program's main thread must open the window and must make all calls of these
+ * functions.
  */
 #ifndef OST_WINDOW_WINDOW_H
 #define OST_WINDOW_WINDOW_H

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the landmarks found on generated scapulae in random poses with those from which they are
- * generated.
+ * Generates scapulae in random poses from known landmarks, and compares these with the landmarks that the search finds.
  *
- * 12 phantoms are tried, or 200 with OST_TEST_LONG=1. The seeds are consecutive from OST_TEST_SEED, or from 1.
+ * 12 phantoms are tested, or 200 with OST_TEST_LONG=1. The seeds are consecutive from OST_TEST_SEED, or from 1.
  * OST_TEST_VERBOSE=1 prints the errors of each phantom.
  *
  * Covers: REQ-ANATOMY

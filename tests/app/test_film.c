@@ -325,8 +325,8 @@ static void a_signal_leaves_no_part(void **state)
 {
     (void)state;
     /*
-     * The variables path and f are static, so that their memory is still reachable when the child is
-     * killed. Otherwise valgrind would report a leak.
+     * The variables path and f are static. When the child is killed, their memory is still reachable, so valgrind
+     * reports no leak.
      */
     static char *path;
     path = strdup(getenv("PATH"));

@@ -137,8 +137,10 @@ static void test_planes_through_the_glenoid(void **state)
     free_scene(s);
 }
 
-/* The dense cube without a label is outlined in each plane that intersects it, unless the options disable this
-   outline. */
+/*
+ * The dense cube without a label is outlined in each plane that intersects it. If the options disable this outline,
+ * there is none.
+ */
 static void test_left_out(void **state)
 {
     (void)state;

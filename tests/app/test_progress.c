@@ -114,8 +114,8 @@ static void test_on_a_terminal(void **state)
     assert_true(running);
 }
 
-/* Without a terminal, or with --quiet, the line must not be printed. The test waits until it would have been
-   printed. */
+/* Without a terminal, or with --quiet, the line must not be printed. The test waits as long as the line would take to
+   appear on a terminal. */
 static void test_silence(void **state)
 {
     (void)state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions shared by the tests of the cl backend. These tests need OpenCL and a device;
- * otherwise they are skipped, and the reason is printed. Binaries are cached in the build
- * folder. OST_TEST_CL selects the device, OST_TEST_ONLY the tests:
+ * Functions shared by the tests of the cl backend. These tests need OpenCL and a device. If one of these is missing,
+ * the tests are skipped, and the reason is printed. Binaries are cached in the build folder. OST_TEST_CL selects the
+ * device, OST_TEST_ONLY the tests:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
  *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open

@@ -124,7 +124,7 @@ static inline ulong rotate(ulong x, ulong by)
 #define atomic_and(p, x) __atomic_fetch_and(p, x, __ATOMIC_RELAXED)
 #define atomic_xor(p, x) __atomic_fetch_xor(p, x, __ATOMIC_RELAXED)
 #define atomic_xchg(p, x) __atomic_exchange_n(p, x, __ATOMIC_RELAXED)
-/* Minimum and maximum need not be atomic here, because items are called one after the other. */
+/* Items are called one after the other, so minimum and maximum need not be atomic here. */
 static inline uint test_max_u32(volatile uint *p, uint x) { uint old = *p; *p = x > old ? x : old; return old; }
 static inline uint test_min_u32(volatile uint *p, uint x) { uint old = *p; *p = x < old ? x : old; return old; }
 static inline int test_max_i32(volatile int *p, int x) { int old = *p; *p = x > old ? x : old; return old; }

@@ -117,7 +117,7 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
-/* Checks that a grid is lost after a failed upload, because its content is unknown. */
+/* The content of a grid is unknown after a failed upload. Checks that the grid is lost. */
 static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 {
     ost_error err = {0};
@@ -219,9 +219,9 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Returns the step between the numbers of the calls that fail. The step is 1, unless all sessions together would
-   take more than a minute on the device (rusticl compiles the kernels again in each session). With OST_TEST_LONG=1
-   it is always 1. */
+/* Returns the step between the numbers of the calls that fail. If all sessions together take at most a minute on the
+   device, the step is 1; on rusticl they take longer, because it compiles the kernels again in each session. With
+   OST_TEST_LONG=1 the step is always 1. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };

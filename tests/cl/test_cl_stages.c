@@ -499,7 +499,7 @@ static bool all_entered(void)
     return true;
 }
 
-/* Fails if a path of the kernel set was not entered, because such a path was never compared. Must run last. */
+/* A path that was not entered was never compared. If the kernel set has such a path, the test fails. Must run last. */
 static void entered(void **state)
 {
     ost_error err = {0};

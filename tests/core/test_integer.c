@@ -32,7 +32,7 @@ static void ties_go_to_the_even_neighbour(void **state)
     }
 }
 
-/* Checks that q is the RHE quotient: |n - q d| <= d / 2, and q is even at equality. */
+/* Checks that q is the RHE quotient: |n - q * d| <= d / 2, and q is even at equality. */
 static void assert_nearest(ost_i128 n, ost_i128 d, ost_i128 q)
 {
     const ost_i128 off = n - q * d, away = off < 0 ? -off : off;

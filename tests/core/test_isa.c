@@ -50,7 +50,10 @@ static void machines_of_the_manuals(void **state)
                      ost_isa_name(machines[i].level));
 }
 
-/* A level must not be selected if the system does not save its registers, even if the processor supports it. */
+/*
+ * If the system does not save the registers of a level, the level must not be selected, even on a processor that
+ * supports it.
+ */
 static void unsaved_registers(void **state)
 {
     (void)state;

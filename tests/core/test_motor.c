@@ -34,8 +34,8 @@ static void the_worked_example(void **state)
 }
 
 /*
- * For any device pose and phase, the tool's rotation is the device's rotation times a clockwise
- * rotation about z; the inverse gives the device's rotation again.
+ * For any device pose and phase, the tool's rotation is the device's rotation times a clockwise rotation about z. The
+ * inverse function restores the device's rotation.
  */
 static void a_pose_is_turned_about_its_own_axis(void **state)
 {

@@ -195,8 +195,8 @@ static void rect_to_cubic_to_chunks(void **state)
 }
 
 /*
- * Returns voxels with densities from -1 to 1. A few voxels are at the threshold or at the
- * greatest density, so that interpolated means may also be active.
+ * Returns voxels with densities from -1 to 1. A few voxels are at the threshold or at the maximum density, so that
+ * interpolated means may also be active.
  */
 static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {

@@ -39,8 +39,8 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 }
 
 /*
- * Returns the box of an event. In two of three cases it is the complete grid, otherwise a random box that
- * may exclude a part of the tool.
+ * Returns the box of an event. In two of three cases, the box is the complete grid. In the third case, it is a random
+ * box, which may exclude a part of the tool.
  */
 static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 {

@@ -89,7 +89,10 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     ost_backend_close(backend);
 }
 
-/* Compares all combinations of options if `all` is true, otherwise all instruction sets with one thread. */
+/*
+ * If `all` is true, compares all combinations of options. If `all` is false, compares all instruction sets with one
+ * thread.
+ */
 static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool all, const char *what)
 {
     static const char *const voxelizers[] = {"triangles", "embree"};
@@ -126,9 +129,7 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 
 /* ---------------------------------------------------------------- meshes */
 
-/*
- * Returns the number of random meshes to test: n with OST_TEST_LONG=1, otherwise a third of n.
- */
+/* Returns the number of random meshes to test. With OST_TEST_LONG=1 this is n, without it a third of n. */
 static int rounds(int n)
 {
     const char *given = getenv("OST_TEST_LONG");

@@ -7,13 +7,13 @@
  *
  *   origin + i * spacing[0] * rows + j * spacing[1] * columns + k * (spacing[2] * normal + tilt * columns)
  *
- * with normal = rows x columns, and its stored value is, unless `smooth` or `padding` is given,
+ * with normal = rows x columns. If neither `smooth` nor `padding` is given, the stored value of the voxel is
  *
  *   values[0] + (13 i + 1009 j + 30011 k + 7 i j k) mod (values[1] - values[0] + 1)
  *
- * Tests compute the expected positions and values from this text. Slice k is stored in the file prefix +
- * (1741 k + 5) mod 4096, which is also its instance number, so that neither the names nor the instance
- * numbers are in the order of the positions.
+ * Tests compute the expected positions and values from this text. Slice k is stored in the file prefix + (1741 * k + 5)
+ * mod 4096, which is also its instance number, so that neither the names nor the instance numbers are in the order of
+ * the positions.
  */
 #ifndef OST_TESTS_DICOM_SERIES_H
 #define OST_TESTS_DICOM_SERIES_H

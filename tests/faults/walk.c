@@ -18,8 +18,8 @@
  *     and standard error contains a line that begins with "osteon".
  *
  * Files whose names contain a TEXT of --loose may have other bytes, because they contain times or are recorded while
- * the operation runs. With --in, the K-th call fails only in the processes that OST_FAIL_IN=TEXT selects; otherwise it
- * fails in each process that the command starts.
+ * the operation runs. With --in, the K-th call fails only in the processes that OST_FAIL_IN=TEXT selects. Without --in,
+ * it fails in each process that the command starts.
  *
  * A failure is reported as one line with K; --only K repeats this run and prints the stack of the failed call. Exit
  * status: 0 no failure, 1 failures, 2 the command cannot be tested in this way.
@@ -177,8 +177,8 @@ static long counted(void)
     return found;
 }
 
-/* Copies the first line of standard error that begins with "osteon", or the last line if there is none. Returns true if
-   there is such a line. */
+/* Copies the first line of standard error that begins with "osteon", and returns true. If there is no such line, copies
+   the last line and returns false. */
 static bool message(char text[TEXT])
 {
     char line[TEXT];

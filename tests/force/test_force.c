@@ -67,10 +67,10 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /*
- * A sphere of radius R is pressed into the bone to a depth h. With stiffness k, the pressure at a point is
- * k times the depth of the point along its normal, and the sum over the spherical cap is pi k R h^2. With a
- * layer of thickness L, the radius of contact is R + L, whereas the areas are computed for the radius R.
- * The force is therefore multiplied by R^2 / (R + L)^2.
+ * A sphere of radius R is pressed into the bone to a depth h. With stiffness k, the pressure at a point is k times the
+ * depth of the point along its normal. The sum over the spherical cap is pi * k * R * h^2. With a layer of thickness L,
+ * the radius of contact is R + L, but the areas are computed for the radius R. The force is therefore multiplied by R^2
+ * / (R + L)^2.
  */
 static void a_sphere_in_a_plane(void **state)
 {
@@ -134,10 +134,10 @@ static double speed_of(const ost_pose *before, const ost_force_result *after)
 }
 
 /*
- * A rotating disc of radius R is pressed into the bone at speed v. With u as the cutting energy per volume,
- * mu as the ratio of tangential to normal force, and w as the angular speed, the pressure at radius r is p
- * = u v / (mu w r). Within r0 = 1 mm the cutting speed at r0 is used, so the force is F = 2 pi u v (R - r0
- * / 2) / (mu w). The power is u v times the area.
+ * A rotating disc of radius R is pressed into the bone at speed v. Let u be the cutting energy per volume, mu the ratio
+ * of tangential to normal force, and w the angular speed. The pressure at radius r is p = u * v / (mu * w * r). Within
+ * r0 = 1 mm the cutting speed at r0 is used, so the force is F = 2 * pi * u * v * (R - r0 / 2) / (mu * w). The power is
+ * u * v times the area.
  */
 static void planar_reaming(void **state)
 {
@@ -193,8 +193,8 @@ static void planar_reaming(void **state)
 }
 
 /*
- * The force on a reaming hemisphere is F = (2 pi u R v / mu w) (integral of cos^2 from t0 to
- * pi/2 + R/r0 (1 - cos^3 t0) / 3), where sin t0 = r0 / R.
+ * The force on a reaming hemisphere is F = (2 * pi * u * R * v / (mu * w)) * (I + R / r0 * (1 - cos^3 t0) / 3). Here
+ * sin t0 = r0 / R, and I is the integral of cos^2 from t0 to pi/2.
  */
 static void hemispherical_reaming(void **state)
 {

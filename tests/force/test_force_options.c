@@ -139,8 +139,8 @@ static void a_turning_handle_rests(void **state)
 
 /*
  * Compares two runs, one with and one without runout. As in an operation, the motor turns the pose by -phi about the
- * tool's z axis. The difference must follow the formula in the handle's axes, so it turns once per revolution of the
- * tool. The tool is a point on its axis, whose contact does not depend on the rotation.
+ * tool's z axis. The difference must follow the formula in the handle's axes, so the difference turns once per
+ * revolution of the tool. The tool is a point on its axis, whose contact does not depend on the rotation.
  */
 static void runout_follows_the_handle(void **state)
 {

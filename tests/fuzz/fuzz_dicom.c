@@ -29,8 +29,8 @@ const char *const fuzz_words[] = {"0.5", "-0.25", "1e300", "nan", "100000", "0.0
 
 /* ---------------------------------------------------------------- process */
 
-/* Writes the part of the input that answers the request on standard input. The input is in a file next to the
-   program. */
+/* Reads the request from standard input and writes the part of the fuzz input that answers this request. The fuzz input
+   is in a file next to the program. */
 static void answer(void)
 {
     ost_dicom_request request = {0};

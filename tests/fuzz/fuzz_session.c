@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads arbitrary bytes as sessions. The result must be an error of one line that names the
- * file, or a session whose complete part gives the same result when it is read twice, and which
- * can be converted to a path, repaired and exported. Each input is also tested with corrected
- * checksums, so that the code behind the checksums is reached.
+ * Reads arbitrary bytes as sessions. The result must be an error of one line that names the file, or a session. The
+ * complete part of a session must give the same result when it is read twice. It must be possible to convert the
+ * session to a path, to repair it and to export it. Each input is also tested with corrected checksums, so that the
+ * code behind the checksums is reached.
  */
 #include "fuzz.h"
 

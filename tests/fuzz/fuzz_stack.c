@@ -17,7 +17,7 @@ static const char tiff[] =
     "II*\0\20\0\0\0\1\0\2\0\3\0\4\0\11\0" ENTRY("\0", "\2") ENTRY("\1", "\2") ENTRY("\2", "\20") ENTRY("\3", "\1")
     ENTRY("\6", "\1") ENTRY("\x11", "\10") ENTRY("\x15", "\1") ENTRY("\x16", "\2") ENTRY("\x17", "\10") "\0\0\0\0";
 
-/* A PNG of 2 x 2 grey pixels. Its chunks have wrong checksums in most mutations, which libpng must refuse. */
+/* A PNG of 2 x 2 grey pixels. In most mutations, its chunks have wrong checksums. libpng must refuse such a file. */
 static const char png[] =
     "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\2\0\0\0\2\10\0\0\0\0\x57\xdd\x52\xf8"
     "\0\0\0\16IDAT\x78\xda\x63\x60\x64\x62\x60\x66\x01\x00\x00\x1d\x00\x0b\x10\xdd\x1c\x70\0\0\0\0IEND\xae\x42\x60\x82";

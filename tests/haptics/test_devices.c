@@ -145,7 +145,7 @@ static double read_x_mm(ost_haptic *device)
     return ost_pm_to_mm(s.pose.t.x);
 }
 
-/* Applies a constant force to a hand at rest. In both directions, F = k x must hold to within the friction. */
+/* Applies a constant force to a hand at rest. In both directions, F = k * x must hold to within the friction. */
 static void a_force_meets_the_hands_spring(void **state)
 {
     (void)state;
@@ -243,10 +243,9 @@ static double unrest(const char *spec, double k)
 }
 
 /*
- * The closed loop can oscillate. With a friction force f, it comes to rest at least up to a stiffness of 2
- * f / (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction,
- * stability depends on the damping of the hand, so a light grip oscillates first. A range of two encoder
- * steps counts as rest.
+ * The closed loop can oscillate. With a friction force f, the loop comes to rest if the stiffness is at most 2 * f /
+ * (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction, stability depends on the
+ * damping of the hand, so a light grip oscillates first. A range of two encoder steps counts as rest.
  */
 static void stiff_walls_swing_and_soft_ones_rest(void **state)
 {

@@ -216,8 +216,8 @@ static void with_longer_gaps_allowed(void **state)
 }
 
 /*
- * In a recording at 1 kHz, the hand moves by 20 mm between two rows. Between these rows it counts as not
- * tracked, unless an option allows jumps of this size. The positions are in millimetres.
+ * In a recording at 1 kHz, the hand moves by 20 mm between two rows. If no option allows jumps of this size, the hand
+ * counts as not tracked between these rows. The positions are in millimetres.
  */
 static void a_jump_is_a_gap(void **state)
 {

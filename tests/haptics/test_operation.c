@@ -151,7 +151,10 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
     fixture r = make_fixture(*state);
     ost_path path = into_bone(60);
-    /* The tool jumps through the entire bone in one tick. A sweep could span this distance, but must not. */
+    /*
+     * The tool jumps through the entire bone in one tick. A sweep could span this distance. There must be no sweep,
+     * because no hand moves this far in one tick.
+     */
     for (size_t i = 50; i < 60; i++)
         path.ticks[i].pose.t.x = 45 * MM;
     const ost_operation_report done = operate(&r, "script", &path, NULL);
@@ -167,8 +170,8 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 }
 
 /*
- * Pressing a tool of rigid points into bone must give a force. If a pose jumps, which is a fault, the force
- * must become zero and then increase gradually.
+ * Pressing a tool of rigid points into bone must give a force. A jump of the pose is a fault. After it, the force must
+ * become zero and then increase gradually.
  */
 typedef struct felt {
     ost_operation *operation;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the servo loop with devices made for these tests: devices without samples, lost devices, late
- * devices, and devices with their own clock. No test compares times. The tests check counts, and whether a
- * tick is detected that is certain to be too long.
- * Covers: REQ-SERVO
+ * Tests the servo loop with devices made for these tests: devices without samples, lost devices, late devices, and
+ * devices with their own clock. No test compares times. The tests check counts, and whether the loop detects a tick
+ * that is certainly too long. Covers: REQ-SERVO
  */
 #include "harness.h"
 

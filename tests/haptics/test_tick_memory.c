@@ -4,11 +4,9 @@
  * includes the loop, the operation, the step of the world and the recorder. In its course the tool is in
  * contact and enters one chunk after another.
  *
- * malloc and related functions are replaced by functions that count calls while a tick runs.
- * This requires glibc and no sanitizer; otherwise the test is skipped. System calls are
- * detected by a Linux filter (seccomp) in a separate process, which ends at the first call that
- * is not allowed.
- * Covers: REQ-SERVO
+ * malloc and related functions are replaced by functions that count calls while a tick runs. Without glibc, or with a
+ * sanitizer, the test is skipped. System calls are detected by a Linux filter (seccomp) in a separate process, which
+ * ends at the first call that is not allowed. Covers: REQ-SERVO
  */
 #include "ref/scene.h"
 

@@ -318,8 +318,8 @@ static void one_bridge_at_a_time(void **state)
     client a = greet(where, 1);
     send_pose_packet(&a, MM, LINK_SEEN);
     /*
-     * For a second after the first bridge's last packet, a second bridge is refused. On a slow
-     * machine this second may have passed, and then the second bridge is accepted.
+     * For one second after the first bridge's last packet, another bridge is refused. On a slow machine this time may
+     * have passed. The other bridge is then accepted.
      */
     const int s = connect_to(where);
     send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});

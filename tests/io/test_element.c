@@ -131,8 +131,8 @@ static void nan_and_infinity_are_never_densities(void **state)
 }
 
 /*
- * int32 * float32 + float32 is a product of 31 + 24 bits and a sum. It is exact in the 64 bits
- * of long double if the exponents are close.
+ * The product int32 * float32 has 31 + 24 bits. If the exponents are close, the sum of the product and a float32 is
+ * exact in the 64 bits of long double.
  */
 static void scaling_is_exact(void **state)
 {

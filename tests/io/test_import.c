@@ -349,7 +349,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
     return result.resample;
 }
 
-/* The file has the labels 200 and 300. Their mean, which would be a third label, must not occur. */
+/* The file has the labels 200 and 300. Their mean would be a third label, so it must not occur. */
 static void labels_take_the_nearest(void **state)
 {
     (void)state;
@@ -674,8 +674,8 @@ static void other_files_are_refused(void **state)
 #define MEMORY_OPTION "--import-within-bounds"
 
 /*
- * Returns the peak memory of this process in KiB, or -1. ru_maxrss is not used, because it
- * includes the memory before exec.
+ * Returns the peak memory of this process in KiB, or -1. ru_maxrss is unsuitable, because it includes the memory before
+ * exec.
  */
 static long peak_kib(void)
 {

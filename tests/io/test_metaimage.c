@@ -93,7 +93,7 @@ static void every_type_order_and_form(void **state)
     }
 }
 
-/* Writes a file with 2 x 3 x 4 voxels of one byte; the voxel (x, y, z) is 100 + x + 2 y + 6 z. */
+/* Writes a file with 2 x 3 x 4 voxels of one byte; the voxel (x, y, z) is 100 + x + 2 * y + 6 * z. */
 static void write_small(const char *name, const char *lines)
 {
     static bytes file;
@@ -199,7 +199,10 @@ static void data_in_several_files(void **state)
     }
 }
 
-/* Writes a valid file in which one line replaces the line with the same key or, if there is none, is added. */
+/*
+ * Writes a valid file with one changed line. The new line replaces the line with the same key. If there is no such
+ * line, the new line is added.
+ */
 static void write_changed(const char *line)
 {
     static const char *const right[] = {"ObjectType = Image\n",      "NDims = 3\n",  "DimSize = 2 2 2\n",

@@ -143,10 +143,10 @@ static void angles_and_flat_axes(void **state)
 }
 
 /*
- * Resamples a volume rotated by the angle of the (3, 4, 5) triangle, which is exact: columns
- * (0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1) mm. The nearest file voxel of each result voxel is
- * found by comparing the squared distances of all file voxels. A voxel is not checked if there is
- * a tie, or if the nearest centre is farther than half a voxel along a file axis.
+ * Resamples a volume rotated by the angle of the (3, 4, 5) triangle, which is exact: columns (0.6, 0.8, 0), (-0.8, 0.6,
+ * 0), (0, 0, 1) mm. To find the nearest file voxel of each result voxel, the test compares the squared distances of all
+ * file voxels. If there is a tie, or if the nearest centre is farther than half a voxel along a file axis, the voxel is
+ * not checked.
  */
 static void resampling_finds_the_nearest(void **state)
 {

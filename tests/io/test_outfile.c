@@ -246,7 +246,10 @@ static void test_a_new_file_takes_a_free_name(void **state)
     for_both_ways(a_new_file_takes_a_free_name);
 }
 
-/* Symbolic links under all temporary names that can be derived from a process id and a number must have no effect. */
+/*
+ * The test makes symbolic links under all temporary names that can be derived from a process id and a number. These
+ * links must have no effect.
+ */
 static void hidden_names_cannot_be_guessed(void **state)
 {
     (void)state;

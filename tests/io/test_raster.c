@@ -173,8 +173,8 @@ static void crop_to(outcome *o, const ost_voxel_box *crop)
     o->rect.dims = (ost_dims){crop->hi[0] - crop->lo[0], crop->hi[1] - crop->lo[1], crop->hi[2] - crop->lo[2]};
 }
 
-/* Imports the text in two passes. `crop` is the part of the grid to read; the complete grid is read if crop->lo[0] <
-   0. */
+/* Imports the text in two passes. If crop->lo[0] < 0, the complete grid is read. If not, `crop` is the part of the grid
+   to read. */
 static outcome two_passes(ost_backend *backend, const char *path, ost_pm3 given, const ost_voxel_box *crop)
 {
     outcome o = {.status = OST_OK};
@@ -538,7 +538,7 @@ static void kernels_agree(void **state)
         }
         size_t size = 0, begins[LINES];
         char *text_at = bytes;
-        /* The bytes after the end are newlines or digits, which a kernel could mistake for a part of the text. */
+        /* The bytes after the end are newlines or digits. A kernel could mistake them for a part of the text. */
         memset(bytes, rng_range(&rng, 0, 1) ? '\n' : '7', CAPACITY + OST_TEXT_MARGIN);
         for (int i = 0; i < LINES; i++) {
             lengths[i] = (uint8_t)rng_range(&rng, 1, OST_TEXT_COLUMN_MAX);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Kills a process that records a tick every millisecond at random moments. After each kill it must be
- * possible to open the session. Its ticks must be complete and without a gap, and their number must be at
- * least the number that the recorder had reported as written before the kill.
+ * Kills a process at random moments. The process records a tick every millisecond. After each kill it must be possible
+ * to open the session. Its ticks must be complete and without a gap, and their number must be at least the number that
+ * the recorder had reported as written before the kill.
  *
  *   child:  tick, put, store the number of ticks that the recorder has written  (shared memory)
  *   parent: sleeps, SIGKILL, reads

@@ -384,9 +384,8 @@ static void pngs_that_are_refused(void **state)
 }
 
 /*
- * Pages of a TIFF may share their pixels. 500 pages of 60 x 60 pixels that refer to the same strip would
- * need 1.8 MB of memory for a file of 60 kB, so they are refused. Reading also ends if the links between
- * pages form a cycle.
+ * Pages of a TIFF may share their pixels. If 500 pages of 60 x 60 pixels refer to the same strip, a file of 60 kB would
+ * need 1.8 MB of memory. Such a file is refused. Reading also ends if the links between pages form a cycle.
  */
 static void bombs_of_pages(void **state)
 {

@@ -56,7 +56,7 @@ static void every_format_keeps_the_volume(void **state)
     test_rng rng = rng_seeded("volumes");
     ost_error err = {0};
     for (size_t s = 0; s < sizeof spacings / sizeof spacings[0]; s++) {
-        /* Each spacing is tested with only two origins, because every file is synced to disk, which takes time. */
+        /* Every file is synced to disk, which takes time. Therefore each spacing is tested with only two origins. */
         for (size_t turn = 0; turn < 2; turn++) {
             size_t o = (s + turn) % (sizeof origins / sizeof origins[0]);
             ost_volume v;
@@ -497,9 +497,9 @@ static bool watch(void *user, const char *stage, double share)
 }
 
 /*
- * Reading reports progress for each of the 9 slices. Writing reports it for every 2^20 voxels and for the
- * remainder, which is 10 times for this volume. A cancelled call must return OST_ERR_CANCELLED and leave
- * neither a file nor voxels.
+ * Reading reports progress for each of the 9 slices. Writing reports progress for every 2^20 voxels and for the
+ * remainder, in total 10 times for this volume. A cancelled call must return OST_ERR_CANCELLED and leave neither a file
+ * nor voxels.
  */
 static void progress_is_reported_and_can_cancel(void **state)
 {

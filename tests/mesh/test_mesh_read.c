@@ -256,8 +256,7 @@ static void no_cut_and_no_change_surprises(void **state)
                 assert_null(mesh.vertices);
             }
             /*
-             * A truncated file must be refused, except for text formats, which may be truncated
-             * after all necessary data.
+             * A truncated file must be refused. Only a file in a text format may be truncated after all necessary data.
              */
             if (cut && status == OST_OK && which != 4 && which != 3 && which != 5 && which != 9)
                 fail_msg("%s cut at %zu of %zu was read", names[which], broken.size, b.size);

@@ -118,7 +118,7 @@ static ost_metrics measure(const cuts *c, ost_status expected)
     } while (0)
 
 /* Tests a spherical cap below a plane. Its volume is pi h^2 (R - h / 3), and its mean depth is nearly half of its
-   greatest depth. */
+   maximum depth. */
 static void a_straight_one(void **state)
 {
     (void)state;

@@ -37,7 +37,7 @@ static double mean_run(const ost_volume *v, bool active)
         for (int q = 0; q < n[c]; q += 3)
             for (int p = 0; p < n[b]; p += 3) {
                 int64_t at = p * step[b] + q * step[c];
-                /* -1: the length of the run is unknown, because no change of activity has been found yet */
+                /* -1 if the length of the run is unknown, because no change of activity has been found yet */
                 int length = -1;
                 bool was = v->voxels[at] >= ACTIVE_HU;
                 for (int i = 1; i < n[a]; i++) {

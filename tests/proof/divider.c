@@ -14,9 +14,8 @@ void divider_inverse(void)
 }
 
 /*
- * Proves that h and h I do not overflow for dividends |n| <= 2^46 D, where D is the divisor. The proof uses
- * a copy of the expressions. The copy compares n / 2^46 with D, because the product 2^46 D may exceed 128
- * bits.
+ * Proves that h and h * I do not overflow for dividends |n| <= 2^46 * D, where D is the divisor. The proof uses a copy
+ * of the expressions. The product 2^46 * D may exceed 128 bits, so the copy compares n / 2^46 with D.
  */
 void divider_estimate(void)
 {

@@ -16,7 +16,7 @@ void import_lattice(void)
     (void)on_lattice(any64(LENGTH << 19 * WIDER), any64(LENGTH << 19 * WIDER), any_spacing());
 }
 
-/* Proves that 8 off, 3 s and 10^6 off do not overflow for any lattice point with off <= spacing / 2. */
+/* Proves that 8 * off, 3 * s and 10^6 * off do not overflow for any lattice point with off <= spacing / 2. */
 void import_offset(void)
 {
     const ost_pm spacing = any_spacing(), off = nondet_int64();

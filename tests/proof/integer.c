@@ -10,7 +10,7 @@ void integer_floor(void)
     (void)ost_ceil_div(n, d);
 }
 
-/* Proves that q d, n - q d and d - r do not overflow for |n| and d up to 2^62. */
+/* Proves that q * d, n - q * d and d - r do not overflow for |n| and d up to 2^62. */
 void integer_rhe(void)
 {
     const int64_t n = nondet_int64(), d = nondet_int64(), limit = INT64_C(1) << 62;

@@ -10,8 +10,8 @@
 #include "core/map.c"
 
 /*
- * Proves for any base of a near block (AR-MAP-5) that base + sum of d step does not overflow in any partial
- * sum. The proof uses a copy of the expression, because the code is in loops of remove.c.
+ * Proves for any base of a near block (AR-MAP-5) that no partial sum of base and the products d * step overflows. The
+ * proof uses a copy of the expression, because the code is in loops of remove.c.
  */
 void map_coordinate(void)
 {

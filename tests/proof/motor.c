@@ -11,7 +11,7 @@ static ost_pose any_pose(int64_t limit)
                       .qz = (int32_t)any64(limit)};
 }
 
-/* Proves for any phase P below the turn U < 2^36 that spin_of does not overflow (4096 P < 2^48) and that its cosine
+/* Proves for any phase P below the turn U < 2^36 that spin_of does not overflow (4096 * P < 2^48) and that its cosine
    and sine are at most 2^30 in magnitude. */
 void motor_spin(void)
 {

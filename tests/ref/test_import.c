@@ -274,8 +274,8 @@ static void coarser_than_the_scan(void **state)
 
 static void origins_round_half_to_even(void **state)
 {
-    /* With a cubic spacing c of 1 mm and the rect spacings s of this table, (c - s) / 2 is -1/2, -3/2, 1/2 and 5/2
-       pm, which are rounded to 0, -2, 0 and 2. */
+    /* The cubic spacing c is 1 mm. With the rect spacings s of this table, (c - s) / 2 is -1/2, -3/2, 1/2 and 5/2 pm.
+       These values are rounded to 0, -2, 0 and 2. */
     static const struct {
         ost_pm more, moved;
     } cases[] = {{1, 0}, {3, -2}, {-1, 0}, {-5, 2}};

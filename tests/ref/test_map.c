@@ -40,7 +40,7 @@ static void the_documents_sweep(void **state)
 static void the_count_is_the_least(void **state)
 {
     (void)state;
-    /* If 2 |d| = n s exactly, there are n poses; if d is one picometre longer, there are n + 1 poses. */
+    /* If 2 * |d| = n * s exactly, there are n poses. If d is one picometre longer, there are n + 1 poses. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {

@@ -593,9 +593,8 @@ static void see_through_and_lines(void **state)
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
     /*
-     * A line is drawn across the picture. In every column, for any position of the line, the sum of the
-     * added colour must be that of one pixel in the line's full colour. Behind the bone it must be a fifth
-     * of this.
+     * A line is drawn across the picture. In every column, for any position of the line, the sum of the added colour
+     * must be that of one pixel in the line's full colour. Behind the bone the sum must be a fifth of this colour.
      */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);

@@ -323,10 +323,10 @@ static bool is_bone(const ost_picture *p, int x, int y)
 }
 
 /*
- * The silhouette of a ball of radius r in front of a camera at the distance d is a circle, whose
- * radius in the plane through the ball's centre is r d / sqrt(d^2 - r^2). The extent of 40 mm is
- * the height of that plane, so d = 40 mm x 1.2071 = 48.28 mm and the radius is 8.112 mm, which is
- * 40.6 of 200 pixels. Voxels extend beyond the ball by at most one voxel, which is 2.5 pixels.
+ * The silhouette of a ball of radius r in front of a camera at the distance d is a circle. In the plane through the
+ * ball's centre, the circle's radius is r * d / sqrt(d^2 - r^2). The extent of 40 mm is the height of that plane, so d
+ * = 40 mm x 1.2071 = 48.28 mm and the radius is 8.112 mm, which is 40.6 of 200 pixels. Voxels extend beyond the ball by
+ * at most one voxel, which is 2.5 pixels.
  */
 static void test_view_silhouette(void **state)
 {

@@ -22,8 +22,7 @@ static ost_geometry grid(int x, int y, int z)
 }
 
 /*
- * Makes a ball with holes, which also has surfaces inside. It contains adjacent blocks in all possible
- * arrangements.
+ * Makes a ball with holes. The ball also has surfaces inside. It contains adjacent blocks in all possible arrangements.
  */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
@@ -650,7 +649,7 @@ static void test_smooth(void **state)
     free(w);
 }
 
-/* Returns the bit at (x, y, z), which may lie in the middle block or in one of its neighbours. */
+/* Returns the bit at (x, y, z). This position may lie in the middle block or in one of its neighbours. */
 static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 {
     return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;

@@ -67,7 +67,7 @@ static ost_camera camera_from(double x, double y, double z)
     return c;
 }
 
-/* Returns true if the pixel has a cold colour, which means steel. Bone has a warm colour. */
+/* Returns true if the pixel has a cold colour, the colour of steel. Bone has a warm colour. */
 static bool is_steel(const ost_frame *f, int x, int y)
 {
     const uint32_t c = f->planes.colour[(size_t)y * (size_t)f->planes.stride + (size_t)x];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle
- * finds the distance of a voxel by trying all other voxels, and the markers by trying all paths at all
- * heights. For the flood it searches one list for the next voxel. Also tests the selection of labels.
+ * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle tests all
+ * other voxels to find the distance of a voxel, and all paths at all heights to find the markers. For the flood it
+ * searches one list for the next voxel. Also tests the selection of labels.
  *
  * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
@@ -94,8 +94,8 @@ static int64_t to_um(ost_pm pm)
     return um + (rest > 500000 || (rest == 500000 && um % 2 == 1));
 }
 
-/* Closes the holes of each slice: voxels without a label from which neither the border of the slice nor air can be
-   reached get the label of the surrounding voxels. */
+/* Closes the holes of each slice. A voxel without a label is in a hole if neither the border of the slice nor air can
+   be reached from it. Such a voxel gets the label of the surrounding voxels. */
 static void close_slices(oracle *o, const ost_volume *ct, ost_volume *labels, int32_t air)
 {
     const int64_t nx = ct->geometry.dims.x, ny = ct->geometry.dims.y;
@@ -158,8 +158,8 @@ static bool comes_before(const oracle *o, size_t a, size_t b)
     return o->height[a] > o->height[b] || (o->height[a] == o->height[b] && a < b);
 }
 
-/* Returns true if there is a path on which all heights are at least t from voxel `from` to a voxel that precedes it
-   in the order of the flood. */
+/* Returns true if a path leads from voxel `from` to a voxel that precedes it in the order of the flood, and if all
+   heights on this path are at least t. */
 static bool reaches_higher(const oracle *o, size_t from, int64_t t)
 {
     static size_t list[MOST];
@@ -201,7 +201,7 @@ static void flood(oracle *o, int64_t depth)
         order[at] = i;
     }
     o->pieces = 0;
-    /* from a marker, no preceding voxel can be reached on a path above the marker's height minus depth */
+    /* no path above the marker's height minus depth may lead from a marker to a preceding voxel */
     for (size_t k = 0; k < voxels; k++)
         if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
             o->piece[order[k]] = o->pieces++;

@@ -135,9 +135,8 @@ static void boxes_that_just_touch(void **state)
                         ost_map map;
                         assert_int_equal(ost_map_make(&turn, &g, ost_tool_geometry_get(tool), &map, NULL), OST_OK);
                         /*
-                         * Computes R p from the steps of the map, which are R scaled by 2^20, because the
-                         * voxels of bone and tool have the same size. For quarter turns the result is
-                         * exact.
+                         * Computes R * p from the steps of the map. The voxels of bone and tool have the same size, so
+                         * the steps are R scaled by 2^20. For quarter turns the result is exact.
                          */
                         ost_pose pose = turn;
                         ost_pm *t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};

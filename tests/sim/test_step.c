@@ -151,7 +151,7 @@ static void a_lifted_tool_does_not_sweep(void **state)
         /* The next tick must sweep again, from the new position. */
         r = step(&l, tick_at(6, 0, 26000, 10000, 5000));
         assert_int_equal(r.pose_count, 2);
-        /* A rotation of 180 degrees, which is too large for a sweep, is allowed because the tick is lifted. */
+        /* A rotation of 180 degrees is too large for a sweep. It is allowed here because the tick is lifted. */
         far = tick_at(7, 0, 25000, 10000, 5000);
         far.pose.qw = 0;
         far.pose.qx = OST_Q30_ONE;
@@ -190,8 +190,8 @@ static void the_period_decides_which_ticks_remove(void **state)
 static void negative_times_have_periods_too(void **state)
 {
     /*
-     * The period of a time is computed by floor, not by truncation: -1 ms and 0 ms are in different periods
-     * of 3 ms, and -3 ms and -1 ms are in the same period.
+     * To compute the period of a time, the code rounds down and does not truncate. Therefore -1 ms and 0 ms are in
+     * different periods of 3 ms, and -3 ms and -1 ms are in the same period.
      */
     lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
     assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);

@@ -111,7 +111,9 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
     return false;
 }
 
-/* Writes to the upper halves of vector registers. They remain in use afterwards, unless the compiler clears them. */
+/*
+ * Writes to the upper halves of vector registers. If the compiler does not clear them, they remain in use afterwards.
+ */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
     const __m256 v = _mm256_loadu_ps(eight);

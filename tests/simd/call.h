@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel and describes an error in a sentence. Errors are a fault, whose address is described, a
- * call that does not end, and processor state that was not restored.
+ * Calls a kernel and describes an error in a sentence. There are three types of errors: a fault, a call that does not
+ * end, and processor state that was not restored. For a fault, the sentence describes the address.
  */
 #ifndef OST_TESTS_SIMD_CALL_H
 #define OST_TESTS_SIMD_CALL_H
@@ -26,7 +26,7 @@ call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, cha
 /* Returns true if this machine and this build can detect a kernel that leaves the upper halves of vector registers
    in use. */
 bool call_watches_halves(void);
-/* Returns true and prints the reason if the program runs under valgrind, where these checks do not work. */
+/* If the program runs under valgrind, where these checks do not work, prints the reason and returns true. */
 bool call_under_valgrind(void);
 
 #endif

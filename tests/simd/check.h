@@ -99,8 +99,8 @@ bool check_both(check *c, check_call_fn *call, void *a, void *b);
 
 typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, CHECK_U64, CHECK_BITS } check_type;
 /*
- * Returns true if `count` elements are equal. Otherwise the case fails, and a table of the first
- * differences is printed.
+ * Returns true if `count` elements are equal. If they differ, the case fails, and a table of the first differences is
+ * printed.
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*

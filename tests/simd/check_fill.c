@@ -169,7 +169,7 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(row_state[0], 0, all);
-    /* if below 6, all rows are of this kind; otherwise each row has a kind of its own */
+    /* if below 6, all rows are of this kind; if not, each row has a kind of its own */
     const int one_kind = (int)check_range(c, 0, 12);
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;

@@ -435,7 +435,7 @@ static void test_match(check *c)
     if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) ||
         !match->windows)
         return;
-    /* Compares the windows with the tool's own voxels, which the scalar kernel uses if there are no windows. */
+    /* Compares the windows with the tool's own voxels. If there are no windows, the scalar kernel uses these voxels. */
     static ost_match plain;
     static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
     plain = *match;

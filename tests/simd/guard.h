@@ -25,8 +25,8 @@ typedef enum guard_kind { GUARD_INPUT, GUARD_OUTPUT } guard_kind;
 void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, bool at_end);
 /* Makes the inputs read-only. */
 void guard_freeze(void);
-/* Returns true if all canaries are intact. Otherwise writes to `text` the name of a buffer and the distance of the
-   changed byte from it. */
+/* Returns true if all canaries are intact. If a canary has changed, writes to `text` the name of its buffer and the
+   distance of the changed byte from this buffer. */
 bool guard_intact(char *text, size_t size);
 /* Writes to `text` the name of the buffer that contains the address or is adjacent to it. */
 void guard_describe(const void *address, char *text, size_t size);

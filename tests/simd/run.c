@@ -2,9 +2,8 @@
 /*
  * Runs the cases of one kernel and reports the first failure.
  *
- * A case has its own random generator, whose seed depends only on the run's seed, the kernel's name and the
- * case's number. Therefore a case is the same for every instruction set and does not depend on earlier
- * cases.
+ * A case has its own random generator. The seed of the generator depends only on the run's seed, the kernel's name and
+ * the case's number. Therefore a case is the same for every instruction set and does not depend on earlier cases.
  */
 #include "simd/check.h"
 

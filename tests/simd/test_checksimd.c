@@ -322,8 +322,8 @@ static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uin
 }
 
 /*
- * Simulates a kernel that computes the tie described in remove.h wrongly: it truncates
- * coordinates and offsets before it adds them.
+ * Simulates a kernel with an error in the tie that remove.h describes: it truncates coordinates and offsets before it
+ * adds them.
  */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {

@@ -5,8 +5,7 @@
  * file were computed with gcc 12 on x86-64. Other compilers must compute the same digests. If a list of
  * arguments contained two random draws, their order would depend on the compiler.
  *
- * The bone of the `operation` family is a phantom, which is generated in floating point, so it is not
- * tested here.
+ * The bone of the `operation` family is a phantom that is generated in floating point. This test does not cover it.
  * Covers: REQ-EVIDENCE
  */
 #include "harness.h"
@@ -47,8 +46,8 @@ static void campaigns(void **state)
     } rows[] = {
         {PLAN_SMOKE, "import", 7, "c9d4686acb5fe3b5bc6a0f3a3f20916c4367f84cbc48e1f6981b157eed100c81"},
         /*
-         * The following digest was computed by a separate program from draw.h, the description
-         * of the case and the order of scene_digest.
+         * A separate program computed the following digest from draw.h, the description of the case and the order of
+         * scene_digest.
          */
         {PLAN_SMOKE, "import/7", 99, "dd2f0af38ef77641aa8732c2118c60c104c4f61c4ad7f1bc6aca6b3853c0427c"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
@@ -132,8 +131,8 @@ static void small_bones_are_fetched_whole(void **state)
 }
 
 /*
- * Counts the voxels of an axis whose source voxel would change if the ratio were computed by one division
- * in double or single precision and the index were truncated.
+ * Counts the voxels of an axis whose source voxel would change if the index were truncated and the ratio were computed
+ * with one division in double or single precision.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
@@ -307,7 +306,7 @@ static void reach_has_what_it_is_for(void **state)
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
             /*
-             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If it is odd,
+             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If this number is odd,
              * the distance is a tie.
              */
             for (size_t n = 0; n < 3; n++) {

@@ -28,8 +28,7 @@ static void proved(void **state)
     if (s.first_problem[0])
         fail_msg("%s", s.first_problem);
     /*
-     * In the smoke tier, each kind of mistake is tried once. A kind that changed no result is
-     * tried in four more scenes.
+     * In the smoke tier, each kind of mistake is made once. A kind that changed no result is made in four more scenes.
      */
     assert_int_equal(sensitivity_injections(PLAN_SMOKE), DEVIATION_KINDS - 1);
     assert_true(s.all.injected >= DEVIATION_KINDS - 1);

@@ -111,8 +111,8 @@ static void sweep_and_motor_of_the_text(void **state)
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
     /*
-     * If 2 |d| equals n s exactly, n poses are sufficient. If d is one picometre longer, one
-     * more pose is necessary.
+     * If 2 * |d| equals n * s exactly, n poses are sufficient. If d is one picometre longer, one more pose is
+     * necessary.
      */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
                    more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
@@ -238,7 +238,7 @@ static void a_difference_is_named(void **state)
     for (int second = 0; second < 2; second++) {
         assert_ok(trace_create(paths[second], &w, &err));
         if (second)
-            /* the second implementation does not use this tick, because it rotates the rows of the path itself */
+            /* the second implementation rotates the rows of the path itself, so it does not use this tick */
             s.path.ticks[5].pose.t.x++;
         assert_ok(second ? perform_second(dense, &s, 0, w, &why, &err)
                          : perform(dense, &s, 0, w, NULL, NULL, &why, &err));

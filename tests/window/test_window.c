@@ -319,7 +319,7 @@ static void full_screen_and_back(void **state)
     (void)state;
     fake_begin();
     ost_window *w = opened();
-    fake_place(1800, 50); /* most of the window is on the second screen, which must become the full screen */
+    fake_place(1800, 50); /* most of the window is on the second screen, so this screen must become the full screen */
     ost_window_full_screen(w, true);
     assert_true(ost_window_is_full_screen(w));
     ost_window_size(w, &width, &height, &scale);

@@ -43,8 +43,8 @@ void bundle_abandon(bundle *b); /* b may be NULL */
    was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Called for each problem of a bundle. If a file cannot be read, the check itself fails and this function is not
-   called. */
+/* Called for each problem of a bundle. If a file cannot be read, the check itself fails without a call of this
+   function. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 
 /* Reports every problem of the folder's files, of the manifest and of the log's hash chain. Adds the number of
@@ -56,8 +56,8 @@ ost_status bundle_read(const char *folder, const char *name, char **bytes, size_
 /* Reads a file of a bundle as bundle_read does. If the file is absent, returns OST_OK and sets *bytes to NULL. */
 ost_status bundle_find(const char *folder, const char *name, char **bytes, size_t *size, ost_error *err);
 
-/* Parses a file of a bundle within the limits of limits.h. The caller owns *out, which is NULL if the file is
-   absent. */
+/* Parses a file of a bundle within the limits of limits.h. The caller owns *out. If the file is absent, *out is
+   NULL. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
 /* Parses a file of a bundle as bundle_find_json does, but the file must exist. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);

@@ -16,8 +16,8 @@
 #include "validation/bundle/bundle.h"
 #include "validation/plan.h"
 
-/* Checks everything except the results. Sets *summary to the bundle's verdict (evidence_summary), which the caller
-   owns, or to NULL if the verdict cannot be read. */
+/* Checks everything except the results. Sets *summary to the bundle's verdict (evidence_summary). If the verdict cannot
+   be read, sets *summary to NULL. The caller owns *summary. */
 ost_status check_bundle(const char *folder, bundle_problem *problem, void *user, int *found, json_t **summary,
                         ost_error *err);
 
@@ -31,10 +31,9 @@ typedef struct check_how {
 } check_how;
 
 /*
- * Runs the cases again in workers. On the reference, the digests of the inputs
- * and of all records must equal those in the bundle. On how->backend, the digests
- * must equal those of the bundle's results for this backend or, if the bundle has
- * no such results, those of the reference.
+ * Runs the cases again in workers. On the reference, the digests of the inputs and of all records must equal those in
+ * the bundle. If the bundle has results for how->backend, the digests of how->backend must equal those of these
+ * results. If it has none, they must equal the reference's digests.
  */
 ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
                        ost_error *err);

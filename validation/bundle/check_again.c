@@ -37,8 +37,8 @@ static ost_status compare_reference(const again *a, const campaign *c, int i, co
     return OST_OK;
 }
 
-/* Compares the backend's digest with that of the bundle's result for this backend or, if the bundle has no such result,
-   with that of the reference. */
+/* Compares the backend's digest with the digest of the bundle's result for this backend. If the bundle has no such
+   result, compares the backend's digest with the reference's digest. */
 static void compare_backend(const again *a, const campaign *c, int i, const json_t *one)
 {
     const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + 1];

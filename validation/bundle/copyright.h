@@ -15,9 +15,9 @@
 enum { COPYRIGHT_LICENCE = 200 };
 
 /*
- * Finds the licence in the copyright file of a package. Sets out to "" if the package has no such file, or
- * if the file names no licence that this program recognises. A file that cannot be read is an error,
- * because the lists of software would otherwise depend on whether it can be read.
+ * Finds the licence in the copyright file of a package. Sets out to "" if the package has no such file, or if the file
+ * names no licence that this program recognises. A file that cannot be read is an error. If such a file were ignored,
+ * the lists of software would depend on the permissions of files.
  */
 ost_status copyright_of(const char *package, char out[COPYRIGHT_LICENCE], ost_error *err);
 

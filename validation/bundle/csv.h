@@ -5,8 +5,8 @@
 
 #include <stdio.h>
 
-/* Writes a field, with control characters replaced by spaces, and then the character `after`, which is a comma or,
-   after the last field of a row, a newline. */
+/* Writes a field, with control characters replaced by spaces, and then the character `after`. This character is a
+   newline after the last field of a row, and a comma after any other field. */
 static inline void put_csv(FILE *to, const char *text, char after)
 {
     fputc('"', to);

@@ -82,8 +82,8 @@ static bool dims_in(const json_t *list, ost_dims *out)
     return true;
 }
 
-/* Finds the dims for a case of the user's own files, whose grids have their dims in the protocol. Returns false if
-   only a part of a case was run (--case), because the dims are unknown then. */
+/* Finds the dims for a case of the user's own files, whose grids have their dims in the protocol. If only a part of a
+   case was run (--case), the dims are unknown, and the function returns false. */
 static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
 {
     const json_t *user = json_object_get(protocol, "user"), *cases = json_object_get(user, "cases");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes environment.json, which describes the system, the processor, threads, the rounding state, the
- * locale, the environment variables that affect drivers and threads, the compiler and its flags, and the
- * SHA-256 of the program's own file.
+ * Makes environment.json. The file describes the system, the processor, threads, the rounding state, the locale, and
+ * the environment variables that affect drivers and threads. It also contains the compiler, its flags, and the SHA-256
+ * of the program's own file.
  */
 #ifndef OST_VALIDATION_ENVIRONMENT_H
 #define OST_VALIDATION_ENVIRONMENT_H

@@ -34,11 +34,11 @@ ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_er
 /* Adds the results to the lines of all cases. The lines must be in the plan's order. */
 ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
-/* Makes the digests of a case's records in the form of cases.jsonl. The caller owns *out, which is NULL on failure. */
+/* Makes the digests of a case's records in the form of cases.jsonl. On failure, *out is NULL. The caller owns *out. */
 ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
 
-/* Returns true if a stage of the reference refused this case's input. A backend that also refuses the input is equal,
-   but this result is no evidence. */
+/* Returns true if a stage of the reference refused this case's input. A backend that also refuses the input counts as
+   equal, but this result is no evidence. */
 bool evidence_refused(const json_t *one);
 
 /*
@@ -100,9 +100,9 @@ ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_
 ost_status evidence_check_format(const char *folder, const json_t *protocol, ost_error *err);
 
 /*
- * Reads cases.jsonl line by line within the limits of limits.h. The error line of OST_ERR_INPUT contains
- * the line number. If with_leaves is false, the digests of leaves, which are the largest part, are omitted,
- * and each line must be identical to the text that this program writes.
+ * Reads cases.jsonl line by line within the limits of limits.h. The error line of OST_ERR_INPUT contains the line
+ * number. The digests of leaves are the largest part. If with_leaves is false, they are omitted, and each line must be
+ * identical to the text that this program writes.
  */
 ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes sensitivity.json, which contains the list of mistakes with the counts for each mistake, the sums of
- * these counts, the false alarms, and the command that repeats the run.
+ * Makes sensitivity.json. The file contains the counts for each mistake, the sums of these counts, the false alarms,
+ * and the command that repeats the run.
  */
 #ifndef OST_VALIDATION_FAULTS_H
 #define OST_VALIDATION_FAULTS_H

@@ -194,8 +194,8 @@ static json_t *causes_of(const side *a, const side *b)
     return list;
 }
 
-/* Returns the number of cases in which one bundle has a record that the other bundle lacks. The results of these
-   cases cannot be compared by digests. */
+/* Returns the number of cases in which one bundle has a record that the other bundle lacks. Digests cannot compare the
+   results of these cases. */
 static json_int_t other_records(const json_t *results)
 {
     const json_t *list = json_object_get(results, "differences");
@@ -205,8 +205,8 @@ static json_int_t other_records(const json_t *results)
     return n;
 }
 
-/* Returns the conclusion. Inputs are compared by digest, so the reference's results may differ only if the version of
-   the arithmetic differs. */
+/* Returns the conclusion. Equal digests show that the inputs are equal. The reference's results may then differ only if
+   the version of the arithmetic differs. */
 static const char *conclusion_of(const json_t *results, const json_t *verdicts, bool same_arithmetic, bool *explained)
 {
     const json_int_t different = json_integer_value(json_object_get(results, "different_cases"));

@@ -154,8 +154,8 @@ static bool may_lack(const char *backend, const char *line)
     return may;
 }
 
-/* Returns true for a line such as "tick 3 -", which states that a dump has no such record or that a backend does not
-   implement the function. */
+/* Returns true for a line such as "tick 3 -". The line states that a dump has no such record, or that a backend does
+   not implement the function. */
 static bool is_stand_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');

@@ -4,8 +4,8 @@
  *
  *   a line: the reference's records, each backend's digest --judge_case--> its verdicts, or contradictions
  *
- * Each backend's digest was made from that backend's own trace (digests.h), so that a verdict results from
- * a comparison of two digests and need not be trusted:
+ * Each backend's digest was made from that backend's own trace (digests.h). A verdict need not be trusted,
+ * because it follows from a comparison of two digests:
  *
  *   equal     the SHA-256 of the backend's lines equals that of the reference's lines
  *   differs   the backend's lines are present and have the stated SHA-256; the first line that differs

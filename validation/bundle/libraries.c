@@ -48,7 +48,7 @@ typedef struct visit {
     bool incomplete; /* memory was exhausted */
 } visit;
 
-/* Writes the build id that the linker stored in the file, which is the note with type 3 and name "GNU". */
+/* Writes the build id that the linker stored in the file. It is in the note with type 3 and name "GNU". */
 static void build_id(const struct dl_phdr_info *info, char hex[129])
 {
     hex[0] = '\0';
@@ -113,9 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut off after PROGRAM_TEXT bytes. The caller frees *text, which is NULL if
- * the program is not installed. Returns an error if the program cannot be started, its output cannot be
- * read or the program fails, because the list of libraries would be incomplete.
+ * Reads the output of a program, cut off after PROGRAM_TEXT bytes. If the program is not installed, *text is NULL. The
+ * caller frees *text. If the program cannot be started or fails, or if its output cannot be read, the list of libraries
+ * would be incomplete; the function then returns an error.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
@@ -174,8 +174,9 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the alternative path of a file: with /usr at the beginning if the path has none, otherwise without it. A
-   package may list the path that the file had before /bin and /lib were merged into /usr. */
+/* Writes the alternative path of a file. If the path begins with /usr, the alternative path lacks this beginning. If it
+   does not, the alternative path begins with /usr. A package may list the path that the file had before /bin and /lib
+   were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)

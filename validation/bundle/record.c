@@ -110,8 +110,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* Writes a file once if it is equal in all shards. Otherwise writes an object with the file of each shard if by_shard
-   is true, and fails if by_shard is false. */
+/* If a file is equal in all shards, writes it once. If the file differs and by_shard is true, writes an object with the
+   file of each shard. If the file differs and by_shard is false, fails. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user,
                             ost_error *err)
 {

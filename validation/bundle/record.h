@@ -8,8 +8,8 @@
  *   record_derive  trace.csv, sbom.spdx.json, soup.csv, junit.xml; these are derived from the files
  *                  above, environment.json, times.json and the cases; verify derives them again
  *
- * If shards ran on equal machines, their tools.json and devices.json are equal
- * and are written once; otherwise the file has an object {"1/3": ...}.
+ * If shards ran on equal machines, their tools.json and devices.json are equal and are written once. If the files
+ * differ, the merged file has an object {"1/3": ...}.
  */
 #ifndef OST_VALIDATION_RECORD_H
 #define OST_VALIDATION_RECORD_H

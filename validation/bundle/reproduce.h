@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the files cases/NAME.json. Each file is a small case that reproduces a difference found by a
- * campaign, and can be run by one command.
+ * Makes the files cases/NAME.json. Each file is a small case that reproduces a difference found by a campaign. One
+ * command runs the case.
  *
  *   campaign's differences --minimise--> cases/session-1-backend-2.json
  *

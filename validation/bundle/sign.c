@@ -42,8 +42,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
                                  json_string(name)) == 0;
 }
 
-/* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all
-   results are equal but the campaign covers too little. Otherwise returns FAILED, also if nothing was compared or the
+/* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all results
+   are equal but the campaign covers too little. Returns FAILED in all other cases, also if nothing was compared or the
    campaign is incomplete. */
 static const char *result_of(const json_t *summary)
 {
@@ -259,8 +259,8 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
     return true;
 }
 
-/* Reads the signer's claims from a statement, and compares the rest of the statement with the bundle. Sets *why to
-   the reason if the statement is invalid, otherwise to NULL. */
+/* Reads the signer's claims from a statement, and compares the rest of the statement with the bundle. If the statement
+   is invalid, sets *why to the reason. If it is valid, sets *why to NULL. */
 static ost_status compare_statement(const check *c, const sign_envelope *e, claim *claimed, const char **why,
                                     ost_error *err)
 {
@@ -288,8 +288,8 @@ static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
     return -1;
 }
 
-/* Verifies all signatures of an envelope and adds their fingerprints to `keys`. Returns the reason if a signature is
-   invalid, otherwise NULL. */
+/* Verifies all signatures of an envelope and adds their fingerprints to `keys`. If a signature is invalid, returns the
+   reason. If all are valid, returns NULL. */
 static const char *verify_signatures(const check *c, const sign_envelope *e, json_t *keys)
 {
     bool used[SIGN_KEYS_MAX] = {false};

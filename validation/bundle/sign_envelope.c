@@ -108,7 +108,10 @@ static bool is_fingerprint(const char *text)
     return strlen(text) == OST_DIGEST_HEX - 1 && strspn(text, "0123456789abcdef") == OST_DIGEST_HEX - 1;
 }
 
-/* Reads one of the signatures of an envelope. Returns the reason if the signature is invalid, otherwise NULL. */
+/*
+ * Reads one of the signatures of an envelope. If the signature is invalid, returns the reason. If it is valid, returns
+ * NULL.
+ */
 static const char *read_signature(const json_t *one, sign_envelope *e)
 {
     const json_t *sig = json_object_get(one, "sig"), *keyid = json_object_get(one, "keyid");

@@ -47,8 +47,8 @@ typedef struct sign_envelope {
 
 /* Makes an envelope for the payload as one line of JSON. The caller frees *text. */
 ost_status sign_envelope_make(const sign_key *key, const char *payload, size_t size, char **text, ost_error *err);
-/* Reads an envelope. Sets *why to the reason if the text is invalid, otherwise to NULL. Fails only with
-   OST_ERR_MEMORY. */
+/* Reads an envelope. If the text is invalid, sets *why to the reason. If it is valid, sets *why to NULL. Fails only
+   with OST_ERR_MEMORY. */
 ost_status sign_envelope_read(const char *text, size_t size, sign_envelope *out, const char **why, ost_error *err);
 void sign_envelope_free(sign_envelope *e);
 
@@ -57,8 +57,8 @@ void sign_envelope_free(sign_envelope *e);
 enum { SIGN_TIME = 40 };
 /* Reads the certificates of a time-stamping authority. */
 ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
-/* Checks a response to a time stamp query for these bytes. Returns the reason if the response is invalid. Otherwise
-   returns NULL and writes the time of the stamp to `time`. */
+/* Checks a response to a time stamp query for these bytes. If the response is invalid, returns the reason. If it is
+   valid, returns NULL and writes the time of the stamp to `time`. */
 const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
                             size_t size, char time[SIGN_TIME]);
 

@@ -9,7 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* Software for which this program has a table row, which is found by the beginning of a library's file name. */
+/* Software for which this program has a table row. The beginning of a library's file name selects the row. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;
@@ -110,8 +110,8 @@ static int by_file(const void *a, const void *b)
     return order ? order : strcmp(evidence_text(x, "sha256"), evidence_text(y, "sha256"));
 }
 
-/* Returns the libraries of one machine or of all shards, without duplicates. The caller owns the result, which is
-   NULL if memory is exhausted. */
+/* Returns the libraries of one machine or of all shards, without duplicates. Returns NULL if memory is exhausted. The
+   caller owns the result. */
 static json_t *libraries_of(const json_t *tools)
 {
     json_t *all = json_array(), *seen = json_object(), *out = json_array();

@@ -25,8 +25,8 @@ enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
 /* Maximum size of a test's output in bytes. A test that prints more is stopped. */
 #define SUITE_OUTPUT_MAX ((json_int_t)64 << 20)
 
-/* Returns the tests that the rows of requirements.csv name, sorted and without duplicates. The caller owns the
-   result, which is NULL if memory is exhausted. */
+/* Returns the tests that the rows of requirements.csv name, sorted and without duplicates. Returns NULL if memory is
+   exhausted. The caller owns the result. */
 json_t *suite_tests(const char *requirements);
 
 /* Returns "passed", "skipped" or "failed". The parameter stopped is the reason why the test was stopped, or "" if the

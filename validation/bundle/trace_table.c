@@ -158,9 +158,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes texts such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a
- * row, which are separated by semicolons. The parameter also is true if another part of this bundle covers
- * the row. Returns false if no test passed or failed, because a skipped test is no evidence.
+ * Writes texts such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row.
+ * Semicolons separate these tests. If the parameter `also` is true, another part of this bundle covers the row. A
+ * skipped test is no evidence, so the function returns false if no test passed or failed.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)

@@ -18,7 +18,10 @@
 #define REQUIREMENTS_FILE "requirements.csv"
 #define TRACE_FILE "trace.csv"
 
-/* Returns a copy of the table that is compiled in, which the caller frees with free(); NULL if memory is exhausted. */
+/*
+ * Returns a copy of the table that is compiled in, or NULL if memory is exhausted. The caller frees the copy with
+ * free().
+ */
 char *trace_requirements(void);
 
 /* Writes trace.csv. requirements is the text of the bundle's requirements.csv. common and suite are the contents of

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mistakes that all backends have in common cannot be found by comparing them
- * with each other. These checks compare the reference with results that do not
- * depend on any program:
+ * A comparison of backends with each other cannot find a mistake that all backends have in common. These checks compare
+ * the reference with results that do not depend on any program:
  *
  *   golden     small grids, computed by hand from docs/spec/arithmetic.md
  *   volume     bodies whose volume is given by a formula

@@ -100,7 +100,7 @@ static void moved(lab *l, draw *d, scene *s)
     lab_remove(l, &s->g, 32, s->b, s->tool, s->poses, POSES, NULL);
 }
 
-/* Moves the tool by a whole number of voxels in its own frame, and the pose, which has no rotation, by the same
+/* Moves the tool by a whole number of voxels in its own frame. Moves the pose, which has no rotation, by the same
    distance in the opposite direction. */
 static void shifted(lab *l, draw *d, scene *s)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Checks of bodies whose volume is given by a formula. If the borders of a body lie between voxel centres, the volume
-   of its voxels must be exact; otherwise it may deviate by at most the volume of the border's voxels. */
+   of its voxels must be exact. If they do not, the volume may deviate by at most the volume of the border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,10 +56,10 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
 }
 
 /*
- * A voxel lies completely inside the ball if its centre is more than half a voxel diagonal below
- * the surface, and completely outside if its centre is more than half a diagonal above the surface.
- * The volume of the voxels is therefore between the volumes of two balls, whose radii are smaller
- * and larger by half a diagonal. The smaller radius also takes the mesh's sagitta into account.
+ * If a voxel's centre is more than half a voxel diagonal below the surface, the voxel lies completely inside the ball.
+ * If its centre is more than half a diagonal above the surface, the voxel lies completely outside. The volume of the
+ * voxels is therefore between the volumes of two balls, whose radii are smaller and larger by half a diagonal. The
+ * smaller radius also takes the mesh's sagitta into account.
  */
 static void ball(lab *l)
 {

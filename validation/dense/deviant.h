@@ -34,8 +34,8 @@ bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
 /* Returns true if a mistake can be made in this stage; the stage is then also run without the mistake, to determine
    what the mistake changed. Returns false if m is NULL. */
 bool deviant_in(const deviant *m, deviation_stage stage);
-/* Returns a pseudo-random number for further random choices, which depends on unit `item` of the current call. m must
-   not be NULL. */
+/* Returns a pseudo-random number for further random choices. The number depends on unit `item` of the current call. m
+   must not be NULL. */
 uint64_t deviant_draw(const deviant *m, uint64_t item);
 /* Returns true if the float arithmetic of the thesis is used. Sets *fused to true if the multiply-adds of this
    arithmetic are fused. m may be NULL. */

@@ -122,8 +122,8 @@ void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3])
     first(m, &m->record.acted, &m->record.first_acted, position(m, (int64_t)item, voxel, -1));
 }
 
-/* The float arithmetic of the thesis has no intermediate values that could be compared with correct ones, so each
-   changed position also counts as a position where the deviation acted. */
+/* The float arithmetic of the thesis has no intermediate values that could be compared with correct values. Therefore
+   each changed position also counts as a position where the deviation acted. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3])
 {
     bool fused;

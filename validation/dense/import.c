@@ -393,8 +393,8 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
     return at < ost_dims_count(d) ? rect->made.voxels[at] : 0;
 }
 
-/* Returns a (ONE - w) + b w, whose scale is 2^15 times that of a and b. Three applications, along z, then y, then x,
-   give the weighted sum of all eight values. */
+/* Returns a * (ONE - w) + b * w. The scale of the result is 2^15 times the scale of a and b. Three applications, along
+   z, then y, then x, give the weighted sum of all eight values. */
 static int64_t mixed(int64_t a, int64_t b, int32_t w)
 {
     return a * (ONE - w) + b * w;

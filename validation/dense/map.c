@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Determines the tool voxel of every active bone voxel at one pose (AR-MAP). The bone is processed in
- * blocks, as in docs/spec/arithmetic.md, with 64-bit integers. This code uses neither the rule of far
- * blocks nor the event's boxes. If a backend omits voxels because of a mistake in them, the results
- * therefore differ. A block is skipped only if the coordinates of all its corners lie beyond one side of
- * the tool. This test is sufficient because the coordinates are linear.
+ * Determines the tool voxel of every active bone voxel at one pose (AR-MAP). The bone is processed in blocks, as in
+ * docs/spec/arithmetic.md, with 64-bit integers. This code uses neither the rule of far blocks nor the event's boxes.
+ * If a backend omits voxels because of a mistake in this rule or in the boxes, its results therefore differ from the
+ * results of this code. A block is skipped only if the coordinates of all its corners lie beyond one side of the tool.
+ * This test is sufficient because the coordinates are linear.
  */
 #include "validation/dense/parts.h"
 
@@ -133,8 +133,8 @@ static bool left_out(const pose *p, const int32_t v[3])
     return false;
 }
 
-/* Returns true if no voxel of the block can be in the tool, because along one axis all coordinates of the block lie
-   on one side of the tool. */
+/* Returns true if, along one axis, all coordinates of the block lie on one side of the tool. No voxel of the block can
+   then be in the tool. */
 static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
 {
     const ost_dims dims = tool->base.geometry.dims;

@@ -31,7 +31,7 @@ static cube cube_of(const dense_bone *bone, int32_t number)
     return k;
 }
 
-/* Iterates over the voxels of a cube. v receives the coordinates of each voxel, and at its index. */
+/* Iterates over the voxels of a cube. `v` receives the coordinates of each voxel, and `at` its index. */
 #define EACH_VOXEL(bone, k, v, at)                                                                         \
     for (int32_t v[3] = {0, 0, (k).lo[2]}; v[2] < (k).hi[2]; v[2]++)                                       \
         for (v[1] = (k).lo[1]; v[1] < (k).hi[1]; v[1]++)                                                   \
@@ -100,8 +100,8 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* Returns the density class by AR-CLS-1. If above is true, the comparison is density > border instead of density >=
-   border, which is a deliberate mistake. */
+/* Returns the density class by AR-CLS-1. If above is true, the function makes a deliberate mistake: it compares density
+   > border instead of density >= border. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;
@@ -229,8 +229,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Returns true if all boxes of the event are empty, so that the event reaches no voxel. Boxes that are not empty have
-   no effect in this backend, because boxes may only exclude voxels outside the tool (event.h). */
+/* Returns true if all boxes of the event are empty, so that the event reaches no voxel. Other boxes have no effect in
+   this backend: they may exclude only voxels outside the tool (event.h), which this backend never removes. */
 static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

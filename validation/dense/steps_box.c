@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no
- * box, so the result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's
- * grid, the box of sim/box.h may be empty. Otherwise that box includes the voxels whose centres lie in the
- * bone-aligned bounds of the tool's grid enlarged by one voxel.
+ * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no box, so the
+ * result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's grid, the box of sim/box.h
+ * may be empty. If a voxel is inside, that box includes all voxels whose centres lie in the bone-aligned bounds of the
+ * tool's grid enlarged by one voxel.
  */
 #include "validation/dense/steps.h"
 
 #include <string.h>
 
-/* Compares the coordinate o + i s with the fraction bound / n. Returns the sign of i s n - (bound - o n). */
+/* Compares the coordinate o + i * s with the fraction bound / n. Returns the sign of i * s * n - (bound - o * n). */
 static int side(int64_t i, ost_pm o, ost_pm s, wide bound, wide n)
 {
     return wide_order(wide_times(wide_plus(wide_of(o), wide_times(wide_of(i), wide_of(s))), n), bound);

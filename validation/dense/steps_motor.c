@@ -20,7 +20,7 @@ static ost_pose turned(const ost_pose *handle, wide phase)
     const long double angle = acosl(-1.0L) * (long double)k / 4096;
     const wide c = wide_of(llrintl(1073741824.0L * cosl(angle))), s = wide_of(llrintl(1073741824.0L * sinl(angle)));
     const int32_t q[4] = {handle->qw, handle->qx, handle->qy, handle->qz};
-    /* component i of the product is c q[i] + s sign[i] q[other[i]], for example c w + s z for i = 0 */
+    /* component i of the product is c * q[i] + s * sign[i] * q[other[i]], for example c * w + s * z for i = 0 */
     static const int other[4] = {3, 2, 1, 0}, sign[4] = {1, -1, 1, -1};
     int32_t out[4];
     for (int i = 0; i < 4; i++) {
@@ -57,7 +57,7 @@ static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int 
                       of_unit_length(p.qz, r)};
 }
 
-/* Returns m of AR-MOTOR-7 for row i: the smallest m >= 1 with 8 n (t - t') <= m U. */
+/* Returns m of AR-MOTOR-7 for row i: the smallest m >= 1 with 8 * n * (t - t') <= m * U. */
 static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
 {
     if (i == 0 || rpm <= 0)

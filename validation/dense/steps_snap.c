@@ -53,7 +53,7 @@ bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *
     return wide_order(all, wide_power_of_two(33)) <= 0;
 }
 
-/* Returns the greatest f <= 10 with max(dims) 2^f <= 2^20. Tries the values from 0 upwards. */
+/* Returns the greatest f <= 10 with max(dims) * 2^f <= 2^20. Tests the values from 0 upwards. */
 static int fraction_bits(const ost_tool_geometry *grid)
 {
     int f = 0;
@@ -63,8 +63,8 @@ static int fraction_bits(const ost_tool_geometry *grid)
     return f;
 }
 
-/* Returns true if the area of the triangle is not 0. Because |u|^2 |v|^2 - (u v)^2 = |u x v|^2, the left side is 0 if
-   and only if the cross product is 0. */
+/* Returns true if the area of the triangle is not 0. Because |u|^2 * |v|^2 - (u . v)^2 = |u x v|^2, the left side is 0
+   if and only if the cross product is 0. */
 static bool has_area(const int32_t a[3], const int32_t b[3], const int32_t c[3])
 {
     wide uu = wide_of(0), vv = uu, uv = uu;

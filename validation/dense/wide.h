@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * 256-bit integers as sign and magnitude. They make proofs of ranges unnecessary for the computations of
- * steps.h, whose greatest number, 2 * P^2 or origin + i column, is below 2^140. The arithmetic is schoolbook
+ * 256-bit integers as sign and magnitude. The greatest number in the computations of steps.h, 2 * P^2 or origin + i *
+ * column, is below 2^140. Therefore these computations need no proofs of ranges. The arithmetic is schoolbook
  * arithmetic on 32-bit limbs, the lowest limb first.
  */
 #ifndef OST_VALIDATION_DENSE_WIDE_H
@@ -30,8 +30,8 @@ int wide_order(wide a, wide b);
 wide wide_floor(wide a, wide b);
 wide wide_nearest(wide a, wide b);
 
-/* Returns the value if its magnitude is below 2^63, otherwise 0. The ranges of the callers' values guarantee that the
-   magnitude is below 2^63. */
+/* If the magnitude is below 2^63, returns the value. If not, returns 0. The ranges of the callers' values guarantee
+   that the magnitude is below 2^63. */
 int64_t wide_to_int64(wide a);
 /* Writes the value as 128-bit two's complement, the low half first. */
 void wide_to_words(wide a, uint64_t words[2]);

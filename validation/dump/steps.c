@@ -33,7 +33,7 @@ enum {
 
 /* ---------------------------------------------------------- values of members */
 
-/* A file and its reader. After the first error, which is described in err, all functions that read members return
+/* A file and its reader. err describes the first error. After this error, all functions that read members return
    false. */
 typedef struct reader {
     const char *path;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A cut lists the parts of a generated scene that are retained when a case that shows a difference is
- * reduced. It is stored in a case file (case_file.h).
+ * When a case that shows a difference is reduced, only some parts of its scene are retained. A cut lists these parts.
+ * It is stored in a case file (case_file.h).
  *
  *   scene of a case --scene_cut_apply--> scene with a part of the grid and fewer samples, tools, triangles, ticks
  *

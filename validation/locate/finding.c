@@ -41,7 +41,7 @@ static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace 
 {
     if (d->kind != COMPARE_WORD || d->stage != TRACE_COLLIDE)
         return false;
-    /* The tick's record follows the record of the tick's steps, which has the index d->records. */
+    /* The record of the tick's steps has the index d->records. The tick's own record follows it. */
     compare_record_at(ref, in_ref, got, in_got, (size_t)d->records + 1, out);
     return out->kind == COMPARE_VOXEL && out->stage == TRACE_TICK && out->item == d->item;
 }

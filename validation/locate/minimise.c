@@ -106,8 +106,8 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     c.cut = &own;
     if (!range.count || scene_make(&c, &s, &none) != OST_OK)
         return OST_OK;
-    /* The worker's trace contains the digest of the input. The reference's trace must contain it too, because it is
-       compared. */
+    /* The comparison includes the digest of the input. The worker's trace contains this digest, so the reference's
+       trace must contain it too. */
     ost_status status = scene_digest(&s, &s.digest, err);
     if (status == OST_OK)
         status = trace_reference(j, &s, &ref, err);

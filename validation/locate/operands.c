@@ -208,7 +208,7 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 
 /* ----------------------------------------------------------------- a tick */
 
-/* The poses of a tick's event. They are determined by the same rules as in ost_world_step. */
+/* The poses of a tick's event. The rules that determine them are those of ost_world_step. */
 typedef struct event_poses {
     bool removal;
     ost_pose from, to; /* first and last pose of the sweep; the first is valid only if count > 1 */

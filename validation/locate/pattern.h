@@ -77,8 +77,8 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    /* For each axis, the weight of the voxel after the source voxel, in units of 2^-15. If it is 0, that voxel is not
-       read. */
+    /* For each axis, the weight of the voxel after the source voxel, in units of 2^-15. A voxel with the weight 0 is
+       not read. */
     const int32_t *weight[3];
     /* For each voxel, the number of samples after the voxel's last sample in the batch, or -1 if the voxel has no
        sample. NULL if unknown. */

@@ -31,7 +31,7 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 typedef struct chunk_sums {
     /* numbers of chunks; one_sided counts the chunks that are solid in only one grid */
     int64_t differ, undone, one_sided;
-    /* hit_after is the number of chunks with a hit but without a difference that follow the first chunk with a
+    /* hit_after counts chunks after the first chunk with a difference; a chunk counts if it has a hit but no
        difference */
     int64_t hit, hit_after;
 } chunk_sums;

@@ -206,7 +206,7 @@ bool pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Checks the rule row-pitch. Tries rows that are one voxel shorter or longer, or aligned like rows of images and
+/* Checks the rule row-pitch. Tests rows that are one voxel shorter or longer, or aligned like rows of images and
    allocations. */
 bool pattern_row_pitch(const pattern_scan *s, char *text)
 {

@@ -79,7 +79,7 @@ static void row(const page *p, int number, const json_t *one, const json_t *back
     fputs("</td></tr>\n", p->to);
 }
 
-/* Writes the command that runs the small case, which shows the same difference as the complete case. */
+/* Writes the command that runs the small case. This case shows the same difference as the complete case. */
 static void reproduction(const page *p, const json_t *backend, const json_t *r)
 {
     const char *file = evidence_text(r, "reproduce");

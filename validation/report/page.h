@@ -34,11 +34,11 @@ void page_many(const page *p, size_t count, const char *one);
 void page_shell_word(const page *p, const char *text);
 /* Writes a link to a file of the bundle. */
 void page_link(const page *p, const char *file);
-/* Reads a file of the bundle into *bytes, which the caller frees. Returns false if the file is absent or cannot be
-   read; the latter is recorded in p->unread. */
+/* Reads a file of the bundle into *bytes, which the caller frees. Returns false if the file is absent. If the file
+   cannot be read, returns false and records the error in p->unread. */
 bool page_read(const page *p, const char *file, char **bytes, size_t *size);
-/* Returns a JSON file of the bundle, which the caller owns. Returns NULL if the file is absent, is not JSON or cannot
-   be read; the latter is recorded in p->unread. */
+/* Returns the value of a JSON file in the bundle; the caller owns the value. Returns NULL if the file is absent or is
+   not JSON. If the file cannot be read, returns NULL and records the error in p->unread. */
 json_t *page_json(const page *p, const char *file);
 bool page_has(const page *p, const char *file);
 /* Embeds a picture with a caption in the page and links the picture to its file. If the bundle does not have the

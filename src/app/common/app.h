@@ -10,8 +10,8 @@
  *   input/load.c loads a bone or a tool from any supported file
  *   cmd_X.c      implements one verb
  *
- * A verb returns a status; main turns it into the exit status. A verb fills its JSON object whether
- * or not --json is given, so that both kinds of run do the same work.
+ * A verb returns a status; main turns it into the exit status. A verb always fills its JSON object, so that runs with
+ * and without --json do the same work.
  */
 #ifndef OST_APP_COMMON_APP_H
 #define OST_APP_COMMON_APP_H
@@ -29,8 +29,8 @@ typedef struct app_state {
     bool worker;
     bool to_stdout;      /* true if the output file is standard output, so that no line of text may be printed there */
     json_t *result;      /* owned by the function main */
-    /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main; NULL unless
-     * the verb records warnings. */
+    /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main. If the verb
+       does not record warnings, the pointer is NULL. */
     json_t *warnings;
     /* True if `result` is complete although the verb returns an error; --json then prints the result before the error
      * message. */

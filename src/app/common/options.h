@@ -69,14 +69,15 @@ typedef struct usage_text {
     const char *about;
     const operand *operands; /* the array ends with a NULL name; may be NULL */
     const option *options;   /* the array ends with a NULL name */
-    bool streams; /* true if an operand may be "-" or a pipe, whose data are copied to a temporary file (core/file.h) */
+    /* true if an operand may be "-" or a pipe; its data are then copied to a temporary file (core/file.h) */
+    bool streams;
     const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;
 
 /*
- * Parses the arguments. Returns true if the verb must continue. Otherwise, the verb must return *status, which is
- * OST_OK after --help.
+ * Parses the arguments. Returns true if the verb must continue. If the function returns false, the verb must return
+ * *status; after --help, *status is OST_OK.
  */
 bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
 

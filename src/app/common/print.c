@@ -17,7 +17,7 @@ static void write_line(FILE *to, const char *before, json_t *record, const char 
     OST_PRINTF(4, 0);
 
 /*
- * Prints one line unless `to` is NULL, and appends the line to the array `record` unless `record` is NULL. Every
+ * If `to` is not NULL, prints one line. If `record` is not NULL, appends the line to the array `record`. Every
  * character that is not printable, including newlines, is replaced by '?'. Memory is allocated only if the line has
  * more than LINE bytes.
  */

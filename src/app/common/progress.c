@@ -12,8 +12,8 @@
 #include "core/printable.h"
 
 /*
- * HOLD_MS is the time after other output during which the progress line is not drawn, so that a text of several lines
- * is not interrupted.
+ * For HOLD_MS milliseconds after other output, the progress line is not drawn, so that a text of several lines is not
+ * interrupted.
  */
 enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
 /*

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes the debrief's page, sized for one sheet of paper. It contains the verdict in one line
- * (verdict.c), a table of each figure with its planned value, its aim and values from the
- * literature, pictures (plots.c), the technique, and a list of what was not measured.
+ * Writes the debrief's page, sized for one sheet of paper. The page contains the verdict in one line (verdict.c), a
+ * table of figures, pictures (plots.c), the technique, and a list of what was not measured. The table gives, for each
+ * figure, the planned value, the aim and values from the literature.
  *
  * The colours can be distinguished with red-green colour blindness, and each colour is accompanied
  * by a sign and a word. The page loads no other file.

@@ -46,8 +46,8 @@ typedef enum shade { NOTHING, SHADED, BEYOND, HOLE } shade;
 enum { STEPS = 24 };
 
 /*
- * Returns true if the cell or one of its neighbours was drilled, because a cell next to a drilled cell contains a
- * part of the hole.
+ * Returns true if the cell or one of its neighbours was drilled. A cell next to a drilled cell contains a part of the
+ * hole.
  */
 static bool at_hole(const ost_metrics *m, int i)
 {

@@ -12,7 +12,10 @@
 #define AIM_WALL_MM 2.0
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
-/* A figure that exceeds its aim by this factor is far off the plan. A perforated wall is far off the plan as well. */
+/*
+ * A figure counts as far off the plan if it exceeds its aim by this factor. A perforated wall always counts as far off
+ * the plan.
+ */
 #define FAR_TIMES 8.0
 
 const char *const verdict_grades[VERDICT_GRADES] = {"As planned", "Near the plan", "Off the plan", "Far off the plan"};

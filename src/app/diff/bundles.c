@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements `osteon diff` for two bundles. The results of two sites are compared by their digests, so that the sites
- * do not need to exchange voxels.
+ * Implements `osteon diff` for two bundles. The verb compares the digests of the results of two sites, so that the
+ * sites do not need to exchange voxels.
  */
 #include <sys/stat.h>
 

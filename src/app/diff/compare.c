@@ -91,8 +91,8 @@ static ost_pm magnitude(ost_pm v)
 }
 
 /*
- * Returns the greatest distance from zero, on one axis, of a voxel centre. This is the distance of the first or the
- * last centre.
+ * Returns the maximum distance from zero, on one axis, of a voxel centre. This is the distance of the first or the last
+ * centre.
  */
 static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 {
@@ -133,8 +133,8 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
     compare_geometry(ga, gb, out);
-    /* For a tool, the corner is compared, because the corner is exact even if half a voxel is not an integer. No
-     * tolerance is needed, because only osteon's own files contain tools. */
+    /* The corner of a tool is exact, even if half a voxel is not an integer. Therefore the corners of tools are
+       compared. Only osteon's own files contain tools, so no tolerance is needed. */
     if (a->kind == LOAD_TOOL) {
         out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;

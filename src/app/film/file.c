@@ -253,8 +253,8 @@ static ost_status open_folder(film_file *f, ost_error *err)
 }
 
 /*
- * Returns the name by which ffmpeg denotes the format of a file's extension. Returns NULL if the file is not written
- * by ffmpeg.
+ * Returns the name that ffmpeg uses for the format of a file's extension. If ffmpeg does not write the file, returns
+ * NULL.
  */
 static const char *ffmpeg_format(const char *target)
 {

@@ -10,7 +10,7 @@ typedef struct film_file film_file;
 
 /*
  * Opens the output. Exactly one of `target` and `command` is NULL. `command` is a shell command. If the extension of
- * `target` is known, `target` is a file; otherwise, it is a folder, which is created if necessary.
+ * `target` is known, `target` is a file. If not, `target` is a folder; the function creates the folder if necessary.
  */
 ost_status film_file_open(const char *target, const char *command, int fps, film_file **out, ost_error *err);
 /* Writes a frame. `pixels` contains rows of `width` pixels. The first frame determines the size of the video. */

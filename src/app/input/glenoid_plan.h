@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the plan, which consists of the glenoid's position, the axis into the bone, the depth, and the scapula's
- * landmarks. Options take precedence over the header of a session, which takes precedence over the bone's file.
+ * Finds the plan. It consists of the glenoid's position, the axis into the bone, the depth, and the scapula's
+ * landmarks. Options take precedence over the header of a session. The header takes precedence over the bone's file.
  *
  *   options --.
  *   session ---+--> plan --> debrief
@@ -42,8 +42,8 @@ typedef struct glenoid_plan_options {
 
 /*
  * Finds the plan. `header` is the header of the session named `session`, or NULL. If no source contains the glenoid's
- * position, *known becomes false. The missing position is an error if `needed` is true or if another part of the plan
- * is given. The values are rounded to values that a session can store.
+ * position, *known becomes false. If `needed` is true or another part of the plan is given, a missing position is an
+ * error. The values are rounded to values that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,
                              const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,

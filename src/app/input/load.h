@@ -31,7 +31,7 @@ typedef struct dicom_options {
 typedef struct ct_options {
     ost_pm3 spacing;
     ost_pm cubic;
-    int64_t threshold; /* threshold; 0 selects the threshold stored in the file if the file is a bone, otherwise 120 */
+    int64_t threshold; /* threshold; 0 selects the threshold that a bone's file stores, or 120 for any other file */
     const char *crop;
     int chunk; /* index in "16|32|64" */
     int resample; /* an ost_resample, index in "linear|nearest|thesis"; if negative, the file determines it */
@@ -146,7 +146,7 @@ typedef struct loaded_volume {
     load_kind kind;
     ost_volume volume;             /* voxels; the voxels of a tool are 0, 1 and 2 */
     ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
-    /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, otherwise 120. */
+    /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, 120 for any other volume. */
     int32_t threshold;
 } loaded_volume;
 

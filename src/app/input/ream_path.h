@@ -69,7 +69,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
                           const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
                           const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
-/* Computes the period of a removal rate. Without a rate, the period is 0, which means that every tick removes bone. */
+/* Computes the period of a removal rate. Without a rate, the period is 0, and every tick removes bone. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

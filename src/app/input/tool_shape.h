@@ -15,8 +15,8 @@
 
 typedef struct tool_shape {
     double tip_mm[3];     /* in the tool's frame */
-    /* Kind of tool. A tool that is at least 16 mm wide is a reamer. A narrower tool is a drill if it is at least
-     * twice as long as wide, and otherwise some other tool. */
+    /* Kind of tool. A tool that is at least 16 mm wide is a reamer. A narrower tool that is at least twice as long as
+       wide is a drill. All other tools have a third kind. */
     ost_metrics_tool is;
 } tool_shape;
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generates a glenoid component as a plan shows it: an oval with a domed back, which fits the
- * surface that the built-in reamer leaves, a shallow dish in front, and one peg. The shape is our
- * own design, not that of a product. Its frame is that of a tool: the lowest point of the back is
- * the origin, the bone lies toward -z, and y is up.
+ * Generates a glenoid component as a plan shows it: an oval with a domed back, a shallow dish in front, and one peg.
+ * The back fits the surface that the built-in reamer leaves. The shape is our own design, not that of a product. Its
+ * frame is that of a tool: the lowest point of the back is the origin, the bone lies toward -z, and y is up.
  *
  *        z ^   ____________
  *          |  '-.________.-'   dish

@@ -35,7 +35,7 @@ typedef struct preview_input {
     const ost_volume *parts; /* labels of the CT's voxels, or densities of a bone, whose voxels are cubes */
     bool labels;             /* true if `parts` contains labels; a voxel greater than 0 then belongs to a part */
     int32_t threshold;       /* lowest density of bone */
-    bool nearest; /* true if a density is that of the nearest voxel of the CT; otherwise densities are interpolated */
+    bool nearest; /* true if a density is that of the nearest voxel of the CT; if false, densities are interpolated */
     bool left_out;           /* true if dense voxels of the CT that belong to no part are coloured */
     bool unoriented; /* true if the directions of the axes are only assumed; no orientation letters are then drawn */
     const ost_meta *meta;    /* facts about the patient: the glenoid's position and axis, the side */

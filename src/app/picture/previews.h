@@ -9,15 +9,15 @@
 #include "app/picture/preview.h"
 
 /*
- * Checks the file name of a preview, which may be NULL, and checks that pictures can be written. Begins to record
- * warnings. Called before any work.
+ * Checks the file name of a preview, and checks that pictures can be written. The file name may be NULL. Begins to
+ * record warnings. Called before any work.
  */
 ost_status preview_check(app_state *app, const char *path, ost_error *err);
 
 /*
- * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and its bone. `out` is the
- * name of the bone's file. The CT is read again, unless it is a text; in this case, the picture shows the densities
- * of the bone.
+ * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and its bone. `out` is the name
+ * of the bone's file. If the CT is a text, the picture shows the densities of the bone. A CT in any other format is
+ * read again.
  */
 ost_status preview_import(const app_state *app, const char *path, const char *name, const char *out,
                           const ct_options *ct, const ost_bone *bone, const ost_import_result *result,

@@ -9,8 +9,8 @@
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
  *
- * If an OpenCL device fails during the run, the backend cpu continues from the last complete tick
- * (ost_world_failover) and produces the same grid, unless --no-failover is given.
+ * If an OpenCL device fails during the run and --no-failover is not given, the backend cpu continues from the last
+ * complete tick (ost_world_failover) and produces the same grid.
  */
 #include "app/ream/ream.h"
 
@@ -23,7 +23,7 @@
 #include "app/input/removal_options.h"
 
 /*
- * Number of ticks between two copies of the bone, which are made for a device that may fail. A copy takes about as
+ * Number of ticks between two copies of the bone. The copies are made for a device that may fail. A copy takes about as
  * long as 20 ticks.
  */
 enum { SAVED_TICKS = 1024 };
@@ -91,7 +91,10 @@ static bool has_device_speed(const ost_path *path)
     return false;
 }
 
-/* Converts the poses of the path, which are poses of the hand, to poses of the tool, which the motor rotates. */
+/*
+ * Converts the poses of the path to poses of the tool. The poses of the path are poses of the hand; the motor rotates
+ * the tool.
+ */
 static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_motor motor = {0};

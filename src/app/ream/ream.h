@@ -69,8 +69,8 @@ ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job
  */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
 /*
- * Moves the world to the backend cpu after a failure of the device, which *err describes. `ticks` is the number of
- * ticks completed so far.
+ * Moves the world to the backend cpu after a failure of the device. *err describes the failure. `ticks` is the number
+ * of ticks completed so far.
  */
 ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_error *err);
 /* Executes all ticks. */

@@ -232,7 +232,7 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     return OST_ERR_DIFFER;
 }
 
-/* Reports a difference if --verify is not given. The report names the tick but not the position. */
+/* Reports a difference, without --verify. The report names the tick but not the position. */
 static ost_status print_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();

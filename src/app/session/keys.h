@@ -36,7 +36,7 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
  */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
-/* Returns OST_ERR_INPUT unless the digests of the bone and of all tools equal the digests in the header. */
+/* If a digest of the bone or of a tool differs from its digest in the header, returns OST_ERR_INPUT. */
 ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup,
                               const ost_bone *bone, ost_tool *const *tools, ost_error *err);
 

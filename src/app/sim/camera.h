@@ -15,13 +15,13 @@ typedef struct sim_camera {
     bool flying;
     ost_view_subject subject;
     ost_view_name home;    /* name of the initial view */
-    /* Greatest distance in mm from camera to target, and from target to the middle of the subject. */
+    /* Maximum distance in mm from camera to target, and from target to the middle of the subject. */
     double farthest;
 } sim_camera;
 
 /*
- * Makes a camera. voxel_mm is the size of the smallest voxel that is drawn. This size determines the greatest
- * distance of the camera, because a frame can show only a limited number of voxels.
+ * Makes a camera. voxel_mm is the size of the smallest voxel that is drawn. A frame can show only a limited number of
+ * voxels, so this size determines the maximum distance of the camera.
  */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
 /* Begins a flight to a view. `tool` is the pose of the tool, or NULL. */

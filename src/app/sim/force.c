@@ -13,8 +13,8 @@
 #include "app/common/print.h"
 
 /*
- * Stiffness, in N m/rad, for a device that renders torques, unless a file sets the stiffness. The value suits a
- * handle of 60 g with an inertia of 0.15 g m2, held by a hand with a damping of 10 mN m s.
+ * Default stiffness, in N m/rad, for a device that renders torques. The value suits a handle of 60 g with an inertia of
+ * 0.15 g m2, held by a hand with a damping of 10 mN m s.
  */
 #define TURN_STIFFNESS 0.5
 

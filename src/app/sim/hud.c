@@ -317,7 +317,7 @@ static bool apart(const sim_hud_box *a, const sim_hud_box *b)
 }
 
 /*
- * Returns `box` if it lies within the frame and overlaps none of the boxes in `before`. Otherwise, returns an empty
+ * If `box` lies within the frame and overlaps none of the boxes in `before`, returns `box`. If not, returns an empty
  * box.
  */
 static sim_hud_box placed(sim_hud_box box, int width, int height, const sim_hud_box *const *before, int count)

@@ -29,8 +29,8 @@ typedef struct sim_hud_facts {
     bool force_given;     /* true if a force is computed, even if the device only displays it */
     double removed_mm3;
     bool planned;         /* true if the next four fields are valid */
-    /* Greatest depth below the native face at which the tool removed bone, and planned depth of the tool. The planned
-     * depth is 0 if no depth is planned. */
+    /* Maximum depth below the native face at which the tool removed bone, and planned depth of the tool. The planned
+       depth is 0 if no depth is planned. */
     double reached_mm, planned_mm;
     /* Angles in degrees by which the tool's outward axis deviates from the planned axis: toward posterior, and toward
      * superior. */

@@ -55,7 +55,7 @@ static ost_status take_plan(const app_state *app, const sim_args *args, simulati
                : status;
 }
 
-/* Moves a pose back along the tool's axis until none of the tools touches bone, and at least by CLEAR_MM. */
+/* Moves a pose back along the tool's axis, by at least CLEAR_MM, until none of the tools touches bone. */
 static ost_pose back_from_the_bone(const sim_args *args, const simulation *s, const ost_pose *from)
 {
     enum { CLEAR_MM = 10, STEP_MM = 2, FARTHEST_MM = 600 };
@@ -106,7 +106,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         status = ream_path_make(app, &args->paths, &target, &s->imported.meta, args->bone, grids, args->tools.count,
                                 &args->gaps, &s->path, &s->gaps, err);
     if (status == OST_ERR_USAGE && !sim_follows_path(args) && !args->paths_given) {
-        /* The bone has no glenoid, but a device that follows no path needs only an initial pose. */
+        /* If the bone has no glenoid, there is no path. A device that follows no path needs only an initial pose. */
         status = OST_OK;
         *err = (ost_error){0};
     }

@@ -20,8 +20,8 @@ void sim_pin(const sim_args *args, simulation *s)
 }
 
 /*
- * Runs a tick. Returns false at the end of the operation, and also after a signal, so that the loop ends in an
- * orderly way and the recording is complete.
+ * Runs a tick. Returns false at the end of the operation. Also returns false after a signal, so that the loop ends in
+ * an orderly way and the recording is complete.
  */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {
@@ -29,8 +29,9 @@ static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wr
 }
 
 /*
- * Returns the time in ns by which a rehearsal precedes its tick, or 0 for no rehearsal. On an OpenCL device, a
- * rehearsal would cost one more launch; on a shared core, it would take time from other threads.
+ * Returns the time in ns by which a rehearsal precedes its tick, or 0 for no rehearsal. By default, rehearsals are off
+ * on an OpenCL device, where a rehearsal would cost one more launch. They are also off on a shared core, where a
+ * rehearsal would take time from other threads.
  */
 static int64_t lead_ns(const sim_args *args, const simulation *s)
 {

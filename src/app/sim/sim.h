@@ -114,8 +114,8 @@ enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
  */
 void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
 /*
- * Makes the force model. There is none if --force is off or if the device cannot render forces. If the device cannot
- * render forces, --force with another value is an error.
+ * Makes the force model. If --force is off, there is no model. If the device cannot render forces, --force is off by
+ * default, and another value is an error.
  */
 ost_status sim_force_make(const app_state *app, sim_args *args, simulation *s, ost_error *err);
 /*

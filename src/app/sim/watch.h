@@ -16,7 +16,7 @@ typedef struct sim_watch sim_watch;
  */
 ost_status sim_watch_begin(const app_state *app, ost_recorder *recorder, const char *name, uint64_t capacity,
                            double seconds, sim_watch **out, ost_error *err);
-/* Stops the thread, waits until the thread has ended, and frees `watch`, which may be NULL. */
+/* Stops the thread, waits until the thread has ended, and frees `watch`. `watch` may be NULL. */
 void sim_watch_end(sim_watch *watch);
 
 #endif

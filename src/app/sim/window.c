@@ -317,8 +317,8 @@ static void hold_keys(sim_window *w, double dt)
 }
 
 /*
- * Passes the pose of the hand to the device. After a drag in a window of a few pixels, the pose may be out of range
- * or far from the bone; it is then replaced by the previous pose.
+ * Passes the pose of the hand to the device. After a drag in a window of a few pixels, the pose may be out of range or
+ * far from the bone. The device then gets the previous pose.
  */
 static void put_handle(sim_window *w, const sim_handle *before)
 {

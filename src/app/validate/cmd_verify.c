@@ -46,8 +46,8 @@ static void show(void *user, const char *what, double share)
 }
 
 /*
- * Reads the record of the user's own files in the bundle. The caller owns *out, which is NULL if the bundle has no
- * such record.
+ * Reads the record of the user's own files in the bundle. If the bundle has no such record, *out is NULL. The caller
+ * owns *out.
  */
 static ost_status record_of(const char *folder, json_t **out, ost_error *err)
 {
@@ -152,8 +152,8 @@ static const char *about_signatures(const app_state *app, const signature_args *
 }
 
 /*
- * Reports the counts of the test suite. A bundle may be valid although tests failed, so failures are printed but not
- * counted as problems of the bundle.
+ * Reports the counts of the test suite. A bundle may be valid although tests failed. Failures are therefore printed,
+ * but do not count as problems of the bundle.
  */
 static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
 {

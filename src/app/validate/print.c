@@ -115,8 +115,8 @@ static void print_second(const app_state *app, const campaign *c, bool equal)
 }
 
 /*
- * Prints who computed the steps that precede the voxels (snapping, sweep, map, boxes, poses): the plugin itself, or
- * src/core.
+ * Prints the origin of the steps that precede the voxels (snapping, sweep, map, boxes, poses). The steps come from the
+ * plugin itself or from src/core.
  */
 static void print_made(const app_state *app, const campaign *c, int s)
 {

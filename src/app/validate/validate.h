@@ -59,8 +59,8 @@ void validate_print_last(app_state *app, const char *out, const json_t *summary)
 /* Prints where a result differs from the reference: the position, both values, and the pattern. */
 void validate_print_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
 /*
- * Prints the sensitivity proof. If a mistake was never triggered or never changed a result, it is listed, because the
- * proof does not cover it.
+ * Prints the sensitivity proof. Lists each mistake that was never triggered or never changed a result, because the
+ * proof does not cover these mistakes.
  */
 void validate_print_faults(const app_state *app, const sensitivity *s);
 /* Prints the counts of the suite and the first tests that failed. `suite` contains the contents of suite.json. */
@@ -69,7 +69,7 @@ void validate_print_suite(const app_state *app, const json_t *suite);
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
 /* Prints the changes since the bundle of --against. `impact` contains the contents of impact.json. */
 void validate_print_impact(app_state *app, const char *against, json_t *impact);
-/* Returns the error for a campaign in which nothing was compared. This is not a difference. */
+/* Returns the error for a campaign in which nothing was compared. The status of the error is not OST_ERR_DIFFER. */
 ost_status validate_nothing(ost_error *err);
 
 #endif

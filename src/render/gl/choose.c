@@ -81,7 +81,9 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
         gl->wanted[i] = UINT64_MAX;
 }
 
-/* Writes the numbers of the block's points that are in `wanted` cells and have a face toward the eye to out[]. */
+/*
+ * Writes to out[] the numbers of those points of the block that are in `wanted` cells and have a face toward the eye.
+ */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
 {
@@ -99,8 +101,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Writes the numbers of the block's bricks that are in `wanted` cells to out[]. The bricks of a run are stored in the
-   order of their bits. */
+/* Writes to out[] the numbers of those bricks of the block that are in `wanted` cells. The bricks of a run are stored
+   in the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;

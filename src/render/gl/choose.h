@@ -9,7 +9,7 @@
 ost_status ost_gl_reserve_blocks(ost_gl *gl, int32_t count, ost_error *err);
 ost_status ost_gl_reserve_list(ost_gl *gl, uint64_t count, ost_error *err);
 
-/* Writes the blocks to draw to gl->blocks and marks all cells of these blocks as wanted. l->eye must be set. */
+/* Writes to gl->blocks the blocks to draw, and marks all cells of these blocks as wanted. l->eye must be set. */
 void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l);
 /* Returns true if the selected blocks are drawn faster as bricks than as single points. */
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l);

@@ -222,8 +222,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * Closes the context but not the display, because the display belongs to the process and other threads may use it. In
- * addition, a driver that is unloaded when the last display is closed leaks the data of this thread.
+ * Closes the context but not the display. Other threads of the process may use the display. Moreover, closing the last
+ * display unloads the driver, and some drivers then leak the data of this thread.
  */
 static void drop(ost_gl_context *c)
 {

@@ -25,7 +25,7 @@ typedef struct ost_gl_context {
     char complaint[256]; /* first message of the driver since the last check */
 } ost_gl_context;
 
-/* Opens a context. The struct must not be moved afterwards, because the driver's messages are written to it. */
+/* Opens a context. The driver's messages are written to the struct, so the struct must keep its address afterwards. */
 ost_status ost_gl_context_open(ost_gl_context *context, const ost_gl_options *options, ost_error *err);
 void ost_gl_context_close(ost_gl_context *context); /* accepts a zero-initialized context */
 

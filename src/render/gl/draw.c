@@ -8,10 +8,9 @@
  *   G-buffer cleared, points drawn, composited over the picture (pass.c)
  *       the points are drawn in two parts, between which hidden cells are found (hide.c)
  *
- * The depth is the squared distance of a voxel's centre. If clip-space depth ranges from 0 to 1
- * (OpenGL 4.5), the stored depth is exact: it is the float that the processor's renderer compares,
- * multiplied by a power of two. In older versions, the depth is rounded to a 24-bit fraction of the
- * greatest distance.
+ * The depth is the squared distance of a voxel's centre. If clip-space depth ranges from 0 to 1 (OpenGL 4.5), the
+ * stored depth is exact: it is the float that the processor's renderer compares, multiplied by a power of two. In older
+ * versions, the depth is rounded to a 24-bit fraction of the maximum distance.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"
@@ -170,7 +169,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer into the G-buffer. Then copies the pixels of the layer that are nearer than those of the picture to the
+/* Draws a layer into the G-buffer. If a pixel of the layer is nearer than the picture's pixel, copies it to the
    picture. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {

@@ -33,8 +33,8 @@ typedef enum ost_gl_target {
 
 /* A drawing method. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* if true, a point is drawn for every voxel of every used block, even if the voxel is not active, as in the
-       thesis; requires OST_GL_WIDE */
+    /* if true, a point is drawn for every voxel of every used block, as in the thesis, including voxels that are not
+       active; requires OST_GL_WIDE */
     bool every_voxel;
     bool frustum;     /* if true, only blocks in view are drawn */
     bool facing;      /* if true, only points with a face toward the eye are drawn */
@@ -57,7 +57,8 @@ typedef struct ost_gl_variant {
     /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
        `target` OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
-    bool choose;      /* if true, bricks are drawn if voxels are small on the screen, and otherwise single voxels */
+    /* if true, bricks are drawn for voxels that are small on the screen, and single voxels in all other cases */
+    bool choose;
     /* if true, quads of visible faces are drawn instead of points; requires `frustum`, OST_GL_COMPACT and a mesher,
        excludes all other options */
     bool mesh;
@@ -74,8 +75,8 @@ extern const ost_gl_variant ost_gl_mesh;
 
 typedef struct ost_gl_options {
     bool debug;  /* if true, the driver's messages are enabled and reported as errors */
-    /* newest OpenGL version to use, times ten; 0 if there is no limit; an older version is used if the driver supports
-       only that version */
+    /* maximum OpenGL version to use, times ten; 0 means no limit. If the driver does not support this version, an older
+       version is used. */
     int version;
     bool hardware; /* if true, OpenGL that is executed by the processor is refused */
 } ost_gl_options;

@@ -45,8 +45,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden, that is, farther from the eye than everything that is
- * drawn in the pixels of the cube. The vector `o` points from the eye to the cube's centre. The slopes are derived in
+ * Returns true if a cube with edges of `side` voxels is hidden. A cube is hidden if everything that is drawn in its
+ * pixels is nearer to the eye. The vector `o` points from the eye to the cube's centre. The slopes are derived in
  * splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
@@ -99,8 +99,8 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* Computes the greatest depth of each tile. Depths are compared as integers by their bits, which gives the same order,
-   because no depth is negative. */
+/* Computes the maximum depth of each tile. The code compares the bit patterns of the depths as integers. Because no
+   depth is negative, the order is the same. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

@@ -16,8 +16,8 @@ typedef struct ost_gl_layer {
     ost_gl_form form;
     bool mesh;
     GLuint palette, palette_texture;
-    /* `begin` is the index of the layer's first entry in the list, `near` the number of the layer's entries that are
-       drawn as quads, and `count` the total number of the layer's entries */
+    /* `begin` is the index of the layer's first entry in the list. `near` is the number of the layer's entries that are
+       drawn as quads. `count` is the total number of the layer's entries. */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
     /* true if the list contains the points to draw; if false, all points of the blocks are drawn */

@@ -6,9 +6,9 @@
  *   | block 7 . . | block 2 | free | block 0 . . . |      granules
  *   | page | page | page    |      | page | page   |      page: position of the granule's block in voxels
  *
- * A vertex shader finds the block of vertex v in page v >> bits. If OpenGL supports it (4.4), the buffer stays mapped
- * and is written through the mapping; otherwise it is written by glBufferSubData. Data that is still read for a frame
- * must not be overwritten, so the caller waits for the last frame before it writes.
+ * A vertex shader finds the block of vertex v in page v >> bits. With OpenGL 4.4, the buffer stays mapped and is
+ * written through the mapping. In older versions, it is written with glBufferSubData. Drawing the last frame may still
+ * read the buffer, so the caller waits for the last frame before it writes.
  */
 #ifndef OST_RENDER_GL_POOL_H
 #define OST_RENDER_GL_POOL_H
@@ -45,7 +45,7 @@ void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3],
                        int32_t more);
 
-/* Creates a buffer that the processor writes. Maps the buffer if OpenGL supports mapped buffers; otherwise sets *mapped
+/* Creates a buffer that the processor writes. If OpenGL supports mapped buffers, maps the buffer. If not, sets *mapped
    to NULL. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
 /* Creates a texture through which shaders read a buffer. */

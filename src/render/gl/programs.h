@@ -49,8 +49,8 @@ typedef struct ost_gl_programs {
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program the current program, and compiles it if necessary. Stores the location of the program's uniform
-   `first` in *first, unless the pointer is NULL. */
+/* Makes a program the current program, and compiles it if necessary. If `first` is not NULL, stores the location of the
+   program's uniform `first` in *first. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 

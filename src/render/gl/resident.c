@@ -63,8 +63,8 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return pools[form];
 }
 
-/* Returns the entry of the surface. If there is none, returns a free entry or, if no entry is free, the least recently
-   used entry. */
+/* Returns the entry of the surface. If the surface has no entry, returns a free entry. If no entry is free, returns the
+   least recently used entry. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
     ost_gl_resident *oldest = &store->resident[0];

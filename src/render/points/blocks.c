@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Greatest distance of the eye in voxels. Up to this distance, floats distinguish the squared distances of adjacent
+/* Maximum distance of the eye in voxels. Up to this distance, floats distinguish the squared distances of adjacent
    voxels near the eye's axis. */
 static const float FARTHEST = 32768.0f;
 

@@ -37,8 +37,8 @@ static matrix matrix_of(const ost_pose *pose)
     return out;
 }
 
-/* Returns an eye. `at` is the position of the eye in the grid's frame in picometres, and `r` the matrix of the rotation
-   from the camera's frame to the grid's frame. */
+/* Returns an eye. `at` is the position of the eye in the grid's frame in picometres. The matrix `r` rotates the
+   camera's frame to the grid's frame. */
 static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
 {
     const double s = (double)grid->spacing.x;

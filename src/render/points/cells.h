@@ -38,7 +38,7 @@ static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
     return cells->bit + (int64_t)row * cells->words;
 }
 
-/* Returns true if the set contains the cell of the pixel (x, y), which must be in the picture. */
+/* Returns true if the set contains the cell of the pixel (x, y). The pixel must be in the picture. */
 static inline bool ost_cells_has(const ost_cells *cells, int x, int y)
 {
     const int column = x / OST_CELL_WIDTH;

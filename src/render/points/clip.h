@@ -18,8 +18,8 @@ enum { OST_CLIP_UNIT = 1 << 14 };
  */
 ost_status ost_clip_make(const ost_geometry *geometry, const double at_mm[3], const double normal[3], ost_clip *out,
                          ost_error *err);
-/* Sets the clip plane for later updates; NULL means that all voxels are shown. A block is updated only if different
-   voxels are shown than before. */
+/* Sets the clip plane for later updates; NULL means that all voxels are shown. An update processes only those blocks in
+   which the set of shown voxels changes. */
 void ost_surface_clip(ost_surface *surface, const ost_clip *clip);
 /* Computes which voxels of a block are shown. */
 void ost_clip_words(const ost_clip *clip, const int32_t block[3], const uint32_t occupied[OST_BLOCK_ROWS],

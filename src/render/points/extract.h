@@ -5,8 +5,8 @@
 
 #include "render/points/rows.h"
 
-/* Returns the block at the given position, which is in units of blocks. Returns NULL if the position is outside the
-   grid or if the block never contained an active voxel. */
+/* Returns the block at the given position, in units of blocks. If the position is outside the grid or the block never
+   contained an active voxel, returns NULL. */
 ost_surface_block *ost_surface_block_at(const ost_surface *surface, int32_t x, int32_t y, int32_t z);
 
 /* Returns one set of bits of a block, or NULL if the block does not have this set. */

@@ -146,8 +146,8 @@ void ost_frame_free(ost_frame *frame);
    pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables partial redrawing. In later frames, only the parts that differ from the previous frame are drawn, which saves
-   time if few blocks change from frame to frame. */
+/* Enables partial redrawing. In later frames, only the parts that differ from the previous frame are drawn. If few
+   blocks change from frame to frame, this saves time. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /* Records that another renderer has overwritten all pixels, so that no part of the last frame is reused. */
 void ost_frame_overwritten(ost_frame *frame);

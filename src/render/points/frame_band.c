@@ -12,7 +12,7 @@ typedef struct band {
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of tiles in a band that a block may cover. Tile rows are counted from the first row of the
+/* The half-open range of a band's tiles that a block may cover. Tile rows are counted from the first row of the
    band. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
@@ -59,8 +59,8 @@ typedef struct cell_row {
     int words, y0, y1; /* pixel rows y0 <= y < y1 that the row of cells contains */
 } cell_row;
 
-/* Returns the cells of a row that are in both `a` and `b` or, if `without` is true, those that are in `a` but not in
-   `b`. */
+/* Returns cells of a row. If `without` is false, these are the cells that are in both `a` and `b`. If `without` is
+   true, these are the cells that are in `a` but not in `b`. */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);

@@ -158,7 +158,7 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
 typedef struct parts {
-    uint64_t bit[PARTS]; /* bit x + 8 y of element z represents the part (x, y, z) */
+    uint64_t bit[PARTS]; /* bit x + 8 * y of element z represents the part (x, y, z) */
 } parts;
 
 static void differs(parts *p, uint32_t id)

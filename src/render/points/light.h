@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the colours of voxels with a table of the brightness in all directions, which is
- * computed once per frame.
+ * Computes the colours of voxels with a table that contains the brightness in all directions. The table is computed
+ * once per frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
  *        --paint---> colour; for flat paints this is the tint
@@ -57,8 +57,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * Unit vectors of all directions, and the function that computes the shades of all directions. This is the function in
- * light.c or, if `shade` is set to the result of ost_light_shade_for, a variant.
+ * Unit vectors of all directions, and the function that computes the shades of all directions. By default, this is the
+ * function in light.c. If `shade` is set to the result of ost_light_shade_for, it is a variant.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];

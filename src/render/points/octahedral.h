@@ -16,8 +16,8 @@
 
 enum { OST_OCTAHEDRAL_SIDE = 128, OST_OCTAHEDRAL_COUNT = 128 * 128 };
 
-/* Returns the number of the cell that contains the direction v, which may have any length. For a zero vector, returns
-   the cell of +z. */
+/* Returns the number of the cell that contains the direction v. The vector v may have any length. For a zero vector,
+   returns the cell of +z. */
 static inline uint32_t ost_octahedral_of(const float v[3])
 {
     const float sum = (fabsf(v[0]) + fabsf(v[1])) + fabsf(v[2]);

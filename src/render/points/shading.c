@@ -315,7 +315,7 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* a voxel exposed by the clip plane is not in contact, because no bone was removed there */
+    if (s->clipped) /* the clip plane removes no bone, so a voxel that it exposes does not count as in contact */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }

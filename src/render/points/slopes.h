@@ -10,7 +10,7 @@
  *
  * The value of a field depends both on a voxel's distance from the smooth surface and on its
  * openness. Let f be the value of the fine field and w the value of the wide field. Across a plane,
- * w rises half as fast as f, so 2 w - f does not depend on the voxel's distance. The difference 2 w
+ * w rises half as fast as f, so 2 * w - f does not depend on the voxel's distance. The difference 2 * w
  * - f is half of the maximum on a plane, less on an edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
@@ -22,7 +22,7 @@
 enum {
     /* number of the row bit at which a line begins, because a row begins at x = -16 and a line at x = -8 */
     OST_LINE_SHIFT = 8,
-    /* the first entry of a field row is the sum for x = -1, which begins at entry 3 of a line (x = -5) */
+    /* the first entry of a field row is the sum for x = -1; this sum begins at entry 3 of a line (x = -5) */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
     /* openness of a plane (PLANE), minimum openness (LEAST), and the rates at which openness falls in a pit (PIT) and
@@ -33,9 +33,8 @@ enum {
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of OST_FIELD_FULL */
 };
 /*
- * The slope of the wide field is used if the cosine of the angle between the slopes of the fine and
- * the wide field is at least OST_AGREE_LEAST. Its weight rises with the cosine, and is 1 from
- * OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on.
+ * Let c be the cosine of the angle between the slopes of the fine and the wide field. If c is at least OST_AGREE_LEAST,
+ * the slope of the wide field is used. Its weight rises with c, and is 1 from OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on.
  */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 

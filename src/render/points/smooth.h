@@ -52,7 +52,7 @@ typedef struct ost_smooth_kernels {
     void (*bits)(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);
     /* Writes the values of one row, computed from the densities. A bone voxel near a cut is treated as 100 % bone. */
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
-    /* Computes sums along y for count rows i: out[i] = 1 in[i] + 2 in[i + 1] + ... + 1 in[i + 8]. */
+    /* Computes sums along y for count rows i: out[i] = 1 * in[i] + 2 * in[i + 1] + ... + 1 * in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
     /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is the sum at x = i - 1.
        Entries from OST_FIELD_ROWS on are undefined. */
@@ -65,7 +65,8 @@ typedef struct ost_smooth_kernels {
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
     /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At least one bit must
-       be set. The slice is nearer to the second slice of cells if `odd` is true, and otherwise nearer to the first. */
+       be set. If `odd` is true, the slice is nearer to the second slice of cells; if `odd` is false, the slice is
+       nearer to the first. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the shades of the points of one slice. fine[1] is the field in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],

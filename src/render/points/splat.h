@@ -67,7 +67,7 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u axis[1] + v axis[2] */
+    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u * axis[1] + v * axis[2] */
     float axis[3][3];
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */
@@ -76,8 +76,8 @@ typedef struct ost_splat_eye {
 /* Half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, some rays to the voxel
-   may run in the positive direction of this axis and others in the negative direction. */
+/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, the rays to the voxel
+   may run in both directions of this axis. */
 #define OST_FACE_HALF 0.501f
 
 /* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */

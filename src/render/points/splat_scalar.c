@@ -17,16 +17,15 @@
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
- * On an axis with |o_a| <= h, both signs are tried, and a pixel is covered if one of the two tests
- * passes. A wrong sign can only make a test stricter, because s d <= |d|.
+ * On an axis with |o_a| <= h, the code tests both signs, and a pixel is covered if one of the two tests passes. A wrong
+ * sign can only make a test stricter, because s d <= |d|.
  *
- * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that
- * face. A ray that enters by another face turned to the eye comes from the neighbour at that face,
- * and this neighbour or a voxel in front of it is nearer (frame.c draws the entire voxel if the eye
- * is so close that this is not true). The rectangle is then that of the face. Two of the edges of
- * face a are borders of the face that lie within the voxel's outline. Let j be the other axis in an
- * edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j,
- * by reversing the sign of this term.
+ * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that face. A ray that enters
+ * by another face turned to the eye comes from the neighbour at that face. This neighbour or a voxel in front of it is
+ * nearer. If the eye is so close that this is not true, frame.c draws the entire voxel. The rectangle is then that of
+ * the face. Two of the edges of face a are borders of the face that lie within the voxel's outline. Let j be the other
+ * axis in an edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j, by
+ * reversing the sign of this term.
  *
  * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can
  * be treated as a ray.
@@ -116,7 +115,7 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* An edge of the outline. The value a + v c + u b is positive inside the outline. */
+/* An edge of the outline. The value a + v * c + u * b is positive inside the outline. */
 typedef struct edge {
     float a, b, c;
 } edge;
@@ -244,8 +243,8 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 
 /*
  * Returns the face through which the ray enters the cube. The plane of this face is the last of the three near planes
- * that the ray crosses. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The greatest of the three
- * values is found by comparing products, so that only one division is needed.
+ * that the ray crosses. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The code compares products
+ * to find the maximum of the three values, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

@@ -38,7 +38,7 @@
 
 enum {
     OST_BLOCK = 32, /* voxels per side */
-    /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 z */
+    /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 * z */
     OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
     /* maximum number of blocks with a slot; the slot in an id has 17 bits, and one of the values means "none" */
@@ -46,8 +46,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    /* greatest distance, in voxels, between a point and a voxel on which the point's shade depends
-       (renew.c) */
+    /* maximum distance, in voxels, between a point and a voxel on which the point's shade depends (renew.c) */
     OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
@@ -121,7 +120,8 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
                            ost_error *err);
 /*
  * Replaces the active voxels of a chunk of n^3 voxels. The position at[] is in chunks, and n is 16, 32 or 64. Bit v %
- * 32 of word v / 32 is voxel v = x + n (y + n z). Allocates no memory for blocks that never contained an active voxel.
+ * 32 of word v / 32 is voxel v = x + n * (y + n * z). Allocates no memory for blocks that never contained an active
+ * voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
@@ -129,13 +129,14 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * ost_surface_set_uncut sets the uncut bone, which must have the same grid and is borrowed. ost_surface_set_colouring
- * sets the colouring. If the uncut bone or the colouring changes, the next update recomputes all shades.
+ * ost_surface_set_uncut sets the uncut bone. The uncut bone is borrowed and must have the same grid.
+ * ost_surface_set_colouring sets the colouring. If the uncut bone or the colouring changes, the next update recomputes
+ * all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
 /* Starts a new interval for highlighting removed voxels. Fresh voxels become recent, and recent voxels are no longer
-   highlighted. Has no effect unless shows_contact is set. */
+   highlighted. If shows_contact is not set, the call has no effect. */
 void ost_surface_age(ost_surface *surface);
 
 /*

@@ -89,8 +89,8 @@ void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate. This is the case if the voxel is close to the face, and if there
- * is no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
+ * Returns true if a voxel is in the subchondral plate. A voxel is in the plate if it is close to the face, and if there
+ * is no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of it.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -115,8 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if there is a voxel at most two steps away along one of the axes whose density d satisfies from <= d <
-   to. */
+/* Returns true if a voxel at most two steps away along one of the axes has a density d with from <= d < to. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {

@@ -10,11 +10,10 @@
  * A paint is a number that a palette maps to a colour (palette.h): 0 is the object's own colour, 1
  * .. 127 are lit like the surface, and 128 .. 255 are shown without lighting.
  *
- * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone,
- * less half a voxel. Depths are exact up to 32 voxels. A voxel is outside if it is not bone and a
- * cube of 2^3 voxels can move from the grid's border to within two voxels of it. Therefore pores in
- * the bone are not outside. Voxels beyond the grid are unknown, so a cropped bone has no surface at
- * the grid's border.
+ * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone, less half a voxel.
+ * Depths are exact up to 32 voxels. A voxel counts as outside if it is not bone and a cube of 2^3 voxels can move from
+ * the grid's border to within two voxels of it. Pores in the bone therefore do not count as outside. Voxels beyond the
+ * grid are unknown, so a cropped bone has no surface at the grid's border.
  */
 #ifndef OST_RENDER_UNCUT_H
 #define OST_RENDER_UNCUT_H
@@ -44,8 +43,8 @@ typedef struct ost_uncut {
     uint8_t *outside;
 } ost_uncut;
 
-/* Creates a reference. Takes ownership of the volume, which must have cubic voxels. The parameter `at` is the position
-   of the glenoid, or NULL if the position is unknown. */
+/* Creates a reference. Takes ownership of the volume. The volume must have cubic voxels. The parameter `at` is the
+   position of the glenoid, or NULL if the position is unknown. */
 ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t threshold,
                           const ost_density_classes *classes, const ost_pm3 *at, const double *axis, ost_error *err);
 /* Frees the reference's memory. Accepts a zero-initialized reference. */

@@ -491,8 +491,8 @@ typedef struct written {
 } written;
 
 /*
- * Checks one file that contains the verdict. The file must not state that anything is equal, whether it is
- * made for readers or for programs.
+ * Checks one file that contains the verdict. Neither a file for readers nor a file for programs may state that anything
+ * is equal.
  */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {

@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* Expands the bits of a row to lanes: all ones where the bit is set, otherwise zero. */
+/* Expands the bits of a row to lanes. If a bit is set, all bits of its lane are ones; if not, they are zeros. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,

@@ -162,7 +162,7 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
-/* Returns 1 - |aside| with the sign of the parameter `sign`, which is never -0. */
+/* Returns 1 - |aside| with the sign of the parameter `sign`. This parameter is never -0. */
 static inline __m512 folded(__m512 aside, __m512 sign)
 {
     const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(aside));
@@ -193,8 +193,8 @@ static inline __m512i octahedral(const __m512 v[3])
 }
 
 /*
- * Divides numbers of magnitude below 2^26 by OST_FIELD_FULL and rounds toward zero, as in C. The
- * float quotient has an error of less than 1, which is corrected by means of the remainder.
+ * Divides numbers of magnitude below 2^26 by OST_FIELD_FULL and rounds toward zero, as in C. The float quotient has an
+ * error of less than 1. The remainder is used to correct this error.
  */
 static inline __m512i by_full(__m512i v)
 {

@@ -272,8 +272,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Redraws the voxels that are so close to the eye that some of their rays run in the positive direction of an axis
-   and others in the negative direction. Each iteration handles one further combination of signs. */
+/* Redraws the voxels close to the eye whose rays run in both directions of an axis. Each iteration handles one further
+   combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {

@@ -128,7 +128,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
     /*
-     * i = 0, 1, 2 selects the vectors focal forward, right and up, from which the coefficients a, b and c of an edge
+     * i = 0, 1, 2 selects the vectors focal * forward, right and up, from which the coefficients a, b and c of an edge
      * are computed
      */
     for (int i = 0; i < 3; i++) {
@@ -354,8 +354,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Redraws the voxels that are so close to the eye that some of their rays run in the positive direction of an axis
-   and others in the negative direction. Each iteration handles one further combination of signs. */
+/* Redraws the voxels close to the eye whose rays run in both directions of an axis. Each iteration handles one further
+   combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
