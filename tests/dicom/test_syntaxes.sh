@@ -72,7 +72,7 @@ imports padding=63,2000
 imports padding=-2000,-1900 signed=1 bits=16 values=-1024,3000 intercept=0
 imports spacing=0.46875,0.703125,1.25
 if [ "$long" != 1 ]; then
-    for axes in 1,0,0:0,0,-1 -1,0,0:0,1,0 0,1,0:0,0,1 0,-1,0:-1,0,0 0,0,1:1,0,0 0,0,-1:0,-1,0; do
+    for axes in 1,0,0:0,0,-1 -1,0,0:0,1,0 0,1,0:0,0,1 0,-1,0:1,0,0 0,0,1:-1,0,0 0,0,-1:0,-1,0; do
         imports rows=${axes%:*} columns=${axes#*:} spacing=0.5,0.75,1.25
     done
     finish
