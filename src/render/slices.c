@@ -14,6 +14,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "render/marks.h"
 #include "render/points/frame.h"
@@ -37,77 +38,125 @@ enum { OUTLINE = 2 };        /* width of an outline in pixels */
 enum { LEAST_SIDE = 120 };  /* in pixels; a panel whose shorter side is below this limit has no space for letters */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Adds the colour at the position (a, b) in the plane, in voxels, to sum[]. Outside the grid, the colour is black. */
-static void add_sample(const source *s, const plane *p, int through, double a, double b, double sum[3])
+/* Colours of the voxel rows above and below a line of samples, three values per voxel; `row` is -1 before a row is
+   computed. Many samples share a row, and a callback for each of them would take most of the time of a picture. */
+typedef struct row_pair {
+    double *rgb[2];
+    int row[2];
+} row_pair;
+
+/* Returns the index in the volume of the voxel (i, j) of the plane. */
+static size_t index_of(const source *s, const plane *p, int through, int i, int j)
 {
-    const int na = s->n[p->across], nb = s->n[p->down];
-    if (a < -0.5 || b < -0.5 || a > na - 0.5 || b > nb - 0.5)
-        return;
-    if (s->paint->by_voxel) {
+    int v[3];
+    v[p->across] = i;
+    v[p->down] = j;
+    v[p->through] = through;
+    return (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]);
+}
+
+/* Moves a coordinate of a sample, in voxels, into the range of the voxel centres. */
+static double at_centres(const source *s, double a, int n)
+{
+    if (s->paint->by_voxel)
         a = floor(a + 0.5);
-        b = floor(b + 0.5);
-    }
-    a = a < 0 ? 0 : a > na - 1 ? na - 1 : a;
-    b = b < 0 ? 0 : b > nb - 1 ? nb - 1 : b;
+    return a < 0 ? 0 : a > n - 1 ? n - 1 : a;
+}
+
+/* Computes the colours of the rows that the samples at the position b use. */
+static void find_rows(const source *s, const plane *p, int through, double b, row_pair *rows)
+{
+    const int j = (int)b;
+    for (int k = 0; k < (b > j ? 2 : 1); k++)
+        if (rows->row[k] != j + k) {
+            rows->row[k] = j + k;
+            for (int i = 0; i < s->n[p->across]; i++)
+                s->paint->colour(s->paint->user, index_of(s, p, through, i, j + k), rows->rgb[k] + 3 * (size_t)i);
+        }
+}
+
+/* Adds the colour at the position (a, b) in the plane, in voxels, to sum[]. */
+static void add_sample(double a, double b, const row_pair *rows, double sum[3])
+{
     const int i = (int)a, j = (int)b;
     for (int corner = 0; corner < 4; corner++) {
         const double weight = (corner & 1 ? a - i : 1 - (a - i)) * (corner >> 1 ? b - j : 1 - (b - j));
-        double rgb[3];
-        int v[3];
         if (!(weight > 0))
             continue;
-        v[p->across] = i + (corner & 1);
-        v[p->down] = j + (corner >> 1);
-        v[p->through] = through;
-        s->paint->colour(s->paint->user,
-                         (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]), rgb);
+        const double *rgb = rows->rgb[corner >> 1] + 3 * (size_t)(i + (corner & 1));
         for (int c = 0; c < 3; c++)
             sum[c] += weight * rgb[c];
     }
 }
 
+/* Draws the plane. Samples outside the grid are black. */
 static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
-                  const ost_sheet *sheet)
+                  row_pair rows[OVER], const ost_sheet *sheet)
 {
-    for (int y = 0; y < height; y++)
+    const int na = s->n[p->across], nb = s->n[p->down];
+    for (int line = 0; line < OVER; line++)
+        rows[line].row[0] = rows[line].row[1] = -1;
+    for (int y = 0; y < height; y++) {
+        double b[OVER];
+        bool inside[OVER];
+        for (int line = 0; line < OVER; line++) {
+            const double down = (y + (line + 0.5) / OVER) * mm_per_pixel / s->spacing[p->down] - 0.5,
+                         at = p->down_is_minus ? nb - 1 - down : down;
+            inside[line] = at >= -0.5 && at <= nb - 0.5;
+            b[line] = at_centres(s, at, nb);
+            if (inside[line])
+                find_rows(s, p, through, b[line], &rows[line]);
+        }
         for (int x = 0; x < width; x++) {
             double sum[3] = {0, 0, 0};
             for (int k = 0; k < OVER * OVER; k++) {
-                const double across = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel,
-                             down = (y + (k / OVER + 0.5) / OVER) * mm_per_pixel;
-                const double a = across / s->spacing[p->across] - 0.5, b = down / s->spacing[p->down] - 0.5;
-                add_sample(s, p, through, a, p->down_is_minus ? s->n[p->down] - 1 - b : b, sum);
+                const double a = (x + (k % OVER + 0.5) / OVER) * mm_per_pixel / s->spacing[p->across] - 0.5;
+                if (inside[k / OVER] && a >= -0.5 && a <= na - 0.5)
+                    add_sample(at_centres(s, a, na), b[k / OVER], &rows[k / OVER], sum);
             }
             uint32_t colour = 0;
             for (int c = 0; c < 3; c++)
                 colour |= (uint32_t)(sum[c] / (OVER * OVER) + 0.5) << (8 * c);
             sheet->pixels[(size_t)y * (size_t)sheet->stride + (size_t)(x0 + x)] = colour;
         }
+    }
 }
 
-/* Returns the region of the voxel that contains the centre of pixel (x, y) of a panel. */
-static uint32_t region_at(const source *s, const plane *p, int through, double mm_per_pixel, int x, int y)
+/* Returns the voxel along one axis that contains the centre of pixel x. */
+static int voxel_at(int x, double mm_per_pixel, double spacing, int n)
 {
-    const int n[2] = {s->n[p->across], s->n[p->down]};
-    const double at[2] = {(x + 0.5) * mm_per_pixel / s->spacing[p->across],
-                          (y + 0.5) * mm_per_pixel / s->spacing[p->down]};
-    int v[3], k[2];
-    for (int i = 0; i < 2; i++)
-        k[i] = at[i] < n[i] - 1 ? (int)at[i] : n[i] - 1;
-    v[p->across] = k[0];
-    v[p->down] = p->down_is_minus ? n[1] - 1 - k[1] : k[1];
-    v[p->through] = through;
-    return s->paint->region(s->paint->user,
-                            (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]));
+    const double at = (x + 0.5) * mm_per_pixel / spacing;
+    return at < n - 1 ? (int)at : n - 1;
+}
+
+/* Finds the region of the voxel that contains the centre of each pixel of a panel. */
+static void find_regions(const source *s, const plane *p, int through, double mm_per_pixel, int width, int height,
+                         uint32_t *regions)
+{
+    const int nb = s->n[p->down];
+    int last_j = -1;
+    for (int y = 0; y < height; y++) {
+        uint32_t *line = regions + (size_t)y * (size_t)width;
+        const int k = voxel_at(y, mm_per_pixel, s->spacing[p->down], nb), j = p->down_is_minus ? nb - 1 - k : k;
+        if (j == last_j) {
+            memcpy(line, line - width, (size_t)width * sizeof *line);
+            continue;
+        }
+        last_j = j;
+        for (int x = 0, last_i = -1; x < width; x++) {
+            const int i = voxel_at(x, mm_per_pixel, s->spacing[p->across], s->n[p->across]);
+            line[x] = i == last_i ? line[x - 1]
+                                  : s->paint->region(s->paint->user, index_of(s, p, through, i, j));
+            last_i = i;
+        }
+    }
 }
 
 /* Draws the outlines of the regions of a panel. The array `regions` has one element per pixel of the panel. */
 static void outline(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
                     uint32_t *regions, const ost_sheet *sheet)
 {
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++)
-            regions[(size_t)y * (size_t)width + (size_t)x] = region_at(s, p, through, mm_per_pixel, x, y);
+    find_regions(s, p, through, mm_per_pixel, width, height, regions);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             const uint32_t own = regions[(size_t)y * (size_t)width + (size_t)x];
@@ -181,6 +230,7 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     }
     const double mm_per_pixel = longest / (pixels > 0 ? pixels : 480);
     int width[3], height[3], total = 2 * GAP, tallest = 1;
+    const size_t row = 3 * (size_t)(s.n[0] > s.n[1] ? s.n[0] : s.n[1]);
     for (int i = 0; i < 3; i++) {
         const plane *p = &PLANES[i];
         width[i] = (int)fmax(1, s.n[p->across] * s.spacing[p->across] / mm_per_pixel + 0.5);
@@ -191,20 +241,25 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
     const double unit = ost_marks_unit((int)(2.2 * tallest));
     ost_lettering *letters = NULL;
     uint32_t *regions = NULL;
+    double *colours = NULL;
+    row_pair rows[OVER];
     ost_sheet sheet = {.stride = total, .width = total, .height = tallest};
     ost_status status = ost_picture_init(out, total, tallest, err);
     if (status == OST_OK)
         status = ost_lettering_create(OST_MARKS_LETTER * unit, &letters, err);
     if (status == OST_OK && (!(sheet.pixels = calloc((size_t)total * (size_t)tallest, sizeof *sheet.pixels)) ||
+                             !(colours = malloc(2 * OVER * row * sizeof *colours)) ||
                              (paint->region &&
                               !(regions = malloc((size_t)total * (size_t)tallest * sizeof *regions)))))
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a picture of %d x %d pixels", total, tallest);
     if (status == OST_OK) {
+        for (int k = 0; k < 2 * OVER; k++)
+            rows[k / 2].rgb[k % 2] = colours + (size_t)k * row;
         ost_sheet_box(&sheet, 0, 0, total, tallest, BACK, 256);
         for (int i = 0, x0 = 0; i < 3; x0 += width[i] + GAP, i++) {
             const bool roomy = width[i] >= LEAST_SIDE && height[i] >= LEAST_SIDE;
             const int through = at[PLANES[i].through];
-            panel(&s, &PLANES[i], through, mm_per_pixel, x0, width[i], height[i], &sheet);
+            panel(&s, &PLANES[i], through, mm_per_pixel, x0, width[i], height[i], rows, &sheet);
             if (regions)
                 outline(&s, &PLANES[i], through, mm_per_pixel, x0, width[i], height[i], regions, &sheet);
             ticks(&s, &PLANES[i], at, mm_per_pixel, x0, width[i], height[i], &sheet);
@@ -222,6 +277,7 @@ ost_status ost_slices_draw(const ost_geometry *g, const int32_t at[3], int pixel
         ost_picture_free(out);
     }
     free(regions);
+    free(colours);
     free(sheet.pixels);
     ost_lettering_free(letters);
     return status;

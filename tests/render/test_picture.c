@@ -296,6 +296,30 @@ static void test_slices_of_volumes_that_do_not_match(void **state)
     ost_volume_free(&b);
 }
 
+/* Colours are interpolated between the centres of voxels, along rows and from row to row. */
+static void test_colours_between_voxels(void **state)
+{
+    (void)state;
+    ost_error err = {0};
+    const ost_geometry g = {{3, 3, 3}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
+    for (int along = 0; along < 2; along++) {
+        ost_volume v;
+        ost_picture p;
+        assert_ok(ost_volume_init(&v, &g, &err));
+        /* black, grey and white in a window of 400 +- 900 */
+        for (int e = 0; e < 27; e++)
+            v.voxels[e] = (int16_t)(-500 + 900 * (along ? e / 3 % 3 : e % 3));
+        const ost_slices_options o = {.at = {1, 1, 1}, .pixels = 60};
+        assert_ok(ost_picture_slices(&v, NULL, &o, &p, &err));
+        /* 20 pixels per voxel: the pixel at 20 is between the first two voxels, and that at 10 on the first */
+        assert_in_range(pixel(&p, along ? 40 : 20, along ? 20 : 40)[0], 64, 70);
+        assert_in_range(pixel(&p, along ? 40 : 45, along ? 45 : 40)[0], 222, 230);
+        assert_in_range(pixel(&p, along ? 40 : 9, along ? 9 : 40)[0], 0, 1);
+        ost_picture_free(&p);
+        ost_volume_free(&v);
+    }
+}
+
 /*
  * Returns a ball of 1000 HU with a radius of 8 mm, in the middle of 24^3 mm with voxels of 0.5
  * mm. If `bitten`, its front (y < -4 mm) is removed. The origin is chosen so that the middle is
@@ -532,6 +556,7 @@ int main(void)
         cmocka_unit_test(test_clipping),
         cmocka_unit_test(test_slices),
         cmocka_unit_test(test_letters_of_slices),
+        cmocka_unit_test(test_colours_between_voxels),
         cmocka_unit_test(test_outlines),
         cmocka_unit_test(test_view_of_labels),
         cmocka_unit_test(test_slices_of_volumes_that_do_not_match),
