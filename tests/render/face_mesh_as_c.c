@@ -79,9 +79,15 @@ void face_mesh_as_c(const ost_face_cluster *clusters, uint32_t count, uint64_t s
     test_rng rng = {seed};
     const size_t n = count, word = sizeof(uint32_t);
     buffers b = {
-        .clusters = room(n * CLUSTER_WORDS * word), .rows = room(n * ROWS * 2 * word), .slices = room(n * SIDE * 2 * word),
-        .active = room(n * VOXELS * 2 * word),      .sums = room(n * 2 * word),        .first = room(n * word),
-        .padded = room(n * PADDED_VOXELS * sizeof(int16_t)), .visible = room(n * VOXELS)};
+        .clusters = room(n * CLUSTER_WORDS * word),
+        .rows = room(n * ROWS * 2 * word),
+        .slices = room(n * SIDE * 2 * word),
+        .active = room(n * VOXELS * 2 * word),
+        .sums = room(n * 2 * word),
+        .first = room(n * word),
+        .padded = room(n * PADDED_VOXELS * sizeof(int16_t)),
+        .visible = room(n * VOXELS),
+    };
     uint32_t most = 0;
     for (size_t i = 0; i < n; i++)
         pack(&clusters[i], b.clusters + CLUSTER_WORDS * i);

@@ -5,6 +5,8 @@
  * The oracle is written from the texts (AR-MAP-1 to AR-MAP-4, AR-REM-1; reproduction/methods/points.h) with
  * fractions of 128-bit integers, and calls no function of the methods or of src/core. It is compared with every
  * method on random small scenes, and with the functions that define the sets in a measurement.
+ *
+ * Covers: REQ-COMPARED
  */
 #include "harness.h"
 
