@@ -168,7 +168,7 @@ static void add_memory(const reproduction *r, result *out, model_id id, const mo
 static void judge_memory(result *out)
 {
     char saves[RESULT_TEXT] = "", more[RESULT_TEXT] = "";
-    int saving = 0, expected = 0;
+    int expected = 0;
     for (size_t i = 0; i < out->row_count; i++) {
         const result_cell *cell = out->row[i].cell;
         const double single = cell[MEMORY_SINGLE].value, chunks = cell[MEMORY_32].value;
@@ -176,7 +176,6 @@ static void judge_memory(result *out)
         const size_t at = strlen(to);
         snprintf(to + at, RESULT_TEXT - at, "%s%.40s (%+.0f %%)", at ? ", " : "", cell[MEMORY_MODEL].text,
                  100 * (chunks / single - 1));
-        saving += chunks < single;
         expected += (chunks < single) == (cell[MEMORY_32].thesis < cell[MEMORY_SINGLE].thesis);
     }
     result_add_finding(out, expected == MODELS ? RESULT_CONFIRMED : RESULT_CONTRADICTED, "section 3.1.1",

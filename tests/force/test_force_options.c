@@ -146,7 +146,7 @@ static void runout_follows_the_handle(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
-    const ost_shell_point point = {.at = {0, 0, 0}, .inward = {0, 0, 1}, .area = 1e-4, .cutting = true};
+    ost_shell_point point = {.at = {0, 0, 0}, .inward = {0, 0, 1}, .area = 1e-4, .cutting = true};
     ost_bone *bone = half_space_30mm(*state, REFERENCE_HU);
     ost_force_params quiet = ost_force_defaults(), loud = quiet;
     loud.runout = 0.1;
