@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/inputs.h"
 #include "core/int128.h"
 #include "sim/box.h"
 
@@ -21,36 +22,6 @@ static const struct {
                       .by_range = true},
 };
 
-/* Makes the parametric tool by a backend, on a grid whose voxels have the size `voxel`. */
-static ost_status make_tool(const char *spec, ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
-{
-    ost_backend *backend = NULL;
-    ost_mesh mesh = {0};
-    ost_snapped_mesh snapped = {0};
-    ost_tool *tool = NULL;
-    ost_voxelize_report report;
-    ost_tool_geometry grid;
-    ost_pm3 lo, hi;
-    ost_status status = ost_backend_open(spec, &backend, err);
-    if (status == OST_OK)
-        status = ost_tool_make(kind, NULL, &mesh, err);
-    if (status == OST_OK)
-        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK)
-        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
-    if (status == OST_OK)
-        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK)
-        status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &report, &tool, err);
-    if (status == OST_OK)
-        status = ost_tool_download(tool, out, err);
-    ost_tool_free(tool);
-    ost_snapped_mesh_free(&snapped);
-    ost_mesh_free(&mesh);
-    ost_backend_close(backend);
-    return status;
-}
-
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err)
 {
     return bench_scene_init_by(scene, "ref", kind, tool_voxel, side, err);
@@ -65,7 +36,7 @@ ost_status bench_scene_init_by(bench_scene *scene, const char *backend, ost_tool
         .classes = ost_density_classes_default(),
         .by_range = static_events[kind].by_range,
     };
-    ost_status status = make_tool(backend, kind, tool_voxel, &scene->tool, err);
+    ost_status status = bench_tool_volume(backend, kind, tool_voxel, &scene->tool, err);
     ost_pose pose = static_events[kind].pose;
     const ost_pm shift = (side - SCENE_SIDE) * SCENE_SPACING;
     pose.t.x += shift;

@@ -5,6 +5,7 @@
  * loops. Before anything is timed, osteon and the baseline must produce the same picture as the scalar loops.
  */
 #include "bench/bench.h"
+#include "bench/inputs.h"
 #include "bench/render_gl.h"
 #include "bench/render_kept.h"
 
@@ -308,24 +309,6 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Removes those voxels of a surface block that lie inside a ball. The ball's centre `at` and its `radius` are in
-   voxels. */
-static bool ream_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
-{
-    bool any = false;
-    for (int row = 0; row < OST_BLOCK_ROWS; row++) {
-        const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1],
-                     z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2];
-        const double left = radius * radius - y * y - z * z, first = OST_BLOCK * b->at[0] - at[0];
-        uint32_t gone = 0;
-        for (int x = 0; x < OST_BLOCK && left >= 0 && b->occupied[row]; x++)
-            gone |= (uint32_t)((first + x) * (first + x) <= left) << x;
-        words[row] = b->occupied[row] & ~gone;
-        any |= words[row] != b->occupied[row];
-    }
-    return any;
-}
-
 /* Measures how long the update of the surface takes while bone is reamed. A ball with a radius of 20 mm enters the
    glenoid at 1.5 mm/s, with 60 frames per second. The row contains the time of the update and the number of changed
    blocks per frame. */
@@ -368,18 +351,9 @@ static ost_status add_reaming(show *s, bench_table *table)
                         (STEP_MM * (BEGIN + i) - RADIUS_MM * scale) / mm * s->glenoid.axis[a];
         if (i >= 0 && i % 9 == 0)
             ost_surface_age(&surface);
-        for (int32_t b = 0; b < surface.used && status == OST_OK; b++) {
-            uint32_t words[OST_BLOCK_ROWS];
-            const ost_surface_block *block = surface.slot[b];
-            double away = 0;
-            for (int a = 0; a < 3; a++)
-                away += pow(fmax(fabs(OST_BLOCK * block->at[a] + 15.5 - middle[a]) - 16, 0), 2);
-            if (away * mm * mm > RADIUS_MM * RADIUS_MM * scale * scale ||
-                !ream_block(block, middle, RADIUS_MM * scale / mm, words))
-                continue;
-            status = ost_surface_set(&surface, block->at, words, s->err);
-            changed += i >= 0;
-        }
+        int32_t carved;
+        status = bench_carve(&surface, middle, RADIUS_MM * scale / mm, &carved, s->err);
+        changed += i >= 0 ? (uint64_t)carved : 0;
         const int64_t begin = bench_now();
         if (status == OST_OK)
             status = ost_surface_update(&surface, s->err);

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/inputs.h"
 #include "render/gl/gl.h"
 #include "render/points/extract.h"
 
@@ -183,42 +184,6 @@ static bool find_surface(const ost_volume *v, double at[3])
     return best < HUGE_VAL;
 }
 
-/* Computes the voxels of a block that remain outside a ball. Returns true if any voxel is removed. */
-static bool carve_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
-{
-    bool any = false;
-    for (int row = 0; row < OST_BLOCK_ROWS; row++) {
-        const double y = OST_BLOCK * b->at[1] + row % OST_BLOCK - at[1],
-                     z = OST_BLOCK * b->at[2] + row / OST_BLOCK - at[2], first = OST_BLOCK * b->at[0] - at[0];
-        const double left = radius * radius - y * y - z * z;
-        uint32_t gone = 0;
-        for (int x = 0; x < OST_BLOCK && left >= 0 && b->occupied[row]; x++)
-            gone |= (uint32_t)((first + x) * (first + x) <= left) << x;
-        words[row] = b->occupied[row] & ~gone;
-        any |= words[row] != b->occupied[row];
-    }
-    return any;
-}
-
-/* Removes the voxels inside a ball. Returns the number of changed chunks in *changed. */
-static ost_status carve(ost_surface *s, const double at[3], double radius, int32_t *changed, ost_error *err)
-{
-    ost_status status = OST_OK;
-    uint32_t words[OST_BLOCK_ROWS];
-    *changed = 0;
-    for (int32_t i = 0; i < s->used && status == OST_OK; i++) {
-        const ost_surface_block *b = s->slot[i];
-        double away = 0;
-        for (int a = 0; a < 3; a++)
-            away += pow(fmax(fabs(OST_BLOCK * b->at[a] + 15.5 - at[a]) - 16, 0), 2);
-        if (away > radius * radius || !carve_block(b, at, radius, words))
-            continue;
-        status = ost_surface_set(s, b->at, words, err);
-        ++*changed;
-    }
-    return status;
-}
-
 typedef struct cut_sums {
     bench_series busy, idle;
     double changed, meshed, mesh, copy, update, uploaded;
@@ -232,7 +197,7 @@ static ost_status measure_cut(canvas *c, bench_voxel_model *m, const double surf
     for (int i = -2; i < frames && status == OST_OK; i++) { /* the first two frames upload and compile */
         const double at[3] = {surface[0], surface[1] - m->radius + FIRST_DEPTH + STEP * i, surface[2]};
         int32_t changed = 0;
-        status = carve(s, at, m->radius, &changed, err);
+        status = bench_carve(s, at, m->radius, &changed, err);
         const int64_t begin = bench_now();
         if (status == OST_OK)
             status = ost_surface_update(s, err);

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/inputs.h"
 #include "core/face_mesh.h"
 #include "render/points/extract.h"
 
@@ -40,22 +41,10 @@ _Static_assert((int)BENCH_VOXEL_STAGES == (int)OST_FACE_STAGES && (int)BENCH_VOX
 
 static ost_status make_cubic(bench_voxel_model *m, const bench_options *options, ost_error *err)
 {
-    const ost_geometry *g = &m->rect.geometry;
     ost_backend *backend = NULL;
-    ost_grid *rect = NULL, *cubic = NULL;
     ost_status status = bench_backend(options, options->threads, &backend, err);
     if (status == OST_OK)
-        status = ost_grid_create(backend, g, &rect, err);
-    if (status == OST_OK)
-        status = ost_grid_upload(rect, 0, g->dims.z, m->rect.voxels, err);
-    if (status == OST_OK)
-        status = ost_rect_to_cubic(rect, g->spacing.x, OST_RESAMPLE_LINEAR, &cubic, err);
-    if (status == OST_OK)
-        status = ost_volume_init(&m->cubic, ost_grid_geometry(cubic), err);
-    if (status == OST_OK)
-        status = ost_grid_download(cubic, 0, m->cubic.geometry.dims.z, m->cubic.voxels, err);
-    ost_grid_free(cubic);
-    ost_grid_free(rect);
+        status = bench_cubic_make(backend, &m->rect, &m->cubic, err);
     ost_backend_close(backend);
     return status;
 }

@@ -8,6 +8,7 @@
 #include <osteon/io.h>
 #include <osteon/phantom.h>
 
+#include "bench/inputs.h"
 #include "reproduction/stated.h"
 
 const int model_chunk[MODEL_CHUNK_SIZES] = {16, 32, 64};
@@ -83,23 +84,11 @@ ost_status model_bone(const model *m, ost_backend *backend, int chunk, ost_bone 
 ost_status model_cubic(const model *m, ost_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;
-    ost_grid *rect = NULL, *cubic = NULL;
-    const ost_geometry *g = &m->rect.geometry;
     ost_status status = ost_backend_open("cpu", &backend, err);
     if (status == OST_OK)
-        status = ost_grid_create(backend, g, &rect, err);
-    if (status == OST_OK)
-        status = ost_grid_upload(rect, 0, g->dims.z, m->rect.voxels, err);
-    if (status == OST_OK)
-        status = ost_rect_to_cubic(rect, g->spacing.x, OST_RESAMPLE_LINEAR, &cubic, err);
-    if (status == OST_OK)
-        status = ost_volume_init(out, ost_grid_geometry(cubic), err);
-    if (status == OST_OK)
-        status = ost_grid_download(cubic, 0, out->geometry.dims.z, out->voxels, err);
+        status = bench_cubic_make(backend, &m->rect, out, err);
     if (status == OST_OK)
         out->meta = m->rect.meta;
-    ost_grid_free(cubic);
-    ost_grid_free(rect);
     ost_backend_close(backend);
     return status;
 }

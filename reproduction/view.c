@@ -100,34 +100,6 @@ ost_status view_draw(const view_scene *s, uint8_t **png, size_t *size, ost_error
     return status;
 }
 
-ost_status view_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err)
-{
-    ost_backend *backend = NULL;
-    ost_mesh mesh = {.vertices = NULL};
-    ost_snapped_mesh snapped = {.triangles = NULL};
-    ost_tool *tool = NULL;
-    ost_tool_geometry grid;
-    ost_pm3 lo, hi;
-    ost_status status = ost_backend_open("cpu", &backend, err);
-    if (status == OST_OK)
-        status = ost_tool_make(kind, NULL, &mesh, err);
-    if (status == OST_OK)
-        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK)
-        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
-    if (status == OST_OK)
-        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK)
-        status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, NULL, &tool, err);
-    if (status == OST_OK)
-        status = ost_tool_download(tool, out, err);
-    ost_tool_free(tool);
-    ost_snapped_mesh_free(&snapped);
-    ost_mesh_free(&mesh);
-    ost_backend_close(backend);
-    return status;
-}
-
 ost_status view_deepest(ost_builtin path, const ost_glenoid *glenoid, const ost_tool_geometry *tool, ost_pose *out,
                         ost_error *err)
 {

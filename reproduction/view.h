@@ -32,9 +32,6 @@ typedef struct view_scene {
 /* Draws the scene, with a scale bar and, if the cut is coloured, a legend. The caller frees *png. */
 ost_status view_draw(const view_scene *scene, uint8_t **png, size_t *size, ost_error *err);
 
-/* Voxelizes a built-in tool for pictures, with voxels of the given size. The caller frees *out. */
-ost_status view_tool(ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err);
-
 /* Returns the pose at which a tool on a built-in path has advanced the farthest. */
 ost_status view_deepest(ost_builtin path, const ost_glenoid *glenoid, const ost_tool_geometry *tool, ost_pose *out,
                         ost_error *err);

@@ -20,6 +20,7 @@
 
 #include <osteon/phantom.h>
 
+#include "bench/inputs.h"
 #include "reproduction/item.h"
 
 enum { TOOL, BONE_VOXEL, TOOL_VOXEL, RATIO, VOXELS, GRID, BONE, TOTAL, MOST, VOLUME, DIFFERENT };
@@ -203,22 +204,7 @@ static ost_status make_tool(const solid *s, ost_pm voxel, ost_backend *backend, 
                                       .length = (ost_pm)(1000 * s->length) * um,
                                       .segments = SEGMENTS,
                                       .part = s->part};
-    ost_mesh mesh = {.vertices = NULL};
-    ost_snapped_mesh snapped = {.triangles = NULL};
-    ost_tool_geometry grid;
-    ost_pm3 lo, hi;
-    ost_status status = ost_tool_make(s->kind, &options, &mesh, err);
-    if (status == OST_OK)
-        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK)
-        status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, err);
-    if (status == OST_OK)
-        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK)
-        status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, NULL, out, err);
-    ost_snapped_mesh_free(&snapped);
-    ost_mesh_free(&mesh);
-    return status;
+    return bench_tool_make(backend, s->kind, &options, voxel, out, err);
 }
 
 static void add_row(result *out, const job *j, ost_pm voxel, const ost_tool *tool, const sums *sum)

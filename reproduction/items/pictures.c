@@ -6,6 +6,7 @@
 
 #include <osteon/motor.h>
 
+#include "bench/inputs.h"
 #include "reproduction/item.h"
 #include "reproduction/stated.h"
 #include "reproduction/view.h"
@@ -182,7 +183,7 @@ static ost_status with_tool(reproduction *r, result *out, ost_tool_kind kind, os
     ost_tool_volume tool = {.voxels = NULL};
     ost_status status = begin(&j);
     if (status == OST_OK)
-        status = view_tool(kind, voxel, &tool, err);
+        status = bench_tool_volume("cpu", kind, voxel, &tool, err);
     if (status == OST_OK)
         status = view_deepest(path, &j.glenoid, &tool.geometry, &scene.pose, err);
     scene.tool = &tool;
@@ -304,7 +305,7 @@ ost_status item_removal(reproduction *r, result *out, ost_error *err)
         ost_tool_volume volume = {.voxels = NULL};
         ost_tool *tool = NULL;
         ost_pose pose = ost_pose_identity();
-        status = view_tool(passes[i].kind, OST_PM_PER_MM / 2, &volume, err);
+        status = bench_tool_volume("cpu", passes[i].kind, OST_PM_PER_MM / 2, &volume, err);
         if (status == OST_OK)
             status = ost_tool_upload(backend, &volume, &tool, err);
         if (status == OST_OK)

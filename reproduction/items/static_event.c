@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/inputs.h"
 #include "reproduction/item.h"
 #include "reproduction/view.h"
 #include "sim/box.h"
@@ -150,7 +151,7 @@ static ost_status prepare(job *j, ost_tool_kind kind, ost_builtin path)
     if (status == OST_OK)
         status = model_cubic(m, &j->bone, j->err);
     if (status == OST_OK)
-        status = view_tool(kind, OST_PM_PER_MM / 2, &j->volume, j->err);
+        status = bench_tool_volume("cpu", kind, OST_PM_PER_MM / 2, &j->volume, j->err);
     if (status == OST_OK)
         status = view_deepest(path, &j->glenoid, &j->volume.geometry, &j->pose, j->err);
     if (status == OST_OK)
