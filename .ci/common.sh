@@ -100,24 +100,13 @@ listed() {
 	printf 'include Makefile\nlist:\n\t@echo $(%s)\n' "$2" | make -s -C "$1" -f - list
 }
 
-# tests_but FOLDER EXCEPT: prints the tests of a configured folder except those that match the
-# pattern
-tests_but() {
-	local test
-	for test in $(listed "$1" TESTS); do
+# listed_but FOLDER VARIABLE EXCEPT: prints the words of a variable, such as TESTS or check_PROGRAMS,
+# except those that match the pattern
+listed_but() {
+	local word
+	for word in $(listed "$1" "$2"); do
 		# shellcheck disable=SC2254 # a pattern
-		case $test in $2) ;; *) printf '%s ' "$test" ;; esac
-	done
-}
-
-# programs_but FOLDER EXCEPT: prints the programs to build for these tests: the tests, and programs
-# that are not tests
-programs_but() {
-	local program all kept
-	all=" $(listed "$1" TESTS) "
-	kept=" $(tests_but "$1" "$2") "
-	for program in $(listed "$1" check_PROGRAMS); do
-		[[ $all == *" $program "* && $kept != *" $program "* ]] || printf '%s ' "$program"
+		case $word in $3) ;; *) printf '%s ' "$word" ;; esac
 	done
 }
 
@@ -130,9 +119,9 @@ build_and_check() {
 	mkdir -p "$folder"
 	(cd "$folder" && "$source/configure" -q --enable-werror "$@") &&
 		make -C "$folder" -s -j "$(nproc)" &&
-		make -C "$folder" -s -j "$(nproc)" check TESTS="$(tests_but "$folder" "$except")" check_PROGRAMS="$(programs_but "$folder" "$except")"
+		make -C "$folder" -s -j "$(nproc)" check TESTS="$(listed_but "$folder" TESTS "$except")" check_PROGRAMS="$(listed_but "$folder" check_PROGRAMS "$except")"
 }
-export -f listed tests_but programs_but build_and_check
+export -f listed listed_but build_and_check
 
 # check NAME LIMIT EXCEPT CONFIGURE_ARGUMENT...: runs a gate that builds and tests a variant. EXCEPT
 # is a pattern, @(A|B), of the tests whose result in this variant cannot differ from the result in
