@@ -23,8 +23,11 @@
  */
 #if OST_FOR & 2
 
-#ifdef __clang__ /* the warning is harmless, because only functions of this file pass vectors wider than registers */
+#ifdef __clang__
+#if __has_warning("-Wpsabi") /* NVIDIA's compiler is clang without this warning */
+/* The warning is harmless, because only functions of this file pass vectors wider than registers. */
 #pragma clang diagnostic ignored "-Wpsabi"
+#endif
 #endif
 
 #define OST_EACH_ROW 0x0001000100010001ul
