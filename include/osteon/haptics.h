@@ -84,12 +84,14 @@ OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_erro
 
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
+typedef struct ost_hand_input ost_hand_input; /* made by the command for the `openxr` device; programs pass NULL */
 
 /* The data that is needed to open a device. The pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
     const ost_path *path; /* path of the tool for the `script` device, or of the simulated hand for the `sim` device */
     const char *session;  /* file name of the session that the `replay` device repeats */
     ost_mouse_input *mouse; /* input of the `mouse` device, which a window sets; borrowed until ost_haptic_close */
+    ost_hand_input *hand;   /* input of the `openxr` device, which a headset sets; borrowed until ost_haptic_close */
     /*
      * First pose of the tool. The `null` device keeps this pose, and the `motion` device begins at it. For a real
      * device, it is the pose of the tool when the handle is at its centre.
@@ -109,6 +111,7 @@ typedef struct ost_haptic_setup {
  *   motion:FILE       recorded motion of a tracked hand (docs/reference/devices.md), plain or gzip: scale=PERCENT (5),
  *                     gap=MS, jump=MM (both are derived from the rows of the file by default)
  *   mouse             the mouse of a window, through setup.mouse
+ *   openxr            a tracked controller of a headset, through setup.hand: hand=left|right (right)
  *   openhaptics       Touch, Touch X, Phantom Omni: name=TEXT, scale=PERCENT (100)
  *   dhd               Force Dimension, Falcon: scale=PERCENT (100)
  *   spnav             SpaceMouse: speed=MM/S (20), turn=DEGREES/S (30), hold=0|1 (0)

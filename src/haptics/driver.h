@@ -66,6 +66,6 @@ ost_status haptic_integer(const char *device, const char *key, const char *value
                           ost_error *err);
 
 extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse,
-    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_inverse3, haptic_udp;
+    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_inverse3, haptic_udp, haptic_openxr;
 
 #endif

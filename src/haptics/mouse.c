@@ -12,17 +12,15 @@
  *
  * Forces are displayed but cannot be felt. Viewers read them from the live state.
  */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "haptics/driver.h"
+#include "haptics/follow.h"
 #include "haptics/newest.h"
 #include "haptics/workspace.h"
 
-static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
 static const double STEP_M = 0.25e-3;         /* greatest motion per tick, in m */
-static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three revolutions per second */
 
 struct ost_mouse_input {
     newest newest; /* passes the newest state from the window's thread to the device */
@@ -70,23 +68,10 @@ static const ost_haptic_state *latest(ost_mouse_input *input)
 
 struct haptic_instance {
     ost_mouse_input *input; /* borrowed */
-    double at[3];   /* position in m */
-    double q[4];    /* unit quaternion */
+    haptic_follow tool_pose;
     int32_t tool;
     uint32_t lifts; /* number of lifts counted up to the last read */
 };
-
-static void take_pose(const ost_pose *pose, double at[3], double q[4])
-{
-    double mm[3], n = 0;
-    ost_pose_to_doubles(pose, mm, q);
-    for (int i = 0; i < 4; i++)
-        n += q[i] * q[i];
-    for (int i = 0; i < 4; i++)
-        q[i] /= sqrt(n);
-    for (int i = 0; i < 3; i++)
-        at[i] = mm[i] * 1e-3;
-}
 
 static ost_status take(void *user, const char *key, const char *value, ost_error *err)
 {
@@ -104,7 +89,7 @@ static ost_status mouse_open(const char *options, const ost_haptic_setup *setup,
     if (!m.input)
         return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window; omit --headless");
     const ost_haptic_state *start = latest(m.input);
-    take_pose(&start->pose, m.at, m.q);
+    haptic_follow_take(&start->pose, m.tool_pose.at, m.tool_pose.q);
     m.tool = start->tool;
     *out = malloc(sizeof **out);
     if (!*out)
@@ -118,53 +103,25 @@ static void mouse_close(haptic_instance *instance)
     free(instance);
 }
 
-static void approach_position(haptic_instance *m, const double to[3])
-{
-    double d[3], length = 0;
-    for (int a = 0; a < 3; a++) {
-        d[a] = (to[a] - m->at[a]) * FOLLOW;
-        length += d[a] * d[a];
-    }
-    length = sqrt(length);
-    for (int a = 0; a < 3; a++)
-        m->at[a] += length > STEP_M ? d[a] * STEP_M / length : d[a];
-}
-
-/* Rotates the tool toward `to` along the shorter arc. The rotation is the fraction FOLLOW of the angle, but at most
-   TURN. The quaternions q and -q denote the same orientation. */
-static void approach_turn(haptic_instance *m, const double to[4])
-{
-    double cosine = 0, n = 0;
-    for (int i = 0; i < 4; i++)
-        cosine += m->q[i] * to[i];
-    const double sign = cosine < 0 ? -1 : 1, angle = 2 * acos(fmin(1, fabs(cosine)));
-    const double share = angle * FOLLOW > TURN ? TURN / angle : FOLLOW;
-    for (int i = 0; i < 4; i++) {
-        m->q[i] += (sign * to[i] - m->q[i]) * share;
-        n += m->q[i] * m->q[i];
-    }
-    for (int i = 0; i < 4; i++)
-        m->q[i] /= sqrt(n);
-}
-
 static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
 {
     const ost_haptic_state *input = latest(m->input);
     const uint32_t lifts = m->input->lifts[m->input->newest.front];
     const bool lifted = lifts != m->lifts;
     double to[3], toward[4];
-    take_pose(&input->pose, to, toward);
+    haptic_follow_take(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
         /* When a tool is exchanged or lifted, it takes its new pose at once, without intermediate steps. */
-        memcpy(m->at, to, sizeof m->at);
-        memcpy(m->q, toward, sizeof m->q);
+        memcpy(m->tool_pose.at, to, sizeof to);
+        memcpy(m->tool_pose.q, toward, sizeof toward);
         m->tool = input->tool;
         m->lifts = lifts;
     }
-    approach_position(m, to);
-    approach_turn(m, toward);
-    *state = (ost_haptic_state){
-        .pose = haptic_pose_quantise(m->at, m->q), .tool = input->tool, .buttons = input->buttons, .lifted = lifted};
+    haptic_follow_tick(&m->tool_pose, to, toward, STEP_M);
+    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->tool_pose.at, m->tool_pose.q),
+                                .tool = input->tool,
+                                .buttons = input->buttons,
+                                .lifted = lifted};
     return OST_HAPTIC_FRESH;
 }
 

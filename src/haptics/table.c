@@ -8,7 +8,7 @@
 
 static const haptic_driver *const drivers[] = {
     &haptic_null,        &haptic_script, &haptic_replay, &haptic_sim,      &haptic_motion, &haptic_mouse,
-    &haptic_openhaptics, &haptic_dhd,    &haptic_spnav,  &haptic_inverse3, &haptic_udp,
+    &haptic_openhaptics, &haptic_dhd,    &haptic_spnav,  &haptic_inverse3, &haptic_udp,    &haptic_openxr,
 };
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
@@ -64,7 +64,7 @@ ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_
     for (int i = 0; i < DRIVERS; i++)
         if (strlen(drivers[i]->name) == length && memcmp(drivers[i]->name, spec, length) == 0)
             return ost_haptic_open_driver(drivers[i], spec[length] ? spec + length + 1 : "", setup, out, err);
-    char names[160] = "";
+    char names[192] = "";
     for (int i = 0, used = 0; i < DRIVERS; i++)
         used += snprintf(names + used, sizeof names - (size_t)used, "%s%s",
                          !i                 ? ""

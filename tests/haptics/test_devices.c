@@ -34,7 +34,7 @@ static void the_list(void **state)
     (void)state;
     ost_error err = {0};
     ost_haptic_info info;
-    assert_int_equal(ost_haptic_count(), 11);
+    assert_int_equal(ost_haptic_count(), 12);
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
@@ -55,7 +55,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
         const char *spec, *says;
     } cases[] = {
         {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, "
-                 "inverse3 or udp"},
+                 "inverse3, udp or openxr"},
         {"", "unknown device ''"},
         {"si", "unknown device"},
         {"null:x=1", "unknown option 'x'"},
@@ -306,6 +306,7 @@ static void buttons_have_a_table(void **state)
                  {"spnav", "left=motor-switch,right=next-tool"},
                  {"inverse3", "a=motor,b=next-tool,c=clutch,d=home"},
                  {"udp", "button1=motor,button2=next-tool,button3=clutch,button4=home"},
+                 {"openxr", "trigger=motor,menu=next-tool,squeeze=clutch"},
                  {"null", ""}, {"script", ""}, {"replay", ""}, {"sim", ""}, {"motion", ""}};
     ost_error err = {0};
     ost_action of[OST_BUTTONS_MAX];
