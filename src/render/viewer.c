@@ -189,6 +189,43 @@ static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count
     return false;
 }
 
+/* Lists the objects to draw: the bone, and the tool at its pose. Returns their number. */
+static int things_of(ost_viewer *viewer, const ost_camera *camera, ost_frame_thing things[2])
+{
+    const ost_live_state *s = &viewer->state;
+    ost_overlay_scene *scene = &viewer->scene;
+    int count = 1;
+    things[0] = (ost_frame_thing){.surface = &viewer->bone,
+                                  .eye = ost_eye_make(camera, &viewer->bone.geometry),
+                                  .paint = viewer->paint,
+                                  .palette = viewer->palette};
+    scene->bone = &viewer->bone;
+    scene->tool = NULL;
+    scene->chunk = viewer->live ? ost_live_chunk_size(viewer->live) : OST_BLOCK;
+    if (viewer->has_state && s->ticks > 0 && s->tool >= 0 && s->tool < viewer->tools) {
+        scene->tool = &viewer->tool[s->tool];
+        scene->tool_grid = viewer->tool_grid[s->tool];
+        scene->pose = s->pose;
+        things[count++] = (ost_frame_thing){.surface = scene->tool,
+                                            .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose),
+                                            .paint = OST_PAINT_STEEL};
+    }
+    return count;
+}
+
+ost_status ost_viewer_draw_eye(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err)
+{
+    ost_frame_thing things[2];
+    const int count = things_of(viewer, camera, things);
+    if (!viewer->gl)
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "an eye of a headset is drawn by OpenGL alone");
+    for (int i = 0; i < count; i++) {
+        things[i].eye.half_w = (float)middle[0];
+        things[i].eye.half_h = (float)middle[1];
+    }
+    return ost_gl_draw(viewer->gl, viewer->variant, things, count, viewer->style, err);
+}
+
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -202,23 +239,9 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
     if (status != OST_OK)
         return status;
     viewer->frame.style = viewer->style;
-    ost_overlay_scene *scene = &viewer->scene;
-    const ost_eye eye = ost_eye_make(camera, &viewer->bone.geometry);
-    ost_frame_thing things[2] = {
-        {.surface = &viewer->bone, .eye = eye, .paint = viewer->paint, .palette = viewer->palette}};
-    int count = 1;
-    const ost_live_state *s = &viewer->state;
-    scene->bone = &viewer->bone;
-    scene->tool = NULL;
-    scene->chunk = viewer->live ? ost_live_chunk_size(viewer->live) : OST_BLOCK;
-    if (viewer->has_state && s->ticks > 0 && s->tool >= 0 && s->tool < viewer->tools) {
-        scene->tool = &viewer->tool[s->tool];
-        scene->tool_grid = viewer->tool_grid[s->tool];
-        scene->pose = s->pose;
-        things[count++] = (ost_frame_thing){.surface = scene->tool,
-                                            .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose),
-                                            .paint = OST_PAINT_STEEL};
-    }
+    ost_frame_thing things[2];
+    const int count = things_of(viewer, camera, things);
+    const ost_eye eye = things[0].eye;
     if (draw_gl(viewer, things, count))
         ost_frame_overwritten(&viewer->frame);
     else
@@ -230,6 +253,6 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
         status = ost_frame_draw_ghost(&viewer->frame, &ghost, OST_GHOST, viewer->bone.geometry.spacing.x, err);
     }
     if (status == OST_OK && viewer->overlays)
-        ost_overlay_draw(&viewer->frame, &eye, viewer->overlays, scene);
+        ost_overlay_draw(&viewer->frame, &eye, viewer->overlays, &viewer->scene);
     return status;
 }

@@ -109,5 +109,11 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
 /* Draws into viewer->frame and sets the size of the frame to that of the camera's picture. The
    camera must have passed ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
+/*
+ * Draws the bone and the tool for one eye of a headset. The camera's axis meets the picture at `middle`, in pixels from
+ * its left and top edges. The picture stays in OpenGL (ost_gl_copy). Overlays and the ghost are not drawn. Returns
+ * OST_ERR_UNAVAILABLE if OpenGL does not draw, and OST_ERR_RANGE under the conditions of ost_gl_draw.
+ */
+ost_status ost_viewer_draw_eye(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
 
 #endif

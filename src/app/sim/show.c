@@ -281,8 +281,10 @@ void sim_show_report(const app_state *app, const sim_show *show)
     if (*show->viewer.no_card)
         put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
-    put_integer(o, "width", show->viewer.frame.width);
-    put_integer(o, "height", show->viewer.frame.height);
+    if (show->viewer.frame.width) { /* 0 if all frames were those of a headset, which reports its size */
+        put_integer(o, "width", show->viewer.frame.width);
+        put_integer(o, "height", show->viewer.frame.height);
+    }
     put_real(o, "fps", p50 > 0 ? 1000 / p50 : 0);
     put_real(o, "fps_worst_1_percent", worst > 0 ? 1000 / worst : 0);
     put(o, "frame_ms", json_pack("{s:f,s:f,s:f}", "p50", work50, "p99", work99, "max", (double)drawn->max_ns * 1e-6));

@@ -64,3 +64,24 @@ ost_gl_counts ost_gl_counts_get(const ost_gl *gl)
     (void)gl;
     return (ost_gl_counts){0};
 }
+
+ost_gl_egl ost_gl_egl_get(const ost_gl *gl)
+{
+    (void)gl;
+    return (ost_gl_egl){0};
+}
+
+ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_error *err)
+{
+    (void)gl;
+    (void)function;
+    (void)user;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}
+
+ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err)
+{
+    (void)gl;
+    (void)texture;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}

@@ -121,7 +121,10 @@ static float largest_voxel(const ost_splat_eye *s, const float base[3])
     const ost_eye *e = &s->eye;
     const float middle[3] = {base[0] + 15.5f, base[1] + 15.5f, base[2] + 15.5f};
     const float nearest = ost_eye_dot(e->forward, middle) - (float)OST_BLOCK * s->reach[2];
-    const float slope = hypotf(e->half_w, e->half_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
+    /* The axis of an eye of a headset is not in the middle of the frame. */
+    const float farther_w = fmaxf(e->half_w, (float)e->width - e->half_w),
+                farther_h = fmaxf(e->half_h, (float)e->height - e->half_h);
+    const float slope = hypotf(farther_w, farther_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
     return wide * e->focal / (nearest > e->near ? nearest : e->near) + 2;
 }
 

@@ -213,6 +213,7 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
     if (!eglBindAPI(EGL_OPENGL_API) || !eglChooseConfig(c->display, wanted, &config, 1, &configs) || configs < 1)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "EGL %d.%d here has no OpenGL, only OpenGL ES", (int)major,
                         (int)minor);
+    c->config = config;
     c->context = eglCreateContext(c->display, config, EGL_NO_CONTEXT, attribute);
     if (c->context == EGL_NO_CONTEXT)
         return too_old(c, config, err);

@@ -17,6 +17,7 @@
 typedef struct ost_gl_context {
     EGLDisplay display;
     EGLContext context;
+    EGLConfig config;
     int version;         /* version of the context, times ten; at most the version in the options */
     bool persistent;     /* set if buffers can stay mapped (OpenGL 4.4) */
     /* set if the depth in clip space can range from 0 to 1 (OpenGL 4.5); the depth is then stored without rounding */

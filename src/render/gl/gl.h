@@ -111,6 +111,25 @@ void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher);
  */
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
                        ost_style style, ost_error *err);
+/*
+ * The objects of EGL that a library needs to use the renderer's context, as pointers of EGL's types. They are valid
+ * until ost_gl_close.
+ */
+typedef struct ost_gl_egl {
+    void *display, *config, *context;
+} ost_gl_egl;
+ost_gl_egl ost_gl_egl_get(const ost_gl *gl);
+
+/* Calls a function on the thread on which the context is current, and waits for its result. */
+typedef ost_status ost_gl_function(void *user, ost_error *err);
+ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_error *err);
+
+/*
+ * Copies the colours of the last picture to a texture of this context and of the same size, without reading them back.
+ * The rows are in OpenGL's order: the picture's top row becomes the texture's last row.
+ */
+ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err);
+
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
 /* Copies colour, face and, if `depth` is true, depth of the last picture to a frame of the same size. The keys of the

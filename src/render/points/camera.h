@@ -20,7 +20,9 @@ typedef struct ost_eye {
     float at[3];                           /* in voxels */
     float right[3], up[3], forward[3];     /* unit vectors, to the accuracy of a float */
     float focal;                           /* pixels */
-    float half_w, half_h;                  /* pixels */
+    /* position of the forward axis in the picture, in pixels from its left and top edges: half of width and height,
+       except for an eye of a headset, which only OpenGL draws */
+    float half_w, half_h;
     /* distance of the near plane in voxels along the forward axis; a voxel is drawn only if all of its corners are
        beyond this plane */
     float near;
