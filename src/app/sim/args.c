@@ -45,6 +45,21 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
     return OST_OK;
 }
 
+/* Checks the options that a headset does not support, and sets those that it implies. */
+static ost_status check_headset(const app_state *app, sim_args *args, ost_error *err)
+{
+    if (args->no_clock)
+        return usage_error(app, err, "--no-clock: a headset needs the clock; omit --headset");
+    if (args->hud || args->video.target || args->video.pipe)
+        return usage_error(app, err, "%s: a headset's frames are not written; use --record, and osteon replay",
+                           args->hud ? "--hud" : "--video");
+    if (args->renderer_given && args->renderer != SIM_RENDERER_AUTO && args->renderer != SIM_RENDERER_GL)
+        return usage_error(app, err, "--renderer %s: a headset needs gl", sim_renderer_names[args->renderer]);
+    args->renderer = SIM_RENDERER_GL;
+    args->renderer_given = args->headless = args->contact = true;
+    return OST_OK;
+}
+
 static ost_status check_show(const app_state *app, sim_args *args, ost_error *err)
 {
     ost_status status = frame_size(app, args->size, &args->width, &args->height, err);
@@ -73,14 +88,16 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);
     if (status == OST_OK)
         status = ream_max_gap(app, args->max_gap, &args->gaps, err);
+    if (status == OST_OK && args->headset)
+        status = check_headset(app, args, err);
     if (!args->device)
-        args->device = args->headless ? "sim" : "mouse";
+        args->device = args->headset ? "openxr" : args->headless ? "sim" : "mouse";
     if (args->print_force)
         return sim_force_params(app, args, err);
     if (status == OST_OK && args->classes_text &&
         (status = ost_density_classes_parse(args->classes_text, &args->classes, err)) != OST_OK)
         ost_fail_context(err, "--classes");
-    args->ticks = args->headless ? 10000 : 0;
+    args->ticks = args->headless && !args->headset ? 10000 : 0;
     if (status == OST_OK && args->seconds.text)
         status = ticks_of(app, "seconds", &args->seconds, &args->ticks, err);
     if (status != OST_OK)

@@ -14,6 +14,7 @@
 #include "app/common/print.h"
 #include "app/input/removal_options.h"
 #include "app/sim/appearance.h"
+#include "app/sim/headset.h"
 #include "app/sim/window.h"
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
@@ -49,15 +50,22 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_TEXT,
          .out = &args.device,
          .value = "NAME",
-         .help = "device that moves the tool: mouse (default in a window), sim (default without one), null, "
-                 "script, replay, motion, openhaptics, dhd, spnav, inverse3 or udp, with options as in "
+         .help = "device that moves the tool: mouse (default in a window), openxr (the controller of a "
+                 "headset, default with --headset), sim (default otherwise), null, script, replay, motion, "
+                 "openhaptics, dhd, spnav, inverse3 or udp, with options as in "
                  "sim:grip=light,seed=2,tremor=200 (micrometres) or motion:hand.csv.gz,scale=5 (per cent)"},
         {.name = "seconds",
          .kind = OPTION_DECIMAL,
          .out = &args.seconds,
          .value = "N",
-         .help = "duration (default: until the window is closed; 10 without a window)"},
+         .help = "duration (default: until the window is closed or the headset ends; 10 without either)"},
         {.name = "headless", .kind = OPTION_FLAG, .out = &args.headless, .help = "open no window"},
+        {.name = "headset",
+         .kind = OPTION_FLAG,
+         .out = &args.headset,
+         .help = "show the operation in a headset, through OpenXR, and open no window; OpenGL draws. What --view looks "
+                 "at is 0.5 m in front of the eyes' first position, in its true size and as --view shows it; --size "
+                 "sets the pixels of an eye (default: as the headset recommends)"},
         {.name = "out",
          .kind = OPTION_TEXT,
          .out = &args.out,
@@ -199,7 +207,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         COMPRESS_OPTION(args.compress),
         {.name = NULL}};
     const usage_text usage = {
-        .synopsis = "[--headless] [--device NAME] [--seconds N] [options]",
+        .synopsis = "[--headless|--headset] [--device NAME] [--seconds N] [options]",
         .about = "Simulates an operation: a device moves the tool, and each tick of 1 ms removes\n"
                  "bone. Prints the missed deadlines and the bone removed; --stats adds all times.",
         .options = options,
@@ -223,7 +231,9 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
     }
     simulation s = {0};
     sim_pin(&args, &s);
-    if (!args.headless)
+    if (args.headset)
+        status = sim_headset_open(&args, &s, err);
+    else if (!args.headless)
         status = sim_window_open(app, &args, &s, err);
     if (status == OST_OK && args.resume)
         status = sim_resume_open(app, &args, &s, err);
@@ -247,6 +257,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_run(app, &args, &s, err);
     if (status == OST_OK) {
         sim_report_loop(app, &args, &s);
+        if (s.headset)
+            sim_headset_report(app, &s);
         if (s.show)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
@@ -256,6 +268,8 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)
         status = sim_window_end(&s, err);
+    if (status == OST_OK)
+        status = sim_headset_end(&s, err);
     if (status == OST_OK)
         status = sim_device_end(app, &args, &s, err);
     simulation_free(&s);

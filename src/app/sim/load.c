@@ -8,6 +8,7 @@
 
 #include "app/common/backend_choice.h"
 #include "app/sim/handle.h"
+#include "app/sim/headset.h"
 #include "app/common/print.h"
 #include "app/session/record.h"
 #include "app/sim/window.h"
@@ -22,6 +23,7 @@ void simulation_free(simulation *s)
     ost_volume_free(&s->uncut);
     ost_haptic_close(s->device);
     sim_window_close(s->window);
+    sim_headset_close(s->headset);
     ost_recorder_close(s->recorder, NULL, NULL);
     ost_session_close(s->resumed);
     ost_world_free(s->world);
@@ -127,6 +129,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         .path = &s->path,
         .session = args->session,
         .mouse = sim_window_mouse(s),
+        .hand = sim_headset_hand(s),
         .start = start,
         .gaps = args->gaps,
     };

@@ -6,6 +6,7 @@
 
 #include "app/common/interrupt.h"
 #include "app/common/print.h"
+#include "app/sim/headset.h"
 #include "app/sim/window.h"
 #include "app/sim/watch.h"
 
@@ -48,7 +49,11 @@ static ost_status run_loop(const app_state *app, const sim_args *args, const ost
     ost_status status = sim_watch_begin(app, s->recorder, args->record, SIM_RECORDER_CAPACITY, seconds, &watch, err);
     if (status != OST_OK)
         return status;
-    if (s->show && !s->window && (status = sim_show_begin(s->show, err)) != OST_OK) {
+    if (s->headset)
+        status = sim_headset_start(s, err);
+    else if (s->show && !s->window)
+        status = sim_show_begin(s->show, err);
+    if (status != OST_OK) {
         sim_watch_end(watch);
         return status;
     }
@@ -56,6 +61,8 @@ static ost_status run_loop(const app_state *app, const sim_args *args, const ost
     status = s->window ? sim_window_run(s, how, tick, err)
                        : ost_servo_run(s->device, how, tick, ost_operation_done, s->operation, s->loop, err);
     interrupt_end();
+    if (s->headset)
+        sim_headset_stop(s);
     if (s->show) {
         const ost_status shown = sim_show_end(s->show, status == OST_OK ? err : NULL);
         status = status == OST_OK ? shown : status;

@@ -53,6 +53,7 @@ typedef struct sim_args {
     bool max_force_given, max_torque_given; /* true if the file of --force-params sets the limit */
     const char *max_force_from; /* source of the limit: "force-params", "device" or "default" */
     ost_haptic_limits limits;   /* valid if max_force_from is "device" */
+    bool headset; /* if true, headless is also true, because there is no window */
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given,
         tools_given;
 } sim_args;
@@ -85,7 +86,8 @@ typedef struct simulation {
     ost_pose home; /* initial pose of the tool: first pose of the path or, without a path, a pose clear of the bone */
     uint64_t before;      /* number of ticks in the resumed session */
     struct sim_show *show; /* NULL if nothing is rendered */
-    struct sim_window *window; /* window; NULL if --headless is given */
+    struct sim_window *window; /* window; NULL if --headless or --headset is given */
+    struct sim_headset *headset; /* NULL unless --headset is given */
     film *film;           /* NULL if no picture or video is written during the operation */
     int core;             /* processor core reserved for the servo loop; -1 if there is none */
 } simulation;

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A headset behind OpenXR: frames for two eyes, and the pose and the buttons of a controller.
+ *
+ *   runtime --views--> draw (called once per eye) --ost_gl_copy--> swapchain --> runtime --> display
+ *      '------controller--> hand (called once per frame)
+ *
+ * The runtime and the renderer share the renderer's OpenGL context (XR_KHR_opengl_enable with XR_MNDX_egl_enable, which
+ * Monado has). All poses are in the room's frame (room.h). All functions must be called by one thread at a time.
+ */
+#ifndef OST_HEADSET_H
+#define OST_HEADSET_H
+
+#include "headset/projection.h"
+#include "render/gl/gl.h"
+
+typedef struct ost_headset ost_headset;
+
+typedef struct ost_headset_info {
+    char runtime[160]; /* name and version, for example "Monado(XRT) by Collabora et al 25.0.0" */
+    char system[256];  /* name of the headset */
+    int width, height; /* pixels of an eye */
+} ost_headset_info;
+
+typedef struct ost_headset_view {
+    double at[3], q[4]; /* pose of the eye: metres; unit quaternion w x y z */
+    ost_headset_projection projection;
+    int width, height;  /* pixels */
+} ost_headset_view;
+
+enum { OST_HEADSET_TRIGGER = 1, OST_HEADSET_MENU = 2, OST_HEADSET_SQUEEZE = 4 };
+typedef struct ost_headset_hand {
+    bool tracked;       /* if false, the other fields are zero */
+    double at[3], q[4]; /* pose of the grip: metres; unit quaternion w x y z */
+    uint32_t buttons;   /* bits OST_HEADSET_* */
+} ost_headset_hand;
+
+typedef struct ost_headset_calls {
+    /* Draws an eye into the renderer's picture. If it returns OST_ERR_RANGE, nothing is shown in this frame. */
+    ost_status (*draw)(void *user, const ost_headset_view *view, ost_error *err);
+    void (*hand)(void *user, const ost_headset_hand *hand);
+    void *user;
+} ost_headset_calls;
+
+typedef struct ost_headset_counts {
+    uint64_t frames;      /* frames that the runtime requested */
+    uint64_t drawn;       /* frames in which both eyes were drawn and shown */
+    uint64_t missed;      /* periods of the display without a new frame */
+    uint64_t untracked;   /* frames without a pose of the head */
+    double display_hz;    /* rate that the runtime states; 0 before the first frame */
+} ost_headset_counts;
+
+/*
+ * Finds the runtime and the headset. Takes little time and draws nothing. Returns OST_ERR_UNAVAILABLE with what is
+ * missing and what to install.
+ */
+ost_status ost_headset_open(ost_headset **out, ost_error *err);
+/*
+ * Begins a session, which shows the renderer's pictures. An eye has width x height pixels, or as many as the runtime
+ * recommends if width is 0. The controller is the one of the left or the right hand. `gl` is borrowed until
+ * ost_headset_end.
+ */
+ost_status ost_headset_begin(ost_headset *headset, ost_gl *gl, int width, int height, bool left, ost_error *err);
+ost_headset_info ost_headset_info_get(const ost_headset *headset);
+/*
+ * Runs one frame at the runtime's rate, or waits 10 ms if the runtime requests no frames. Sets *ended when the runtime
+ * ends the session. Returns OST_ERR_UNAVAILABLE if the runtime fails.
+ */
+ost_status ost_headset_frame(ost_headset *headset, const ost_headset_calls *calls, bool *ended, ost_error *err);
+ost_headset_counts ost_headset_counts_get(const ost_headset *headset);
+/* Ends the session. Waits at most a second for the runtime. */
+void ost_headset_end(ost_headset *headset);
+void ost_headset_close(ost_headset *headset); /* also ends the session; NULL is allowed */
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Computes the camera of one eye of a headset.
+ *
+ *   The picture of an eye is not symmetric: the forward axis meets it off its centre.
+ *
+ *        left   axis  right             tan(angle) = pixels from the axis / focal length
+ *      |--------|-----------|
+ */
+#ifndef OST_HEADSET_PROJECTION_H
+#define OST_HEADSET_PROJECTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Angles of the picture's edges from the forward axis, in radians; right and up are positive. */
+typedef struct ost_headset_fov {
+    double left, right, up, down;
+} ost_headset_fov;
+
+typedef struct ost_headset_projection {
+    int32_t focal_milli;  /* focal length in thousandths of a pixel, as in ost_camera */
+    double middle[2];     /* position of the axis, in pixels from the left and top edges */
+    ost_headset_fov fov;  /* angles of the edges of the picture, at least those that were requested */
+} ost_headset_projection;
+
+/*
+ * Computes the projection of a picture of width x height pixels that covers the requested angles. Pixels are square: if
+ * the picture is wider or higher than the angles require, it extends equally on both sides. Returns false if an angle
+ * is not a number or not within 85 degrees, if right <= left or up <= down, or if the focal length is less than a
+ * pixel.
+ */
+bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_headset_projection *out);
+
+#endif
