@@ -116,14 +116,19 @@ static ost_status draw_eyes(frame *f, const ost_headset_calls *calls, ost_error 
     return status;
 }
 
-/* Counts the periods of the display that passed since the previous frame without a new frame. */
+/*
+ * Counts the periods of the display that passed since the previous frame without a new frame. A runtime may request
+ * frames less often than the display shows them if they take too long; the shortest period is the display's own.
+ */
 static void count_frame(ost_headset *h, const XrFrameState *state)
 {
-    const double period = (double)state->predictedDisplayPeriod;
+    const XrDuration period = state->predictedDisplayPeriod;
     h->counts.frames++;
-    if (period > 0) {
-        h->counts.display_hz = 1e9 / period;
-        const double periods = rint((double)(state->predictedDisplayTime - h->last) / period);
+    if (period > 0 && (h->period == 0 || period < h->period))
+        h->period = period;
+    if (h->period > 0) {
+        h->counts.display_hz = 1e9 / (double)h->period;
+        const double periods = rint((double)(state->predictedDisplayTime - h->last) / (double)h->period);
         if (h->last && periods > 1)
             h->counts.missed += (uint64_t)periods - 1;
     }

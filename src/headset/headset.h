@@ -47,7 +47,7 @@ typedef struct ost_headset_counts {
     uint64_t drawn;       /* frames in which both eyes were drawn and shown */
     uint64_t missed;      /* periods of the display without a new frame */
     uint64_t untracked;   /* frames without a pose of the head */
-    double display_hz;    /* rate that the runtime states; 0 before the first frame */
+    double display_hz;    /* greatest rate that the runtime stated; 0 before the first frame */
 } ost_headset_counts;
 
 /*

@@ -35,6 +35,7 @@ struct ost_headset {
     headset_actions actions;
     int width_max, height_max;
     bool running, ended;
+    XrDuration period;              /* shortest period of the display; 0 before the first frame */
     XrTime last;                    /* display time of the previous frame; 0 if there is none */
     ost_headset_info info;
     ost_headset_counts counts;

@@ -283,10 +283,11 @@ static XrResult my_WaitFrame(XrSession session, const XrFrameWaitInfo *what, XrF
     (void)session;
     (void)what;
     BEGIN;
-    now.time += (XrTime)PERIOD * (1 + fake_xr.skip);
+    const int slow = fake_xr.slow > 0 ? fake_xr.slow : 1;
+    now.time += (XrTime)PERIOD * (slow + fake_xr.skip);
     fake_xr.skip = 0;
     out->predictedDisplayTime = now.time;
-    out->predictedDisplayPeriod = PERIOD;
+    out->predictedDisplayPeriod = (XrDuration)PERIOD * slow;
     out->shouldRender = !fake_xr.hidden;
     return order(now.running);
 }

@@ -20,6 +20,7 @@ typedef struct fake_xr_state {
     float hand[3];           /* position of the grip, m */
     uint32_t buttons;        /* in the order in which actions are made */
     int skip;                /* periods of the display that pass in addition, once */
+    int slow;                /* periods of the display in a period that the runtime states; 0: 1 */
     int lose_after;          /* frames after which the session is lost; 0: never */
     bool no_egl;             /* lacks XR_MNDX_egl_enable */
     bool no_headset;

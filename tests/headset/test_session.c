@@ -212,6 +212,11 @@ static void missed_periods_are_counted(void **state)
     assert_int_equal(counts.drawn, 6);
     assert_int_equal(counts.missed, 4);
     assert_true(fabs(counts.display_hz - 72) < 0.01);
+    /* A runtime that requests only every third frame does not hide the other two. */
+    fake->slow = 3;
+    run(h, 5);
+    assert_int_equal(ost_headset_counts_get(h).missed, 4 + 5 * 2);
+    assert_true(fabs(ost_headset_counts_get(h).display_hz - 72) < 0.01);
     close_session(h);
 }
 
