@@ -55,7 +55,7 @@ static void suggest(const ost_headset *h, const profile *p, const char *hand)
 ost_status headset_hand_begin(ost_headset *h, bool left, ost_error *err)
 {
     static const char *const names[HAND_BUTTONS][2] = {
-        {"trigger", "Motor"}, {"menu", "Next tool"}, {"squeeze", "Clutch"}};
+        {"trigger", "Motor"}, {"menu", "Next tool"}, {"squeeze", "Squeeze"}};
     headset_actions *a = &h->actions;
     const char *hand = left ? "/user/hand/left" : "/user/hand/right";
     const XrActionSetCreateInfo set = {

@@ -306,7 +306,7 @@ static void buttons_have_a_table(void **state)
                  {"spnav", "left=motor-switch,right=next-tool"},
                  {"inverse3", "a=motor,b=next-tool,c=clutch,d=home"},
                  {"udp", "button1=motor,button2=next-tool,button3=clutch,button4=home"},
-                 {"openxr", "trigger=motor,menu=next-tool,squeeze=clutch"},
+                 {"openxr", "trigger=motor,menu=next-tool,squeeze=none"},
                  {"null", ""}, {"script", ""}, {"replay", ""}, {"sim", ""}, {"motion", ""}};
     ost_error err = {0};
     ost_action of[OST_BUTTONS_MAX];
