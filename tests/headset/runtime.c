@@ -9,6 +9,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "headset/runtime.h"
 
@@ -17,7 +18,13 @@
 #define PERIOD 13888889 /* ns: 72 frames per second */
 
 extern fake_xr_state fake_xr;
-EXPORT fake_xr_state fake_xr;
+/* The values are those of a program that sets none: a tracked head and hand, and frames at the display's rate. */
+EXPORT fake_xr_state fake_xr = {.eye_x = {-0.03f, 0.03f},
+                                .fov = {{-0.8f, 0.7f, 0.7f, -0.7f}, {-0.7f, 0.8f, 0.7f, -0.7f}},
+                                .head_tracked = true,
+                                .hand_tracked = true,
+                                .hand = {0.1f, 0, -0.3f},
+                                .waits = true};
 
 static struct {
     GLuint texture[2];
@@ -284,7 +291,10 @@ static XrResult my_WaitFrame(XrSession session, const XrFrameWaitInfo *what, XrF
     (void)what;
     BEGIN;
     const int slow = fake_xr.slow > 0 ? fake_xr.slow : 1;
+    const struct timespec period = {.tv_nsec = PERIOD};
     now.time += (XrTime)PERIOD * (slow + fake_xr.skip);
+    if (fake_xr.waits)
+        nanosleep(&period, NULL);
     fake_xr.skip = 0;
     out->predictedDisplayTime = now.time;
     out->predictedDisplayPeriod = (XrDuration)PERIOD * slow;

@@ -19,6 +19,7 @@ typedef struct fake_xr_state {
     bool head_tracked, hand_tracked, hidden; /* hidden: the runtime requests that nothing is drawn */
     float hand[3];           /* position of the grip, m */
     uint32_t buttons;        /* in the order in which actions are made */
+    bool waits;              /* a frame takes a period of the display */
     int skip;                /* periods of the display that pass in addition, once */
     int slow;                /* periods of the display in a period that the runtime states; 0: 1 */
     int lose_after;          /* frames after which the session is lost; 0: never */

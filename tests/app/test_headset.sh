@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Tests osteon sim --headset with a runtime for tests (tests/headset/runtime.h): frames, the
+# controller as the device, and one line with exit status 3 if something is missing.
+# Covers: REQ-HEADSET
+. "${srcdir:-.}/tests/app/lib.sh"
+
+# Options that a headset does not support are refused before anything is opened.
+refuse 2 "a headset needs gl" sim --headset --renderer points
+refuse 2 "a headset's frames are not written" sim --headset --hud
+refuse 2 "a headset needs the clock" sim --headset --no-clock
+refuse 2 "pass --headset" sim --headless --bone builtin:glenoid --device openxr --seconds 0.1
+
+if ! grep -q "^#define HAVE_OPENXR 1" "$build/config.h" || ! grep -q "^#define HAVE_GL 1" "$build/config.h"; then
+    refuse 3 "install libopenxr-dev and libepoxy-dev" sim --headset --seconds 0.1
+    finish
+    exit
+fi
+XR_RUNTIME_JSON=$scratch/none.json
+export XR_RUNTIME_JSON
+refuse 3 "no OpenXR runtime is active" sim --headset --seconds 0.1
+
+[ -e "$build/.libs/fake_openxr.so" ] && [ -z "${OST_SAN_CFLAGS:-}" ] || { finish; exit; }
+printf '{"file_format_version": "1.0.0", "runtime": {"library_path": "%s"}}\n' "$build/.libs/fake_openxr.so" >runtime.json
+XR_RUNTIME_JSON=$scratch/runtime.json
+"$osteon" sim --headset --bone builtin:glenoid --seconds 0.1 >out 2>err
+if [ $? -eq 3 ] && grep -q "EGL\|OpenGL" err; then
+    echo "# without OpenGL, frames are not tested: $(cat err)"
+    finish
+    exit
+fi
+
+run 0 sim --headset --bone builtin:glenoid --seconds 1 --record own.session --json
+check "the runtime and the headset" "$(value headset.runtime), $(value headset.system)" "fake 1.2.3, a headset for tests"
+check "the pixels of an eye" "$(value headset.width) x $(value headset.height)" "160 x 120"
+check "the device" "$(value device)" openxr
+check "the ticks" "$(value ticks)" 1000
+frames=$(value headset.frames)
+[ "$frames" -ge 5 ] || fail "only $frames frames in a second"
+check "frames without a pose" "$(value headset.frames_without_pose)" 0
+# The hand is tracked from the first frame on, which may come after the first tick.
+[ "$(value dropouts)" -le 1 ] || fail "$(value dropouts) drop-outs"
+run 0 replay own.session --verify
+
+# Another device, and the left hand.
+run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device sim --json
+check "the other device" "$(value device)" sim
+run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device openxr:hand=left --json
+refuse 2 "expected left or right" sim --headset --bone builtin:glenoid --device openxr:hand=both
+finish
