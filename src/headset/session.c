@@ -8,17 +8,6 @@
 
 enum { EXTENSIONS_MAX = 256, FORMATS_MAX = 64, SRGB8_ALPHA8 = 0x8c43, RGBA8 = 0x8058 };
 
-ost_status headset_check(const ost_headset *h, XrResult result, const char *doing, ost_error *err)
-{
-    char name[XR_MAX_RESULT_STRING_SIZE] = "";
-    if (XR_SUCCEEDED(result))
-        return OST_OK;
-    if (h->instance == XR_NULL_HANDLE || XR_FAILED(xrResultToString(h->instance, result, name)))
-        snprintf(name, sizeof name, "result %d", (int)result);
-    return ost_fail(err, OST_ERR_UNAVAILABLE, "the OpenXR runtime %s fails as it %s: %s",
-                    *h->info.runtime ? h->info.runtime : "here", doing, name);
-}
-
 /* ------------------------------------------------------------- open, close */
 
 /* Checks that the runtime shares OpenGL contexts that were made by EGL. */
