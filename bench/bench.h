@@ -139,6 +139,7 @@ ost_status bench_tick(const bench_options *options, bench_table *table, ost_erro
 ost_status bench_transfer(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_parse(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_voxelize(const bench_options *options, bench_table *table, ost_error *err);
+ost_status bench_candidates(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_render(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_servo(const bench_options *options, bench_table *table, ost_error *err);
 ost_status bench_opencl(const bench_options *options, bench_table *table, ost_error *err);

@@ -41,33 +41,52 @@ static void put_triangle(ost_mesh *mesh, size_t *at, size_t a, size_t b, size_t 
     mesh->triangles[(*at)++][2] = (uint32_t)c;
 }
 
-ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err)
+/* Adds a sphere with the centre and the radius, as fractions of the cube's half. *vertex and *triangle are the first
+   free entries of the mesh. */
+static void put_sphere(ost_mesh *mesh, size_t *vertex, size_t *triangle, ost_pm side, size_t meridians, size_t rings,
+                       vec centre, double radius)
 {
-    enum { M = 300, RINGS = 134 }; /* RINGS is the number of rings of vertices between the two poles */
-    const size_t north = (size_t)M * RINGS, south = north + 1;
-    ost_status status = ost_mesh_init(out, south + 1, 2 * (size_t)M * RINGS, err);
-    if (status != OST_OK)
-        return status;
-    for (int r = 0; r < RINGS; r++)
-        for (int m = 0; m < M; m++) {
-            double polar = TURN / 2 * (r + 1) / (RINGS + 1), around = TURN * m / M;
-            vec p = {sin(polar) * cos(around), sin(polar) * sin(around), cos(polar)};
-            out->vertices[(size_t)r * M + (size_t)m] = placed(tilted(p), side);
+    const size_t first = *vertex, north = first + meridians * rings, south = north + 1;
+    for (size_t r = 0; r <= rings + 1; r++) /* the last two are the poles */
+        for (size_t m = 0; m < (r < rings ? meridians : 1); m++) {
+            const double ring = r < rings ? (double)(r + 1) : r == rings ? 0 : (double)(rings + 1);
+            const double polar = TURN / 2 * ring / (double)(rings + 1);
+            const double around = TURN * (double)m / (double)meridians;
+            const vec p = tilted((vec){sin(polar) * cos(around), sin(polar) * sin(around), cos(polar)});
+            mesh->vertices[(*vertex)++] = placed(
+                (vec){centre.x + radius * p.x, centre.y + radius * p.y, centre.z + radius * p.z}, side);
         }
-    out->vertices[north] = placed(tilted((vec){0, 0, 1}), side);
-    out->vertices[south] = placed(tilted((vec){0, 0, -1}), side);
-    size_t at = 0;
-    for (size_t m = 0; m < M; m++) {
-        size_t next = (m + 1) % M, last = (size_t)M * (RINGS - 1);
-        put_triangle(out, &at, north, m, next);
-        put_triangle(out, &at, south, last + next, last + m);
-        for (size_t r = 0; r + 1 < RINGS; r++) {
-            size_t a = r * M + m, b = r * M + next;
-            put_triangle(out, &at, a, a + M, b + M);
-            put_triangle(out, &at, a, b + M, b);
+    for (size_t m = 0; m < meridians; m++) {
+        const size_t next = (m + 1) % meridians, last = first + meridians * (rings - 1);
+        put_triangle(mesh, triangle, north, first + m, first + next);
+        put_triangle(mesh, triangle, south, last + next, last + m);
+        for (size_t r = 0; r + 1 < rings; r++) {
+            const size_t a = first + r * meridians + m, b = first + r * meridians + next;
+            put_triangle(mesh, triangle, a, a + meridians, b + meridians);
+            put_triangle(mesh, triangle, a, b + meridians, b);
         }
     }
-    return OST_OK;
+}
+
+ost_status bench_balls(ost_pm side, int across, int meridians, int rings, ost_mesh *out, ost_error *err)
+{
+    const size_t count = (size_t)across * (size_t)across * (size_t)across, ring = (size_t)meridians * (size_t)rings;
+    ost_status status = ost_mesh_init(out, count * (ring + 2), 2 * count * ring, err);
+    const double step = 2.0 / across;
+    size_t vertex = 0, triangle = 0;
+    for (size_t i = 0; i < count && status == OST_OK; i++) {
+        const size_t n = (size_t)across;
+        const vec place = {(double)(i % n), (double)(i / n % n), (double)(i / n / n)};
+        put_sphere(out, &vertex, &triangle, side, (size_t)meridians, (size_t)rings,
+                   (vec){step * (place.x + 0.5) - 1, step * (place.y + 0.5) - 1, step * (place.z + 0.5) - 1},
+                   across > 1 ? 0.45 * step : 1);
+    }
+    return status;
+}
+
+ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err)
+{
+    return bench_balls(side, 1, 300, 134, out, err);
 }
 
 static vec knot_point(double t)

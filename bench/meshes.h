@@ -4,6 +4,7 @@
  *
  *   sphere80k   a tilted sphere of 300 meridians and 135 bands: 80,400 triangles
  *   knot524k    a tube of 2048 x 128 quads around a (2, 3) torus knot: 524,288 triangles
+ *   balls       spheres side by side in one mesh
  */
 #ifndef OST_BENCH_MESHES_H
 #define OST_BENCH_MESHES_H
@@ -13,5 +14,9 @@
 /* bench_sphere and bench_knot create a mesh. On the longest axis, its vertices span 98 % of `side` (picometres). */
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err);
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err);
+
+/* Creates a mesh of across^3 tilted spheres that do not touch, or of one sphere if `across` is 1. Each sphere has
+   `meridians` (3 or more) times `rings` (1 or more) vertices and two poles, and 2 * meridians * rings triangles. */
+ost_status bench_balls(ost_pm side, int across, int meridians, int rings, ost_mesh *out, ost_error *err);
 
 #endif

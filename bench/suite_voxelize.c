@@ -16,6 +16,7 @@
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
 #include "bench/meshes.h"
+#include "bench/tool_bits.h"
 
 #include <osteon/phantom.h>
 
@@ -46,33 +47,11 @@ typedef struct voxelize {
 
 /* ---------------------------------------------------------------- equality */
 
-/* Copies the tool's voxels to the host, and frees the tool. */
-static ost_status voxels_of(voxelize *v, ost_backend *backend, ost_tool_volume *out, ost_voxelize_report *report)
-{
-    ost_tool *tool = NULL;
-    ost_status status = ost_voxelize(backend, &v->mesh, NULL, OST_FILL_WINDING, report, &tool, v->err);
-    if (status == OST_OK)
-        status = ost_tool_download(tool, out, v->err);
-    ost_tool_free(tool);
-    return status;
-}
-
 /* Computes the bits with the voxelizer of the CPU backend. v->backend must be the CPU backend. */
 static ost_status make_bits(voxelize *v, ost_voxelize_report *report)
 {
     return ost_cpu_voxelize((const cpu_backend *)v->backend, &v->mesh, NULL, OST_FILL_WINDING, report,
                             &(ost_vox_result){.cutting = v->own_bits}, v->err);
-}
-
-static bool bits_are(const voxelize *v, const uint8_t *voxels)
-{
-    const ost_dims d = v->mesh.grid.dims;
-    const size_t words = (size_t)ost_vox_words(d.x);
-    for (size_t row = 0; row < (size_t)d.y * (size_t)d.z; row++)
-        for (int32_t i = 0; i < d.x; i++)
-            if ((v->own_bits[row * words + (size_t)i / 64] >> (i % 64) & 1) != *voxels++)
-                return false;
-    return true;
 }
 
 static ost_status verify(voxelize *v)
@@ -82,15 +61,16 @@ static ost_status verify(voxelize *v)
     ost_voxelize_report report;
     ost_status status = ost_backend_open("ref", &ref, v->err);
     if (status == OST_OK)
-        status = voxels_of(v, ref, &expected, &report);
+        status = bench_tool_voxels(ref, &v->mesh, &expected, &report, v->err);
     if (status == OST_OK)
-        status = voxels_of(v, v->backend, &ours, &v->report);
+        status = bench_tool_voxels(v->backend, &v->mesh, &ours, &v->report, v->err);
     if (status == OST_OK)
         v->equal = report.solid_voxels == v->report.solid_voxels && report.leaking_rows == v->report.leaking_rows &&
                    memcmp(expected.voxels, ours.voxels, (size_t)ost_dims_count(v->mesh.grid.dims)) == 0;
     if (status == OST_OK && v->own_bits) {
         status = make_bits(v, &v->report);
-        v->equal = v->equal && report.solid_voxels == v->report.solid_voxels && bits_are(v, expected.voxels);
+        v->equal = v->equal && report.solid_voxels == v->report.solid_voxels &&
+                   bench_tool_bits_are(v->own_bits, v->mesh.grid.dims, expected.voxels);
     }
     ost_tool_volume_free(&expected);
     ost_tool_volume_free(&ours);
@@ -181,20 +161,6 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
     return OST_OK;
 }
 
-/* Allocates and fills the memory for the bits that osteon computes. */
-static ost_status reserve_output(voxelize *v)
-{
-    const ost_dims d = v->mesh.grid.dims;
-    if (v->backend->ops != &ost_backend_cpu)
-        return OST_OK;
-    const size_t bytes = (8 * (size_t)ost_vox_words(d.x) * (size_t)d.y * (size_t)d.z + 63) / 64 * 64;
-    v->own_bits = aligned_alloc(64, bytes);
-    if (!v->own_bits)
-        return ost_fail(v->err, OST_ERR_MEMORY, "out of memory for %zu bytes of bits", bytes);
-    memset(v->own_bits, 1, bytes);
-    return OST_OK;
-}
-
 /* Measures the voxelization of a mesh. The caller retains the ownership of mesh and grid. */
 static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
                           const ost_tool_geometry *grid, int count, ost_error *err)
@@ -203,8 +169,10 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
     ost_status status = ost_mesh_snap(mesh, grid, &v.mesh, err);
     if (status == OST_OK)
         status = bench_backend(options, options->threads, &v.backend, err);
-    if (status == OST_OK)
-        status = reserve_output(&v);
+    if (status == OST_OK && v.backend->ops == &ost_backend_cpu) {
+        v.own_bits = bench_tool_bits(v.mesh.grid.dims, err);
+        status = v.own_bits ? OST_OK : err->status;
+    }
     if (status == OST_OK)
         status = verify(&v);
     if (status == OST_OK && v.equal)

@@ -88,6 +88,14 @@ row_has voxelize/peg/0.5/bytes solid_voxels
 run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
 check "triangles" "$(value rows.0.triangles)" 80400
+# Without Embree, no row can be measured, which is status 3.
+if grep -q '^#define HAVE_EMBREE[34] 1' "$build/config.h"; then
+    run 0 bench --suite candidates --filter 64/64 --quick --repeat 1 --json
+    row_has candidates/sphere/64/64 triangles voxels
+else
+    run 3 bench --suite candidates --filter 64/64 --quick --repeat 1 --json
+    has rows.0.reason
+fi
 
 # If there is no OpenCL device, a row must contain the reason.
 run 0 bench --suite opencl --filter reamer/32/fresh --quick --repeat 1 --json

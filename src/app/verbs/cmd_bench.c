@@ -333,10 +333,10 @@ static bool suite_is_built(const char *suite)
 
 ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
 {
-    static const char suites[] = "removal|tick|transfer|parse|voxelize|opencl|render|servo|all";
-    static const char *const names[] = {"removal", "tick",   "transfer", "parse", "voxelize",
-                                        "opencl",  "render", "servo",    "all"};
-    int suite = 8;
+    static const char suites[] = "removal|tick|transfer|parse|voxelize|candidates|opencl|render|servo|all";
+    static const char *const names[] = {"removal",    "tick",   "transfer", "parse", "voxelize",
+                                        "candidates", "opencl", "render",   "servo", "all"};
+    int suite = 9;
     int64_t repeat = 0;
     bool markdown = false;
     option_decimal scale = {.text = NULL};
