@@ -233,9 +233,11 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     const ost_scan *scan = c->scan;
     const ost_geometry *g = &scan->volume->geometry;
     ost_v3 a = centre_of(scan, lo[0], lo[1], lo[2]), b = centre_of(scan, hi[0] - 1, hi[1] - 1, hi[2] - 1);
-    ost_v3 middle = ost_v3_mad(a, ost_v3_sub(b, a), 0.5);
+    const ost_v3 middle = to_bone(&c->pose, ost_v3_mad(a, ost_v3_sub(b, a), 0.5));
     ost_scapula_sample at;
-    ost_scapula_at(&c->scapula, to_bone(&c->pose, middle), &at);
+    ost_scapula_part part;
+    ost_scapula_near(&c->scapula, middle, 0, &part);
+    ost_scapula_at(&part, middle, &at);
     /*
      * A computed distance exceeds the true distance by at most half of the true distance.  A block
      * whose centre is farther away than `reach` therefore contains no surface, and no voxel that
@@ -244,6 +246,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
     bool empty = at.bone > reach && at.cartilage > reach;
+    if (!empty) /* The pose is a rotation and a scale. The radius is increased by more than its rounding errors. */
+        ost_scapula_near(&c->scapula, middle, 0.5 * ost_v3_length(ost_v3_sub(b, a)) / c->pose.scale + 1e-6, &part);
     for (int k = lo[2]; k < hi[2]; k++)
         for (int j = lo[1]; j < hi[1]; j++) {
             int16_t *row = scan->volume->voxels + (size_t)g->dims.x * ((size_t)j + (size_t)g->dims.y * (size_t)k);
@@ -251,7 +255,7 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
                 ost_v3 p = centre_of(scan, i, j, k), q = {0, 0, 0};
                 if (!empty) {
                     q = to_bone(&c->pose, p);
-                    ost_scapula_at(&c->scapula, q, &at);
+                    ost_scapula_at(&part, q, &at);
                 }
                 uint64_t hash = ost_hash3(scan->seed + 41, c->first[0] + i, c->first[1] + j, c->first[2] + k);
                 row[i] = voxel_hu(scan, cells, &at, p, q, c->blur, hash);

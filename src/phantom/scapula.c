@@ -191,8 +191,18 @@ static double vault(const ost_scapula *s, double depth, double ahead, double abo
     return ost_blend_both(side, ost_max(depth - 34, -12 - depth), 9);
 }
 
-void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
+void ost_scapula_near(const ost_scapula *s, ost_v3 centre, double radius, ost_scapula_part *part)
 {
+    part->scapula = s;
+    ost_bar_near(&s->crest, centre, radius, &part->crest);
+    ost_bar_near(&s->pillar, centre, radius, &part->pillar);
+    ost_bar_near(&s->coracoid, centre, radius, &part->coracoid);
+    ost_bar_near(&s->root, centre, radius, &part->root);
+}
+
+void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *out)
+{
+    const ost_scapula *s = part->scapula;
     ost_v3 from = ost_v3_sub(p, s->face);
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);
 
@@ -217,9 +227,9 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
     if (acromion < FAR)
         acromion = plate(0.92 * (p.z - acromion_sheet(p.x, p.y)), -acromion - 5, 3.3 + 0.5 * bump(p.x, 98, 20));
 
-    double blade = ost_blend(body, ost_bar_distance(&s->pillar, p, FAR), 11);
+    double blade = ost_bar_blend(&part->pillar, body, p, FAR, 11);
     blade = ost_blend(blade, spine, 5);
-    blade = ost_blend(blade, ost_bar_distance(&s->root, p, FAR), 7);
+    blade = ost_bar_blend(&part->root, blade, p, FAR, 7);
     blade = ost_blend(blade, vault(s, depth, ahead, above), 12);
 
     /*
@@ -227,13 +237,15 @@ void ost_scapula_at(const ost_scapula *s, ost_v3 p, ost_scapula_sample *out)
      * cut into the processes.
      */
     double dish = ost_v3_length(ost_v3_sub(p, s->dish)) - DISH_RADIUS;
-    double crest = ost_bar_distance(&s->crest, p, FAR), coracoid = ost_bar_distance(&s->coracoid, p, FAR);
     double shape[2] = {ost_blend_both(blade, -dish, 1.6), blade};
-    for (int i = 0; i < 2; i++) {
-        shape[i] = ost_blend(shape[i], crest, 2.5);
+    const bool same = shape[0] == shape[1];
+    for (int i = 0; i < (same ? 1 : 2); i++) {
+        shape[i] = ost_bar_blend(&part->crest, shape[i], p, FAR, 2.5);
         shape[i] = ost_blend(shape[i], acromion, 5);
-        shape[i] = ost_blend(shape[i], coracoid, 6);
+        shape[i] = ost_bar_blend(&part->coracoid, shape[i], p, FAR, 6);
     }
+    if (same)
+        shape[1] = shape[0];
     bool near = depth > -14 && depth < 20 && above < 21 && above > -24 && ahead * ahead < 22 * 22;
     out->bone = shape[0] * s->size;
     out->wall = shape[1] * s->size;

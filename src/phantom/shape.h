@@ -109,18 +109,36 @@ typedef struct ost_bar_node {
     ost_v3 side;        /* direction in the cross section; it need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
-enum { OST_BAR_NODES = 48 };
+/* A straight segment of a bar. `step` and the members whose names end in _step are its end minus its start. */
+typedef struct ost_bar_segment {
+    ost_v3 from, step;
+    ost_v3 side, side_step;
+    double wide, wide_step, thick, thick_step; /* radii */
+    double length2; /* squared length */
+    ost_v3 middle;
+    double reach;   /* maximum distance of the surface from the middle */
+    double least_radius, greatest_radius;
+    double flatness; /* at most 1; see ost_bar_near */
+} ost_bar_segment;
+
+enum { OST_BAR_SEGMENTS = 48 };
 typedef struct ost_bar {
     int count;
-    ost_bar_node node[OST_BAR_NODES];
-    ost_v3 middle[OST_BAR_NODES]; /* middle of the straight piece from a node to the next node */
-    double reach[OST_BAR_NODES];  /* maximum distance of a piece's surface from the middle of the piece */
+    ost_bar_segment segment[OST_BAR_SEGMENTS];
     ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
+/* The segments of a bar that determine the distance of every point of a ball, and a lower bound for this distance. */
+typedef struct ost_bar_part {
+    const ost_bar *bar;
+    double least;
+    int count;
+    uint8_t segment[OST_BAR_SEGMENTS];
+} ost_bar_part;
+
 /*
- * Makes a smooth bar through the nodes, with `parts` straight pieces between two neighbouring
- * nodes.  (count - 1) * parts must be less than OST_BAR_NODES.
+ * Makes a smooth bar through the nodes, with `parts` straight segments between two neighbouring
+ * nodes.  (count - 1) * parts must be at most OST_BAR_SEGMENTS.
  */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
@@ -128,5 +146,12 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
  * distance to the box, which is smaller.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
+/* Selects the segments of the bar for the ball around `centre`. The bar must exist as long as the part is used. */
+void ost_bar_near(const ost_bar *bar, ost_v3 centre, double radius, ost_bar_part *part);
+/*
+ * Returns the result of ost_blend(a, ost_bar_distance(part->bar, p, far), width), bit-identical but in less time, for a
+ * point p of the part's ball.
+ */
+double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, double width);
 
 #endif
