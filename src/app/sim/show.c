@@ -281,7 +281,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
     if (*show->viewer.no_card)
         put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
-    if (show->viewer.frame.width) { /* 0 if all frames were those of a headset, which reports its size */
+    if (!show->args->headset) { /* a headset reports the size of its own frames */
         put_integer(o, "width", show->viewer.frame.width);
         put_integer(o, "height", show->viewer.frame.height);
     }
