@@ -82,6 +82,38 @@ void ost_chunk_release(ost_chunk *chunk)
     *chunk = (ost_chunk){0};
 }
 
+void ost_chunk_keep(const ost_chunk_grid *grid, ost_chunk *chunk, const uint32_t *occupancy)
+{
+    if (chunk->active == 0)
+        return;
+    const size_t words = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size / 32;
+    for (size_t w = 0; w < words; w++) {
+        uint32_t removed = chunk->occupancy[w] & ~occupancy[w];
+        chunk->occupancy[w] ^= removed;
+        for (; removed; removed &= removed - 1) {
+            chunk->density[w * 32 + (size_t)__builtin_ctz(removed)] = 0;
+            chunk->active--;
+        }
+    }
+    if (chunk->active == 0)
+        ost_chunk_release(chunk);
+}
+
+void ost_chunk_grid_sample(const ost_chunk_grid *grid, size_t count, const int32_t *const at[3], int16_t *densities)
+{
+    const int n = grid->size;
+    for (size_t i = 0; i < count; i++) {
+        const ost_dims v = {at[0][i], at[1][i], at[2][i]};
+        densities[i] = 0;
+        if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= grid->dims.x || v.y >= grid->dims.y || v.z >= grid->dims.z)
+            continue;
+        const int64_t row = v.y / n + (int64_t)grid->chunk_dims.y * (v.z / n);
+        const ost_chunk *chunk = &grid->chunks[v.x / n + grid->chunk_dims.x * row];
+        if (chunk->density)
+            densities[i] = chunk->density[v.x % n + n * (v.y % n + n * (v.z % n))];
+    }
+}
+
 /*
  * The intersection of a slab and a chunk: voxels [x0, x1) x [y0, y1) x [z0, z1) of the grid. `first` is
  * the first voxel of the chunk.

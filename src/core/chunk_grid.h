@@ -59,6 +59,15 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
 void ost_chunk_release(ost_chunk *chunk);
 
 /*
+ * Removes the voxels whose bits in `occupancy` are 0. `occupancy` has the n^3/32 words of the chunk. A bit that is 1
+ * for a voxel that is not active has no effect. If no voxel remains active, the chunk's memory is freed.
+ */
+void ost_chunk_keep(const ost_chunk_grid *grid, ost_chunk *chunk, const uint32_t *occupancy);
+
+/* Reads the densities of single voxels: voxel i is at[0][i], at[1][i], at[2][i]. Outside the grid, the density is 0. */
+void ost_chunk_grid_sample(const ost_chunk_grid *grid, size_t count, const int32_t *const at[3], int16_t *densities);
+
+/*
  * ost_chunk_grid_upload and ost_chunk_grid_download copy the slices z0 <= k < z0 + count between `voxels` and the grid.
  * The array `voxels` is in x-fastest order, without padding. The upload sets densities below the threshold to 0; if the
  * upload fails, the grid is unchanged.

@@ -32,40 +32,6 @@ static void sphere_points(double radius, double top)
     }
 }
 
-/* Sampled densities must equal downloaded densities. Beyond the grid, samples must be 0. */
-static void a_sample_is_what_is_there(void **state)
-{
-    skip_without_samples(*state);
-    enum { COUNT = 500 };
-    ost_error err = {0};
-    for (int chunk = 16; chunk <= 64; chunk *= 2) {
-        test_rng rng = {7};
-        const ost_geometry g = cubic_geometry(70, 37, 41, MM, (ost_pm3){0, 0, 0});
-        int16_t *voxels = random_densities(&rng, &g, 3);
-        ost_bone *bone = bone_of(*state, &g, chunk, voxels);
-        free(voxels);
-        int16_t *expected = content(bone, &g), got[COUNT];
-        int32_t x[COUNT], y[COUNT], z[COUNT];
-        const int32_t *const at[3] = {x, y, z};
-        for (int round = 0; round < 40; round++) {
-            for (int i = 0; i < COUNT; i++) {
-                x[i] = (int32_t)rng_range(&rng, -3, 72);
-                y[i] = (int32_t)rng_range(&rng, -3, 40);
-                z[i] = (int32_t)rng_range(&rng, -3, 44);
-            }
-            assert_ok(ost_bone_sample(bone, COUNT, at, got, &err));
-            for (int i = 0; i < COUNT; i++) {
-                const ost_dims v = {x[i], y[i], z[i]};
-                const bool inside = v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < g.dims.x && v.y < g.dims.y &&
-                                    v.z < g.dims.z;
-                assert_int_equal(got[i], inside ? expected[v.x + g.dims.x * (v.y + (int64_t)g.dims.y * v.z)] : 0);
-            }
-        }
-        free(expected);
-        ost_bone_free(bone);
-    }
-}
-
 /*
  * A sphere of radius R is pressed into the bone to a depth h. With stiffness k, the pressure at a point is k times the
  * depth of the point along its normal. The sum over the spherical cap is pi * k * R * h^2. With a layer of thickness L,
@@ -377,7 +343,7 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sample_is_what_is_there),    cmocka_unit_test(a_sphere_in_a_plane),
+            cmocka_unit_test(a_sphere_in_a_plane),
         cmocka_unit_test(stiffness_is_bounded),         cmocka_unit_test(planar_reaming),
         cmocka_unit_test(hemispherical_reaming),        cmocka_unit_test(what_does_not_cut_stops),
         cmocka_unit_test(nothing_is_tunnelled_through), cmocka_unit_test(no_hand_presses_with_tons),

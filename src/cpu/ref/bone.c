@@ -79,18 +79,7 @@ ost_status ost_ref_bone_sample(const ost_bone *base, size_t count, const int32_t
                                ost_error *err)
 {
     (void)err;
-    const ost_chunk_grid *grid = &((const ref_bone *)base)->chunks;
-    const int n = grid->size;
-    for (size_t i = 0; i < count; i++) {
-        const ost_dims v = {at[0][i], at[1][i], at[2][i]};
-        densities[i] = 0;
-        if (v.x < 0 || v.y < 0 || v.z < 0 || v.x >= grid->dims.x || v.y >= grid->dims.y || v.z >= grid->dims.z)
-            continue;
-        const int64_t row = v.y / n + (int64_t)grid->chunk_dims.y * (v.z / n);
-        const ost_chunk *chunk = &grid->chunks[v.x / n + grid->chunk_dims.x * row];
-        if (chunk->density)
-            densities[i] = chunk->density[v.x % n + n * (v.y % n + n * (v.z % n))];
-    }
+    ost_chunk_grid_sample(&((const ref_bone *)base)->chunks, count, at, densities);
     return OST_OK;
 }
 
