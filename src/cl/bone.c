@@ -18,7 +18,7 @@
  * The file has more than 500 lines, because the pool, the table and the slices are always changed
  * together.
  */
-#include "cl/objects.h"
+#include "cl/mirror.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -84,6 +84,7 @@ void ost_cl_bone_free(ost_bone *base)
     free(bone->slot);
     free(bone->active);
     free(bone->free);
+    ost_cl_mirror_free(bone);
     free(bone);
 }
 
@@ -104,7 +105,8 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
      */
     const size_t slot = bone->chunk_voxels * sizeof(int16_t) + bone->chunk_voxels / 8 + sizeof *bone->free;
     const size_t chunk = 2 * sizeof *bone->slot + sizeof *bone->active;
-    info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone);
+    info->resident_bytes = (int64_t)(bone->capacity * slot + bone->chunks * chunk + sizeof *bone) +
+                           ost_cl_mirror_bytes(bone);
     return status;
 }
 
@@ -390,6 +392,7 @@ ost_status ost_cl_bone_upload(ost_bone *base, int32_t z0, int32_t count, const i
                 .step = slab_step(bone, count)};
     size_t reserved;
     b->entered[OST_CL_PATH_SLICES_UP_IN_PARTS] += s.step < count;
+    ost_cl_mirror_free(bone);
     status = ost_cl_spare_take(b, slice_voxels(bone) * (size_t)s.step * sizeof *voxels, "slices", &s.slab, &reserved,
                                err);
     if (status == OST_OK) {
@@ -486,15 +489,19 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
     const cl_bone *bone = (const cl_bone *)base;
     const size_t bytes = bone->chunk_voxels / 8;
     ost_status status = ost_cl_alive(base->backend, bone->lost, "bone", err);
+    if (status != OST_OK)
+        return status;
     backend_of(bone)->entered[OST_CL_PATH_OCCUPANCY_DOWN]++;
     for (size_t i = 0; i < count && status == OST_OK; i++, words += bytes / sizeof *words) {
         const uint32_t slot = bone->slot[chunks[i]];
         if (slot != OST_CL_NONE)
-            status = ost_cl_read(backend_of(bone), bone->words, slot * bytes, bytes, words, err);
+            status = ost_cl_read_later(backend_of(bone), bone->words, slot * bytes, bytes, words, err);
         else
             memset(words, 0, bytes);
     }
-    return status;
+    /* also after an error, because transfers to `words` may be in progress */
+    const ost_status finished = ost_cl_finish(backend_of(bone), status == OST_OK ? err : NULL);
+    return status == OST_OK ? finished : status;
 }
 
 /* --------------------------------------------------------------- digests */

@@ -67,6 +67,8 @@ enum ost_cl_kernel {
     X(SLICES_DOWN_IN_PARTS, 3, "download of a bone in several parts") \
     X(EMPTY_DOWN, 3, "download of a bone without chunks") \
     X(OCCUPANCY_DOWN, 3, "download of occupancy") \
+    X(MIRROR_MADE, 3, "copy of a bone on the host, for reading single voxels") \
+    X(MIRROR_UPDATED, 3, "update of this copy after a removal") \
     X(POOL_GROWN, 3, "growth of a pool that has chunks") \
     X(SLOT_REUSED, 3, "slot of a freed chunk used again") \
     X(BUFFER_REUSED, 3, "large buffer used again") \
@@ -180,6 +182,9 @@ ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t
  * the queue.
  */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
+/* Enqueues a transfer from the buffer. `data` contains the bytes after the next call that waits for the queue. */
+ost_status ost_cl_read_later(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data,
+                             ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
 /* Waits until all commands in the queue have ended. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);

@@ -114,6 +114,12 @@ ost_status ost_cl_read(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes
     return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueReadBuffer", "");
 }
 
+ost_status ost_cl_read_later(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err)
+{
+    cl_int code = b->cl->clEnqueueReadBuffer(b->queue, buffer, CL_FALSE, offset, bytes, data, 0, NULL, NULL);
+    return code == CL_SUCCESS ? OST_OK : ost_cl_fail(err, b->device.name, code, "clEnqueueReadBuffer", "");
+}
+
 ost_status ost_cl_copy(cl_backend *b, cl_mem from, cl_mem to, size_t bytes, ost_error *err)
 {
     if (bytes == 0)

@@ -29,6 +29,9 @@ typedef struct cl_grid {
     bool lost;
 } cl_grid;
 
+/* A copy of a bone's voxels in host memory (mirror.h). */
+typedef struct cl_mirror cl_mirror;
+
 /*
  * A bone consists of a pool of slots on the device and a table of chunks on the host.
  *
@@ -51,6 +54,7 @@ typedef struct cl_bone {
     size_t density_bytes_reserved; /* size of the `density` buffer in bytes */
     cl_mem slots;     /* slot[] on the device */
     bool slots_outdated; /* true if the array slot[] has changed since it was copied to the buffer `slots` */
+    cl_mirror *mirror; /* owned; NULL before the first sample, and after an upload */
     bool lost;
 } cl_bone;
 
@@ -108,6 +112,10 @@ ost_status ost_cl_bone_occupancy(const ost_bone *bone, size_t count, const int32
 ost_status ost_cl_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 /* Returns the slot of a chunk to the pool. active[chunk] must be 0, and the slot must contain only zeros. */
 void ost_cl_bone_release(cl_bone *bone, size_t chunk);
+
+/* sample.c */
+ost_status ost_cl_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
+                              ost_error *err);
 
 /* voxelize.c, tool.c */
 ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,

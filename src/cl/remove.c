@@ -16,7 +16,7 @@
  * divided into several launches of complete blocks.  This affects only the time,
  * because chunks are independent of each other.
  */
-#include "cl/objects.h"
+#include "cl/mirror.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -263,6 +263,7 @@ static ost_status close_part(plan *p, ost_error *err)
         status = ost_removal_report_add(p->report, &p->part, err);
     if (status == OST_OK && p->apply && hit > 0) {
         p->bone->active[chunk] -= (uint32_t)hit;
+        ost_cl_mirror_changed(p->bone, chunk);
         if (p->bone->active[chunk] == 0)
             ost_cl_bone_release(p->bone, chunk);
     }

@@ -106,7 +106,8 @@ struct ost_backend_ops {
     ost_status (*bone_download)(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
     /*
      * Reads the densities of single voxels. The density is 0 outside the grid. The slot is called in ticks and
-     * therefore allocates no memory. Returns OST_ERR_UNAVAILABLE if the voxels are not in host memory.
+     * therefore allocates no memory, except in the first call after the bone was made or uploaded. Returns
+     * OST_ERR_UNAVAILABLE if the backend can read only slices.
      */
     ost_status (*bone_sample)(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                               ost_error *err);
@@ -179,7 +180,7 @@ extern const ost_backend_ops ost_backend_plugin;
 
 /* Implements the `devices` slot for a backend that has no choice of devices. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
-/* Implements the `bone_sample` slot for a backend whose voxels are not in host memory. */
+/* Implements the `bone_sample` slot for a backend that can read only slices. */
 ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                          ost_error *err);
 /* Implements the `bone_occupancy` slot for a backend that can read only slices. */

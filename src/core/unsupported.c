@@ -25,7 +25,7 @@ ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *cons
     (void)at;
     (void)densities;
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "backend %s: voxels are not in host memory; a force needs backend cpu or ref",
+                    "backend %s: single voxels cannot be read; a force needs backend cpu, cl or ref",
                     bone->backend->ops->name);
 }
 

@@ -126,6 +126,25 @@ static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
     assert_non_null(strstr(err.text, "is lost"));
 }
 
+/* Samples one voxel of each slice, and compares the densities with those after `done` events. */
+static ost_status sample_column(const session *s, const ost_bone *bone, int done, ost_error *err)
+{
+    enum { SLICES = 100 };
+    int32_t x[SLICES], y[SLICES], z[SLICES];
+    int16_t got[SLICES];
+    const int32_t *const at[3] = {x, y, z};
+    assert_true(s->g.dims.z <= SLICES);
+    for (int32_t i = 0; i < s->g.dims.z; i++) {
+        x[i] = (i * 7 + done) % s->g.dims.x;
+        y[i] = (i * 5 + done) % s->g.dims.y;
+        z[i] = i;
+    }
+    ost_status status = ost_bone_sample(bone, (size_t)s->g.dims.z, at, got, err);
+    for (int32_t i = 0; i < s->g.dims.z && status == OST_OK; i++)
+        assert_int_equal(got[i], s->after[done][x[i] + s->g.dims.x * (y[i] + s->g.dims.y * z[i])]);
+    return status;
+}
+
 static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *tool, ost_error *err)
 {
     scene_event *e = malloc(sizeof *e);
@@ -135,10 +154,14 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
     int done = 0;
     for (; done < EVENTS && status == OST_OK; done += status == OST_OK) {
         const ost_removal_event *event = event_of(e, &s->g, tool, s->poses[done], 4);
-        status = ost_bone_collide(bone, tool, event, &report, err);
+        status = sample_column(s, bone, done, err);
+        if (status == OST_OK)
+            status = ost_bone_collide(bone, tool, event, &report, err);
         if (status == OST_OK)
             status = ost_bone_remove(bone, tool, event, &report, err);
     }
+    if (status == OST_OK)
+        status = sample_column(s, bone, done, err);
     if (status != OST_OK)
         check_failover(s, bone, done);
     ost_removal_report_free(&report);

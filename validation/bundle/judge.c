@@ -117,40 +117,33 @@ static bool own_digest(const json_t *lines, char hex[OST_DIGEST_HEX])
     return ok;
 }
 
-/* Returns true if the line belongs to a record of this stage. Sets *item to the item of the record. */
-static bool line_is_of(const char *line, trace_stage stage, int *item)
+/* Returns true if the line belongs to a record of this stage. */
+static bool line_is_of(const char *line, trace_stage stage)
 {
     const char *name = trace_stage_name(stage);
     const size_t length = strlen(name);
-    *item = 0;
-    if (strncmp(line, name, length) != 0 || line[length] != ' ')
-        return false;
-    for (const char *at = line + length + 1; *at >= '0' && *at <= '9' && *item < INT32_MAX / 10; at++)
-        *item = 10 * *item + *at - '0';
-    return true;
+    return strncmp(line, name, length) == 0 && line[length] == ' ';
 }
 
 /*
  * Returns true if a trace of this backend may lack the record of a line. The allowed records are:
  *
  *   dump             any record, because a dump contains only the files that its author wrote
- *   cl               densities of single voxels, the even items of sampling (perform_sample.c)
- *   plugin, dense    sampling: densities and occupancy
+ *   plugin, dense    sampling: densities of single voxels and occupancy (perform_sample.c)
  *   dense            in large cases also ticks, collisions and the bone at the end (perform_second)
- *   cpu, ref         none
+ *   cpu, ref, cl     none
  */
 static bool may_lack(const char *backend, const char *line)
 {
     static const trace_stage large[] = {TRACE_COLLIDE, TRACE_TICK, TRACE_FINAL};
     const bool dense = strcmp(backend, SUBJECT_DENSE) == 0;
-    int item;
     if (strncmp(backend, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) == 0)
         return true;
-    if (line_is_of(line, TRACE_SAMPLE, &item))
-        return dense || strncmp(backend, "plugin:", 7) == 0 || (strncmp(backend, "cl", 2) == 0 && item % 2 == 0);
+    if (line_is_of(line, TRACE_SAMPLE))
+        return dense || strncmp(backend, "plugin:", 7) == 0;
     bool may = false;
     for (size_t i = 0; i < sizeof large / sizeof large[0]; i++)
-        may |= dense && line_is_of(line, large[i], &item);
+        may |= dense && line_is_of(line, large[i]);
     return may;
 }
 

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * A bone's mirror: a copy of its voxels in host memory, from which the force reads single voxels in a tick.
+ *
+ *   first sample   downloads all slices                                       allocates memory
+ *   removal        its report names the chunks that it changed; they are      no transfer
+ *                  entered in a list
+ *   next sample    reads the occupancy of the listed chunks and removes the   one wait for the device
+ *                  voxels that the device has removed; then reads voxels
+ *
+ * A removal only makes voxels inactive, so the occupancy of a chunk (n^3 / 8 bytes) is sufficient, and the densities
+ * (2 n^3 bytes) are transferred only once. The mirror is up to date at every sample, so the force does not depend on
+ * the backend. After an upload of slices, the mirror is freed, and the next sample downloads the bone again.
+ *
+ * sample.c makes, updates and reads the mirror.
+ */
+#ifndef OST_CL_MIRROR_H
+#define OST_CL_MIRROR_H
+
+#include "cl/objects.h"
+#include "core/chunk_grid.h"
+
+struct cl_mirror {
+    ost_chunk_grid grid;
+    int32_t *changed; /* owned; the chunks that a removal has changed since the last update */
+    size_t count;
+    bool *listed;     /* owned; for each chunk, true if `changed` contains it */
+    uint32_t *words;  /* owned; occupancy of `at_once` chunks */
+    size_t at_once;
+};
+
+/* Makes a mirror without voxels. On failure, bone->mirror is NULL. */
+ost_status ost_cl_mirror_make(cl_bone *bone, ost_error *err);
+/* Frees the mirror. The function does nothing if the bone has none. */
+void ost_cl_mirror_free(cl_bone *bone);
+/* Returns the host memory of the mirror in bytes; 0 if the bone has no mirror. */
+int64_t ost_cl_mirror_bytes(const cl_bone *bone);
+/* Records that a removal has changed a chunk. The function does nothing if the bone has no mirror. */
+void ost_cl_mirror_changed(cl_bone *bone, size_t chunk);
+
+#endif
