@@ -102,8 +102,7 @@ typedef struct ost_force ost_force;
 
 /*
  * Creates a force for a bone. The bone must outlive the force. params is copied; NULL selects the defaults. Returns
- * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels within a tick, like the backends `cl` and
- * `plugin`.
+ * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
@@ -140,6 +139,12 @@ OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *de
  */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
+/*
+ * Reads what removals have changed since the last step, if the bone is on a device. The next ost_force_step would read
+ * it otherwise, and wait for the device. A program calls this function after it has written the force to the haptic
+ * device. No result depends on the call. Returns the error of the bone's backend.
+ */
+OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*
  * Sets the motor of the current tool (AR-MOTOR). speed is the angular speed in rad/s from now on. If speed is 0,
  * the motor is off, and the tool presses on bone without cutting. turned is an angle in radians about the tool's z

@@ -74,14 +74,12 @@ struct ost_force {
 ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out, ost_error *err)
 {
     const ost_force_params chosen = params ? *params : ost_force_defaults();
-    const int32_t first = 0, *const at[3] = {&first, &first, &first};
-    int16_t density;
     *out = NULL;
     if (!bone)
         return ost_fail(err, OST_ERR_USAGE, "a force needs a bone");
     ost_status status = ost_force_params_check(&chosen, err);
     if (status == OST_OK)
-        status = ost_bone_sample(bone, 1, at, &density, err);
+        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* also copies a bone on a device to host memory */
     if (status != OST_OK)
         return status;
     ost_force *f = calloc(1, sizeof *f);
@@ -119,17 +117,21 @@ ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_err
 ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err)
 {
     ost_tool_volume volume;
-    ost_shell shell;
+    ost_shell shell = {0};
     ost_status status = ost_tool_download(tool, &volume, err);
     if (status != OST_OK)
         return status;
     status = ost_shell_make(&volume, &shell, err);
     ost_tool_volume_free(&volume);
-    if (status != OST_OK)
-        return status;
-    status = ost_force_add_shell(force, &shell, err);
+    if (status == OST_OK)
+        status = ost_force_add_shell(force, &shell, err);
     ost_shell_free(&shell);
     return status;
+}
+
+ost_status ost_force_refresh(const ost_force *force, ost_error *err)
+{
+    return ost_bone_sample(force->bone, 0, NULL, NULL, err);
 }
 
 static void take_direction(ost_force *f, const ost_pose *pose)

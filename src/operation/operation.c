@@ -469,6 +469,9 @@ void ost_operation_done(void *operation, uint64_t number, uint32_t exec_ns)
         o->seen.exec_ns = exec_ns;
         o->report.shown = ost_live_publish(o->options.live, &o->seen, NULL);
     }
+    /* An error is ignored here, because the next tick reports it. */
+    if (o->options.force)
+        (void)ost_force_refresh(o->options.force, NULL);
     if (!o->has_pending)
         return;
     o->pending.as.tick.exec_ns = exec_ns;
