@@ -123,6 +123,17 @@ static void close_cut(cut *c)
     bench_scene_free(&c->scene);
 }
 
+/* Draws the tool as its mesh, as the simulator does. */
+static ost_status smooth_tool(cut *c)
+{
+    ost_mesh mesh = {0};
+    ost_status status = ost_tool_make(OST_TOOL_REAMER, NULL, &mesh, c->err);
+    if (status == OST_OK)
+        status = ost_viewer_smooth_tool(&c->viewer, &mesh, 1, c->err);
+    ost_mesh_free(&mesh);
+    return status;
+}
+
 static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *glenoid, int32_t threshold, ost_isa isa)
 {
     const ost_geometry *g = &bone->geometry;
@@ -150,6 +161,8 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
         status = ost_viewer_init(&c->viewer, g, OST_STYLE_SMOOTH, ost_isa_name(isa), 1, c->err);
     if (status == OST_OK)
         status = ost_viewer_add_tool(&c->viewer, &c->scene.tool, c->err);
+    if (status == OST_OK)
+        status = smooth_tool(c);
     if (status == OST_OK)
         status = ost_frame_init(&c->redrawn, WIDTH, HEIGHT, OST_STYLE_SMOOTH, isa, 1, c->err);
     ost_viewer_follow(&c->viewer, c->live);

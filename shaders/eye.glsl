@@ -26,7 +26,7 @@ layout(std140) uniform Eye {
     uvec4 light_0;    /* light of faces 0 to 3, in 256ths */
     /* x and y are the light of faces 4 and 5, and z is the background colour as 0xBBGGRR */
     uvec4 light_4;
-    uvec4 paint;      /* red, green, blue */
+    uvec4 paint;      /* red, green, blue, gloss */
 };
 
 /*

@@ -24,8 +24,10 @@ void ost_viewer_free(ost_viewer *viewer)
     ost_surface_free(&viewer->bone);
     ost_surface_free(&viewer->ghost);
     ost_uncut_free(&viewer->reference);
-    for (int i = 0; i < viewer->tools; i++)
+    for (int i = 0; i < viewer->tools; i++) {
         ost_surface_free(&viewer->tool[i]);
+        ost_smooth_mesh_free(&viewer->tool_mesh[i]);
+    }
     ost_frame_free(&viewer->frame);
     ost_gl_close(viewer->gl);
     memset(viewer, 0, sizeof *viewer);
@@ -97,6 +99,12 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
     if (status == OST_OK)
         viewer->tool_grid[viewer->tools++] = volume->geometry;
     return status;
+}
+
+ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err)
+{
+    const int tool = viewer->tools - 1;
+    return ost_smooth_mesh_make(parts, count, &viewer->tool_grid[tool], &viewer->tool_mesh[tool], err);
 }
 
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
@@ -189,6 +197,13 @@ static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count
     return false;
 }
 
+/* Returns the mesh as which a tool is drawn, or NULL if it is drawn as voxels: with flat faces, as in the thesis. */
+static const ost_smooth_mesh *mesh_of(const ost_viewer *viewer, int tool)
+{
+    const ost_smooth_mesh *mesh = &viewer->tool_mesh[tool];
+    return viewer->style == OST_STYLE_SMOOTH && mesh->count ? mesh : NULL;
+}
+
 /* Lists the objects to draw: the bone, and the tool at its pose. Returns their number. */
 static int things_of(ost_viewer *viewer, const ost_camera *camera, ost_frame_thing things[2])
 {
@@ -208,7 +223,8 @@ static int things_of(ost_viewer *viewer, const ost_camera *camera, ost_frame_thi
         scene->pose = s->pose;
         things[count++] = (ost_frame_thing){.surface = scene->tool,
                                             .eye = ost_eye_make_from(camera, &scene->tool->geometry, &s->pose),
-                                            .paint = OST_PAINT_STEEL};
+                                            .paint = OST_PAINT_STEEL,
+                                            .mesh = mesh_of(viewer, s->tool)};
     }
     return count;
 }

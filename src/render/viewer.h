@@ -33,6 +33,7 @@ typedef struct ost_viewer {
     ost_surface bone;
     ost_surface tool[OST_VIEWER_TOOLS];
     ost_tool_geometry tool_grid[OST_VIEWER_TOOLS];
+    ost_smooth_mesh tool_mesh[OST_VIEWER_TOOLS]; /* empty for a tool that is drawn as voxels */
     int tools;
     ost_isa isa;
     int threads;
@@ -85,6 +86,12 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 
 /* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
+/*
+ * Sets the meshes of the last tool's parts, which OST_STYLE_SMOOTH then draws instead of the tool's voxels. The meshes
+ * are in the frame of the tool. A tool without triangles, or with more than OST_SMOOTH_TRIANGLES_MAX, is drawn as
+ * voxels.
+ */
+ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*
  * Sets the uncut bone. Takes ownership of the volume, as ost_uncut_init does. Must be called before the surface of the
  * bone is first set or updated.

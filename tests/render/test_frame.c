@@ -7,6 +7,8 @@
  */
 #include <math.h>
 
+#include <osteon/phantom.h>
+
 #include "harness.h"
 #include "render/viewer.h"
 
@@ -91,12 +93,21 @@ static void make(ost_viewer *v, const ost_volume *bone, ost_isa isa, int threads
     const ost_density_classes classes = ost_density_classes_default();
     ost_volume before;
     ost_tool_volume tool = rod();
+    ost_mesh parts[2];
     assert_ok(ost_viewer_init(v, &bone->geometry, OST_STYLE_SMOOTH, ost_isa_name(isa), threads, &err));
     assert_ok(ost_volume_init(&before, &bone->geometry, &err));
     memcpy(before.voxels, bone->voxels, COUNT * sizeof *bone->voxels);
     assert_ok(ost_viewer_set_uncut(v, &before, 120, &classes, NULL, NULL, &err));
     assert_ok(ost_surface_set_volume(&v->bone, bone, 120, &err));
     assert_ok(ost_viewer_add_tool(v, &tool, &err));
+    /* the second tool is drawn as a smooth mesh */
+    assert_ok(ost_viewer_add_tool(v, &tool, &err));
+    for (int i = 0; i < 2; i++)
+        assert_ok(ost_tool_make(OST_TOOL_BURR, &(ost_tool_options){.part = i ? OST_TOOL_SHAFT : OST_TOOL_HEAD},
+                                &parts[i], &err));
+    assert_ok(ost_viewer_smooth_tool(v, parts, 2, &err));
+    for (int i = 0; i < 2; i++)
+        ost_mesh_free(&parts[i]);
     assert_ok(ost_viewer_set_ghost(v, &tool, &(ost_pose){.t = {60 * MM, 10 * MM, 20 * MM}, .qw = OST_Q30_ONE}, &err));
     v->show_ghost = false;
     ost_tool_volume_free(&tool);
@@ -117,7 +128,7 @@ static void change(ost_viewer *v, ost_volume *bone, test_rng *rng, ost_camera *c
     if (what < 16)
         ball(bone, at, (int)rng_range(rng, 1, 6), 0);
     else if (what < 26)
-        v->state = (ost_live_state){.ticks = 1, .pose = pose_of(rng)};
+        v->state = (ost_live_state){.ticks = 1, .pose = pose_of(rng), .tool = (int32_t)rng_range(rng, 0, 1)};
     else if (what == 26)
         ball(bone, at, (int)rng_range(rng, 1, 5), 800);
     else if (what < 29)

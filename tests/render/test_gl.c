@@ -6,13 +6,15 @@
  * of differing pixels is printed. The test is skipped if OpenGL without a display is not available.
  *
  * OST_TEST_LONG=1 tests frames of 1280 x 720, and repeats all tests limited to OpenGL 3.3.
- * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN
+ * Covers: REQ-RENDER, REQ-GL-SAME, REQ-GL-HIDDEN, REQ-SMOOTH-TOOL
  */
 #include <math.h>
 #include <stdlib.h>
 
 #include "gl_scene.h"
 #include "render/gl/gl.h"
+
+#include <osteon/phantom.h>
 
 enum { SMALL_W = 480, SMALL_H = 270, LARGE_W = 1280, LARGE_H = 720 };
 
@@ -114,6 +116,81 @@ static void test_views(void **state)
         check_views(LARGE_W, LARGE_H, 256);
     else
         check_views(SMALL_W, SMALL_H, 96);
+}
+
+/* Counts the pixels that differ in coverage, in depth, or by more than two levels of a colour. */
+static int differ(const ost_frame *a, const ost_frame *b)
+{
+    int count = 0;
+    for (int y = 0; y < a->height; y++)
+        for (int x = 0; x < a->width; x++) {
+            const size_t at = (size_t)y * (size_t)a->planes.stride + (size_t)x;
+            const bool there = a->planes.face[at] != OST_NO_FACE, also = b->planes.face[at] != OST_NO_FACE;
+            bool same = there == also;
+            same &= !there || fabsf(a->planes.depth[at] - b->planes.depth[at]) <= 1e-3f * a->planes.depth[at];
+            for (int shift = 0; shift < 24; shift += 8)
+                same &= abs((int)(a->planes.colour[at] >> shift & 255) -
+                            (int)(b->planes.colour[at] >> shift & 255)) <= 2;
+            count += !same;
+        }
+    return count;
+}
+
+/* The smooth mesh of a tool, in every view, with points and with quads. The mesh is uploaded once. */
+static void test_smooth_tool(void **state)
+{
+    (void)state;
+    skip_without_gl();
+    enum { SIDE = 96 };
+    test_rng rng = rng_seeded("smooth tool");
+    ost_error err = {0};
+    ost_volume v = body(&rng, SIDE, OST_PM_PER_MM / 2), t = body(&rng, 8, OST_PM_PER_MM / 3);
+    ost_surface bone = surface_of(&v), tool = surface_of(&t);
+    const ost_pm half = t.geometry.spacing.x / 2;
+    const ost_tool_geometry g = {t.geometry.dims, 2 * half, {t.geometry.origin.x - half, t.geometry.origin.y - half,
+                                                             t.geometry.origin.z - half}};
+    const double q[4] = {0.8, 0.3, -0.4, 0.33};
+    ost_mesh mesh;
+    ost_smooth_mesh smooth;
+    assert_ok(ost_tool_make(OST_TOOL_REAMER, NULL, &mesh, &err));
+    assert_ok(ost_smooth_mesh_make(&mesh, 1, &g, &smooth, &err));
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        const place *p = &places[i];
+        const ost_camera c = look(&v.geometry, p->x, p->y, p->z, p->distance * SIDE, p->aside * SIDE, SMALL_W, SMALL_H);
+        const double mm = 0.5 * SIDE,
+                     at[3] = {-3 + mm * (0.55 + 0.2 * p->x), mm * (0.45 + 0.3 * p->y), 7 + mm * (0.5 + 0.3 * p->z)};
+        ost_pose pose;
+        ost_frame ours, theirs;
+        assert_ok(ost_pose_from_doubles(at, q, &pose, &err));
+        const ost_frame_thing things[2] = {
+            {.surface = &bone, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
+            {.surface = &tool,
+             .eye = ost_eye_make_from(&c, &t.geometry, &pose),
+             .paint = OST_PAINT_STEEL,
+             .mesh = &smooth}};
+        assert_ok(ost_frame_init(&ours, SMALL_W, SMALL_H, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 2, &err));
+        assert_ok(ost_frame_init(&theirs, SMALL_W, SMALL_H, OST_STYLE_SMOOTH, OST_ISA_SCALAR, 1, &err));
+        assert_ok(ost_frame_draw_things(&ours, things, 1, &err));
+        assert_ok(ost_frame_draw_things(&theirs, things, 2, &err));
+        const int shown = differ(&ours, &theirs);
+        assert_ok(ost_frame_draw_things(&ours, things, 2, &err));
+        assert_ok(ost_gl_draw(gl, &ost_gl_ours, things, 2, OST_STYLE_SMOOTH, &err));
+        assert_ok(ost_gl_read(gl, &theirs, true, &err));
+        const int different = differ(&ours, &theirs);
+        printf("# %-36s the tool covers %d pixels, %d differ\n", p->name, shown, different);
+        assert_true(shown > (p->distance < 0.1 ? -1 : 100));
+        assert_in_range(different, 0, 30);
+        assert_ok(ost_gl_draw(gl, &ost_gl_ours, things, 2, OST_STYLE_SMOOTH, &err));
+        assert_int_equal(ost_gl_counts_get(gl).uploaded, 0);
+        ost_frame_free(&ours);
+        ost_frame_free(&theirs);
+    }
+    ost_smooth_mesh_free(&smooth);
+    ost_mesh_free(&mesh);
+    ost_surface_free(&bone);
+    ost_surface_free(&tool);
+    ost_volume_free(&v);
+    ost_volume_free(&t);
 }
 
 /* Only the changed blocks of a surface may be uploaded, and they must be drawn. */
@@ -333,7 +410,8 @@ static int end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_views), cmocka_unit_test(test_changes),
-                                       cmocka_unit_test(test_variants), cmocka_unit_test(test_occlusion)};
+                                       cmocka_unit_test(test_variants), cmocka_unit_test(test_occlusion),
+                                       cmocka_unit_test(test_smooth_tool)};
     int failed = cmocka_run_group_tests(tests, begin, end);
     version = 33;
     if (getenv("OST_TEST_LONG") && !failed && !*reason)

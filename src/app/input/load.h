@@ -141,6 +141,14 @@ ost_status load_mesh(const char *name, ost_unit unit, ost_mesh *out, ost_mesh_re
 ost_status load_tool(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
                      const tool_options *options, ost_tool **out, tool_report *report, ost_error *err);
 
+enum { LOAD_TOOL_PARTS = 2 };
+/*
+ * Loads the meshes of a tool's parts in the frame of the tool, for drawing. *count is the number of meshes, which the
+ * caller frees with ost_mesh_free; it is 0 for a tool grid, which has no mesh, and after an error.
+ */
+ost_status load_tool_parts(const char *name, const tool_options *options, ost_mesh parts[LOAD_TOOL_PARTS], int *count,
+                           ost_error *err);
+
 typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;

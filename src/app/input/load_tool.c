@@ -73,57 +73,95 @@ static void warn_mesh_size(const app_state *app, const char *name, const ost_mes
              name, largest, load_other_units(text, largest));
 }
 
-static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
-                                  const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
+/* Loads the meshes of a tool, the cutting part first. *count is their number, also after an error. */
+static ost_status load_parts(const char *name, const char *noncutting, ost_unit unit, ost_mesh parts[LOAD_TOOL_PARTS],
+                             int *count, ost_mesh_report *report, ost_error *err)
 {
-    ost_mesh mesh = {0}, shaft = {0};
-    ost_snapped_mesh snapped = {0}, snapped_shaft = {0};
-    ost_mesh_report shaft_report = {0};
-    ost_tool_geometry grid;
-    ost_pm3 lo, hi, lo2, hi2;
-    char text[FORMAT_TEXT];
-
     /* The shaft of a built-in tool touches bone without cutting it. */
     const ost_tool_kind kind = builtin_tool(name);
     const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
-    ost_status status = load_part(name, (ost_unit)options->unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &mesh,
-                                  &report->mesh, err);
+    ost_mesh_report shaft_report = {0};
+    ost_status status = load_part(name, unit, two_parts ? OST_TOOL_HEAD : OST_TOOL_COMPLETE, &parts[0], report, err);
+    *count = status == OST_OK;
+    if (status != OST_OK || !(noncutting || two_parts))
+        return status;
+    status = load_part(two_parts ? name : noncutting, unit, two_parts ? OST_TOOL_SHAFT : OST_TOOL_COMPLETE, &parts[1],
+                       &shaft_report, err);
+    *count += status == OST_OK;
+    return status;
+}
+
+/* Returns whether a name is that of a mesh or a built-in tool. Otherwise *kind is the type of the file. */
+static ost_status find_kind(const char *name, ost_file_kind *kind, ost_error *err)
+{
+    *kind = OST_FILE_MESH;
+    return builtin_name(name) ? OST_OK : ost_file_kind_find(name, kind, err);
+}
+
+ost_status load_tool_parts(const char *name, const tool_options *options, ost_mesh parts[LOAD_TOOL_PARTS], int *count,
+                           ost_error *err)
+{
+    ost_file_kind kind;
+    ost_mesh_report report = {0};
+    *count = 0;
+    ost_status status = find_kind(name, &kind, err);
+    if (status != OST_OK || kind == OST_FILE_NRRD)
+        return status;
+    status = load_parts(name, NULL, (ost_unit)options->unit, parts, count, &report, err);
+    for (int i = 0; status != OST_OK && i < *count; i++)
+        ost_mesh_free(&parts[i]);
+    *count = status == OST_OK ? *count : 0;
+    progress_end();
+    return status;
+}
+
+static ost_status bounds_of(const ost_mesh *parts, int count, ost_pm3 *lo, ost_pm3 *hi, ost_error *err)
+{
+    ost_status status = ost_mesh_bounds(&parts[0], lo, hi, err);
+    for (int i = 1; i < count && status == OST_OK; i++) {
+        ost_pm3 lo2, hi2;
+        status = ost_mesh_bounds(&parts[i], &lo2, &hi2, err);
+        if (status == OST_OK) {
+            ost_pm3_widen(lo, hi, lo2);
+            ost_pm3_widen(lo, hi, hi2);
+        }
+    }
+    return status;
+}
+
+static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, const char *name, const char *noncutting,
+                                  const tool_options *options, ost_tool **out, tool_report *report, ost_error *err)
+{
+    ost_mesh parts[LOAD_TOOL_PARTS];
+    ost_snapped_mesh snapped[LOAD_TOOL_PARTS] = {{.vertices = NULL}};
+    ost_tool_geometry grid;
+    ost_pm3 lo, hi;
+    char text[FORMAT_TEXT];
+    int count = 0;
+
+    ost_status status = load_parts(name, noncutting, (ost_unit)options->unit, parts, &count, &report->mesh, err);
     if (status == OST_OK && !builtin_name(name) && options->unit == OST_UNIT_AUTO)
         warn_mesh_size(app, name, &report->mesh);
     if (status == OST_OK)
-        status = ost_mesh_bounds(&mesh, &lo, &hi, err);
-    if (status == OST_OK && (noncutting || two_parts)) {
-        status = load_part(two_parts ? name : noncutting, (ost_unit)options->unit,
-                           two_parts ? OST_TOOL_SHAFT : OST_TOOL_COMPLETE, &shaft, &shaft_report, err);
-        if (status == OST_OK)
-            status = ost_mesh_bounds(&shaft, &lo2, &hi2, err);
-        if (status == OST_OK) {
-            ost_pm3_widen(&lo, &hi, lo2);
-            ost_pm3_widen(&lo, &hi, hi2);
-        }
-    }
+        status = bounds_of(parts, count, &lo, &hi, err);
     if (status == OST_OK)
-        status = ost_mesh_open_edges(&mesh, &report->open_edges, err);
+        status = ost_mesh_open_edges(&parts[0], &report->open_edges, err);
     if (status == OST_OK && (status = ost_tool_geometry_from_bounds(lo, hi, options->voxel, &grid, err)) != OST_OK)
         ost_fail_context(err, "%s", name);
+    for (int i = 0; i < count && status == OST_OK; i++)
+        status = ost_mesh_snap(&parts[i], &grid, &snapped[i], err);
     if (status == OST_OK)
-        status = ost_mesh_snap(&mesh, &grid, &snapped, err);
-    if (status == OST_OK && shaft.triangle_count)
-        status = ost_mesh_snap(&shaft, &grid, &snapped_shaft, err);
-    if (status == OST_OK)
-        status = ost_snapped_mesh_digest(&snapped, &report->snapped, err);
+        status = ost_snapped_mesh_digest(&snapped[0], &report->snapped, err);
     if (status == OST_OK) {
         double start = now_ms();
         progress_show(NULL, "voxelizing", 0);
-        status = ost_voxelize(backend, &snapped, shaft.triangle_count ? &snapped_shaft : NULL,
-                              (ost_fill_rule)options->rule, &report->voxels, out, err);
+        status = ost_voxelize(backend, &snapped[0], count > 1 ? &snapped[1] : NULL, (ost_fill_rule)options->rule,
+                              &report->voxels, out, err);
         report->time_ms = now_ms() - start;
         progress_end();
     }
     if (status == OST_OK) {
-        report->triangles = mesh.triangle_count + shaft.triangle_count;
-        report->dropped_triangles = snapped.dropped_triangles + snapped_shaft.dropped_triangles;
-        report->mesh_volume_mm3 = ost_mesh_volume_mm3(&mesh);
+        report->mesh_volume_mm3 = ost_mesh_volume_mm3(&parts[0]);
         if (report->voxels.leaking_rows)
             warn(app, "%s: the surface is not closed (%zu open edges): %s rows of voxels leak and were left empty",
                  name, report->open_edges, format_count(text, (int64_t)report->voxels.leaking_rows));
@@ -131,10 +169,12 @@ static ost_status voxelize_meshes(const app_state *app, ost_backend *backend, co
             warn(app, "%s: no voxel of %g mm is inside the mesh; use a smaller --voxel", name,
                  ost_pm_to_mm(options->voxel));
     }
-    ost_snapped_mesh_free(&snapped);
-    ost_snapped_mesh_free(&snapped_shaft);
-    ost_mesh_free(&mesh);
-    ost_mesh_free(&shaft);
+    for (int i = 0; i < count; i++) {
+        report->triangles += parts[i].triangle_count;
+        report->dropped_triangles += snapped[i].dropped_triangles;
+        ost_snapped_mesh_free(&snapped[i]);
+        ost_mesh_free(&parts[i]);
+    }
     return status;
 }
 
@@ -145,12 +185,10 @@ ost_status load_tool(const app_state *app, ost_backend *backend, const char *nam
     if (!report)
         report = &own;
     *report = (tool_report){0};
-    ost_file_kind kind = OST_FILE_MESH;
-    if (!builtin_name(name)) {
-        ost_status status = ost_file_kind_find(name, &kind, err);
-        if (status != OST_OK)
-            return status;
-    }
+    ost_file_kind kind;
+    const ost_status known = find_kind(name, &kind, err);
+    if (known != OST_OK)
+        return known;
     if (kind == OST_FILE_NRRD && !noncutting) {
         ost_tool_volume volume = {0};
         ost_status status = ost_tool_volume_read(name, &volume, err);

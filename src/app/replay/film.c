@@ -7,6 +7,7 @@
 
 #include "app/film/frame_size.h"
 #include "app/common/options.h"
+#include "app/picture/tool.h"
 #include "app/sim/facts.h"
 #include "render/viewer.h"
 #include "render/views.h"
@@ -146,13 +147,8 @@ static ost_status make_appearance(replay_film *f, const replay *r, const ost_met
 static ost_status add_tools(replay_film *f, const replay *r, ost_error *err)
 {
     ost_status status = OST_OK;
-    for (int i = 0; i < r->setup.tools.count && status == OST_OK; i++) {
-        ost_tool_volume volume = {0};
-        status = ost_tool_download(r->tools[i], &volume, err);
-        if (status == OST_OK)
-            status = ost_viewer_add_tool(&f->viewer, &volume, err);
-        ost_tool_volume_free(&volume);
-    }
+    for (int i = 0; i < r->setup.tools.count && status == OST_OK; i++)
+        status = picture_add_tool(&f->viewer, r->tools[i], r->setup.tools.value[i], &r->setup.how, err);
     return status;
 }
 

@@ -13,6 +13,7 @@
 #include "app/common/interrupt.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
+#include "app/picture/tool.h"
 #include "app/sim/appearance.h"
 #include "core/clock.h"
 #include "io/thread.h"
@@ -35,13 +36,8 @@ static int cores_here(void)
 static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
 {
     ost_status status = OST_OK;
-    for (int i = 0; i < show->args->tools.count && status == OST_OK; i++) {
-        ost_tool_volume volume = {0};
-        status = ost_tool_download(s->tools[i], &volume, err);
-        if (status == OST_OK)
-            status = ost_viewer_add_tool(&show->viewer, &volume, err);
-        ost_tool_volume_free(&volume);
-    }
+    for (int i = 0; i < show->args->tools.count && status == OST_OK; i++)
+        status = picture_add_tool(&show->viewer, s->tools[i], show->args->tools.value[i], &show->args->how, err);
     return status;
 }
 

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "app/picture/appearance.h"
+#include "app/picture/tool.h"
 #include "app/common/backend_choice.h"
 #include "app/film/frame_size.h"
 #include "app/film/frame_times.h"
@@ -99,7 +100,7 @@ static ost_status add_tool(const render_args *args, drawing *d, const ost_glenoi
     ost_pose pose = args->pose;
     ost_status status = ost_tool_download(d->tool, &d->tool_volume, err);
     if (status == OST_OK)
-        status = ost_viewer_add_tool(&d->viewer, &d->tool_volume, err);
+        status = picture_add_tool(&d->viewer, d->tool, args->tool, &args->how, err);
     if (status == OST_OK && !args->pose_text && !known)
         status = ost_fail(err, OST_ERR_USAGE,
                           "%s: the glenoid's position is not set: pass --pose X,Y,Z,QW,QX,QY,QZ, or --at and --axis",

@@ -22,6 +22,7 @@
 #include "render/gl/eye.h"
 #include "render/gl/hide.h"
 #include "render/gl/pass.h"
+#include "render/gl/smooth.h"
 
 const ost_gl_variant ost_gl_ours = {
     .frustum = true, .facing = true, .order = true, .occlusion = true, .tight = true, .lines = true, .choose = true};
@@ -74,6 +75,7 @@ static ost_status close_here(void *user, ost_error *err)
         glDeleteBuffers(1, &gl->layer[i].palette);
         glDeleteTextures(1, &gl->layer[i].palette_texture);
     }
+    ost_gl_smooth_free(gl);
     glDeleteBuffers(1, &gl->list);
     glDeleteTextures(1, &gl->list_texture);
     glDeleteBuffers(1, &gl->quad_indices);
@@ -175,6 +177,8 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
 {
     ost_gl_layer *l = &gl->layer[number];
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_COMPOSITE, .first = number == 0};
+    if (l->smooth)
+        return ost_gl_smooth_draw(gl, number, err);
     if (number > 0 && l->y0 >= l->y1)
         return OST_OK;
     if (number > 0) {
@@ -225,12 +229,15 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
         return status;
     l->eye = ost_splat_prepare(&l->thing->eye);
     ost_gl_choose_blocks(gl, v, l);
+    l->smooth = l->thing->mesh && v->target == OST_GL_COMPACT;
     l->mesh = v->every_voxel && number > 0;
     l->form = v->mesh                                               ? OST_GL_QUADS
               : v->every_voxel                                      ? OST_GL_VOXELS
               : v->bricks || (v->choose && ost_gl_are_small(gl, l)) ? OST_GL_BRICKS
                                                                     : OST_GL_POINTS;
     gl->did.bricks = number == 0 ? l->form == OST_GL_BRICKS : gl->did.bricks;
+    if (l->smooth)
+        return OST_OK;
     if (v->mesh)
         return ost_gl_store_bring_quads(&gl->context, &gl->store, s, &l->resident, err);
     return l->mesh ? ost_gl_store_bring_mesh(&gl->context, &gl->store, s, &l->resident, err)
@@ -254,8 +261,8 @@ static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_s
     for (int i = 0; i < count && status == OST_OK; i++) {
         ost_gl_layer *l = &gl->layer[i];
         ost_gl_choose_blocks(gl, v, l);
-        const bool hide = ost_gl_hide_wanted(v, l, i);
-        l->listed = hide || (l->form == OST_GL_POINTS && v->facing);
+        const bool hide = !l->smooth && ost_gl_hide_wanted(v, l, i);
+        l->listed = !l->smooth && (hide || (l->form == OST_GL_POINTS && v->facing));
         if (hide)
             ost_gl_hide_guess(gl, l);
         if (l->listed)

@@ -13,6 +13,8 @@ OST_GL_EMBEDDED(point_frag);
 OST_GL_EMBEDDED(brick_vert);
 OST_GL_EMBEDDED(brick_frag);
 OST_GL_EMBEDDED(mesh_vert);
+OST_GL_EMBEDDED(smooth_vert);
+OST_GL_EMBEDDED(smooth_frag);
 OST_GL_EMBEDDED(mesh_frag);
 OST_GL_EMBEDDED(quad_vert);
 OST_GL_EMBEDDED(quad_frag);

@@ -36,7 +36,7 @@ void ost_gl_put_eye(ost_gl *gl, int number, ost_style style)
     ost_gl_eye_block b = {
         .frame = {(float)e->width, (float)e->height, 0x1p-32f, 0},
         .layer = {(float)((double)s / (double)first), style == OST_STYLE_FACES, OST_HALF_WIDE, 0},
-        .paint = {p->red, p->green, p->blue, 0},
+        .paint = {p->red, p->green, p->blue, p->gloss},
     };
     int exponent;
     frexpf(farthest(gl, l), &exponent);

@@ -105,9 +105,9 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl);
 void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher);
 
 /*
- * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the
- * last call. Returns OST_ERR_RANGE under the same conditions as ost_frame_draw_things. Returns
- * OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
+ * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the last call, and a
+ * smooth mesh that has not been drawn before. Returns OST_ERR_RANGE under the same conditions as
+ * ost_frame_draw_things. Returns OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
  */
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
                        ost_style style, ost_error *err);

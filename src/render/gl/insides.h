@@ -15,6 +15,7 @@ typedef struct ost_gl_layer {
     ost_gl_resident *resident;
     ost_gl_form form;
     bool mesh;
+    bool smooth;                 /* true if the object's smooth mesh is drawn instead of its voxels */
     GLuint palette, palette_texture;
     /* `begin` is the index of the layer's first entry in the list. `near` is the number of the layer's entries that are
        drawn as quads. `count` is the total number of the layer's entries. */
@@ -26,6 +27,14 @@ typedef struct ost_gl_layer {
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
+
+/* A buffer that contains a smooth mesh, and the hash and the number of the mesh's triangles. */
+enum { OST_GL_SMOOTH = 16 };
+typedef struct ost_gl_smooth_mesh {
+    uint64_t hash;
+    size_t count;
+    GLuint buffer; /* 0 if nothing has been uploaded */
+} ost_gl_smooth_mesh;
 
 struct ost_gl {
     /* The worker's thread owns the following fields. Other threads read them only while the worker is idle. */
@@ -43,6 +52,8 @@ struct ost_gl {
     GLuint quad_indices;    /* indices of two triangles for each quad of the largest block */
     uint32_t quad_capacity; /* number of quads in quad_indices */
     ost_gl_layer layer[OST_FRAME_LAYERS];
+    ost_gl_smooth_mesh smooth[OST_GL_SMOOTH];
+    unsigned smooth_next;   /* number of buffers filled so far */
     ost_frame_block *blocks; /* owned; block_capacity entries */
     float *bases;           /* owned; 4 values for each block */
     GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */

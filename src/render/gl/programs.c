@@ -35,6 +35,8 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
                                {"mesh.frag", ost_gl_mesh_frag, ost_gl_mesh_frag_count}},
         [OST_GL_STAGE_QUADS] = {{"quad.vert", ost_gl_quad_vert, ost_gl_quad_vert_count},
                                 {"quad.frag", ost_gl_quad_frag, ost_gl_quad_frag_count}},
+        [OST_GL_STAGE_SMOOTH] = {{"smooth.vert", ost_gl_smooth_vert, ost_gl_smooth_vert_count},
+                                 {"smooth.frag", ost_gl_smooth_frag, ost_gl_smooth_frag_count}},
         [OST_GL_STAGE_COMPOSITE] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
                                     {"composite.frag", ost_gl_composite_frag, ost_gl_composite_frag_count}},
         [OST_GL_STAGE_WIDE] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
@@ -47,7 +49,7 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
     static const char *const mesh[] = {"corner", "out_of_it", NULL}, *const none[] = {NULL},
                              *const quad[] = {"corner", NULL};
     const char *const *inputs = key->stage == OST_GL_STAGE_BRICKS  ? brick
-                                : key->stage == OST_GL_STAGE_MESH  ? mesh
+                                : key->stage == OST_GL_STAGE_MESH || key->stage == OST_GL_STAGE_SMOOTH ? mesh
                                 : key->stage == OST_GL_STAGE_QUADS ? quad
                                 : key->stage != OST_GL_STAGE_POINTS || key->quads ? none
                                 : key->every_voxel ? density

@@ -93,6 +93,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->band = OST_BAND;
     frame->kernels = ost_splat_kernels_of(isa);
     frame->tint = ost_light_tint_for(isa);
+    frame->row = ost_triangle_row_for(isa);
 #ifdef _OPENMP
     frame->threads = threads ? threads : omp_get_num_procs();
 #else
@@ -151,8 +152,10 @@ void ost_frame_free(ost_frame *frame)
     ost_cells_free(&frame->over);
     free(frame->blank);
     free(frame->directions);
-    for (int i = 0; i < OST_FRAME_LAYERS; i++)
+    for (int i = 0; i < OST_FRAME_LAYERS; i++) {
         ost_layer_free(&frame->layer[i]);
+        ost_triangles_free(&frame->smooth[i]);
+    }
     memset(frame, 0, sizeof *frame);
 }
 
@@ -226,6 +229,24 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     return OST_OK;
 }
 
+/* Prepares the objects: those drawn as voxels become layers, and the others triangles. */
+static ost_status prepare_all(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
+{
+    const ost_pm spacing = things[0].surface->geometry.spacing.x;
+    ost_status status = OST_OK;
+    frame->layers = frame->smooth_count = 0;
+    for (int i = 0; i < count && status == OST_OK; i++) {
+        const ost_frame_thing *thing = &things[i];
+        if (thing->mesh)
+            status = ost_triangles_project(&frame->smooth[frame->smooth_count++], thing->mesh, &thing->eye,
+                                           thing->paint,
+                                           (float)((double)thing->surface->geometry.spacing.x / (double)spacing), err);
+        else
+            status = prepare(frame, thing, frame->layers++, spacing, err);
+    }
+    return status;
+}
+
 static ost_status reserve_over(ost_frame *frame, ost_error *err)
 {
     if (frame->ghost.colour || planes_init(&frame->ghost, frame->width, frame->height))
@@ -236,25 +257,22 @@ static ost_status reserve_over(ost_frame *frame, ost_error *err)
 
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
-    ost_status status = OST_OK;
     if (count < 1 || count > OST_FRAME_LAYERS)
         return ost_fail(err, OST_ERR_USAGE, "%d objects to draw; expected 1 to %d", count, OST_FRAME_LAYERS);
-    for (int i = 0; i < count && status == OST_OK; i++)
-        status = prepare(frame, &things[i], i, things[0].surface->geometry.spacing.x, err);
+    ost_status status = prepare_all(frame, things, count, err);
     if (status != OST_OK) {
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < frame->layers; i++)
             /* the current contents of the surfaces were not drawn, so the next frame can reuse nothing */
             frame->layer[i].surface = NULL;
         return status;
     }
-    frame->layers = count;
     const ost_planes *base = ost_frame_choose_part(frame);
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
         /* With one thread, the list of a block is computed when the first band draws the block. Therefore no lists are
            computed for hidden blocks. */
-        for (int l = 0; l < count && frame->threads > 1; l++)
+        for (int l = 0; l < frame->layers && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++)

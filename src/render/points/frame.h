@@ -6,7 +6,8 @@
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
  * Every further object, such as a tool with differently oriented voxels, is drawn in the same way into
- * separate planes of a band. Each pixel then shows the nearest object.
+ * separate planes of a band. Each pixel then shows the nearest object. A tool whose mesh is known is drawn as a
+ * smooth mesh instead (triangles.h), over the voxels.
  *
  * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the
  * farthest key of each tile of 8 x 8 pixels is stored. A tile's farthest key is recomputed only if it is
@@ -33,6 +34,7 @@
 #include "render/points/blocks.h"
 #include "render/points/cells.h"
 #include "render/points/light.h"
+#include "render/points/triangles.h"
 
 enum {
     /* number of rows that a thread draws at a time; with 1280 pixels per row, the keys of these rows fit into a
@@ -119,10 +121,13 @@ typedef struct ost_frame {
     uint32_t *blank;        /* owned; one row of background */
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
+    ost_triangle_row *row;
     int threads;
     int band;               /* number of rows that a thread draws at a time, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
     int layers;             /* number of layers in the last frame */
+    ost_triangles smooth[OST_FRAME_LAYERS]; /* the objects of this frame that are drawn as smooth meshes */
+    int smooth_count;
     ost_style style;
     ost_directions *directions; /* owned */
 } ost_frame;
@@ -134,6 +139,8 @@ typedef struct ost_frame_thing {
     ost_eye eye;
     ost_paint paint;
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
+    /* borrowed; if not NULL, this mesh is drawn instead of the surface's voxels; the first object has none */
+    const ost_smooth_mesh *mesh;
 } ost_frame_thing;
 
 /* Allocates a frame. If `threads` is 0, all processors are used. */

@@ -236,6 +236,8 @@ void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base)
                                      f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
         }
     }
+    for (int i = 0; i < f->smooth_count; i++)
+        ost_triangles_draw(&f->smooth[i], f->row, &f->planes, at.y0, at.y1, &f->over);
 }
 
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number)

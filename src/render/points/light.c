@@ -46,9 +46,11 @@ static void shade_all(uint16_t *restrict shade, const ost_directions *restrict d
         mirror *= mirror;
         mirror *= mirror;
         mirror *= mirror; /* the last squaring yields the 16th power */
-        const float bright = ((0.20f + 0.17f * sky) + (0.74f * key + 0.20f * fill)) + 0.10f * back;
+        const float bright = ((OST_LIGHT_AMBIENT + OST_LIGHT_SKY * sky) +
+                              (OST_LIGHT_KEY * key + OST_LIGHT_FILL * fill)) + OST_LIGHT_BACK * back;
         const int scaled_bright = (int)(256.0f * bright + 0.5f), added = (int)(gloss * mirror + 0.5f);
-        shade[i] = (uint16_t)((scaled_bright < 320 ? scaled_bright : 320) | added << OST_BRIGHT_BITS);
+        shade[i] = (uint16_t)((scaled_bright < OST_LIGHT_MOST ? scaled_bright : OST_LIGHT_MOST) |
+                              added << OST_BRIGHT_BITS);
     }
 }
 
@@ -62,6 +64,18 @@ void ost_directions_make(ost_directions *d)
         d->z[cell] = n[2];
     }
     d->shade = shade_all;
+}
+
+ost_lamps ost_lamps_make(const ost_eye *eye)
+{
+    ost_lamps l;
+    toward(eye, -0.40f, 0.55f, -0.73f, l.key);
+    toward(eye, 0.85f, -0.10f, -0.50f, l.fill);
+    toward(eye, 0.10f, -0.60f, 0.55f, l.back);
+    toward(eye, -0.40f, 0.55f, -1.73f, l.half);
+    for (int a = 0; a < 3; a++)
+        l.up[a] = eye->up[a];
+    return l;
 }
 
 static void copy3(float to[3], const float from[3])
@@ -81,12 +95,7 @@ static bool is_made(const ost_light *light, const ost_eye *eye, uint8_t gloss)
 void ost_light_make(ost_light *light, const ost_directions *directions, const ost_eye *eye, ost_style style,
                     ost_paint paint, const uint32_t *palette)
 {
-    ost_lamps l;
-    toward(eye, -0.40f, 0.55f, -0.73f, l.key);
-    toward(eye, 0.85f, -0.10f, -0.50f, l.fill);
-    toward(eye, 0.10f, -0.60f, 0.55f, l.back);
-    toward(eye, -0.40f, 0.55f, -1.73f, l.half);
-    copy3(l.up, eye->up);
+    const ost_lamps l = ost_lamps_make(eye);
     if (!is_made(light, eye, paint.gloss)) {
         directions->shade(light->shade, directions, &l, (float)paint.gloss);
         copy3(light->right, eye->right);

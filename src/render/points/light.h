@@ -52,6 +52,17 @@ typedef struct ost_lamps {
     float key[3], fill[3], half[3], back[3], up[3];
 } ost_lamps;
 
+/* The shares of the lights in the brightness of a surface, and the greatest brightness in 256ths. */
+#define OST_LIGHT_AMBIENT 0.20f
+#define OST_LIGHT_SKY 0.17f
+#define OST_LIGHT_KEY 0.74f
+#define OST_LIGHT_FILL 0.20f
+#define OST_LIGHT_BACK 0.10f
+enum { OST_LIGHT_MOST = 320 };
+
+/* Returns the directions of the lights in the frame of an eye's object. */
+ost_lamps ost_lamps_make(const ost_eye *eye);
+
 struct ost_directions;
 typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *directions, const ost_lamps *lamps,
                                 float gloss);

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Adds a tool to a viewer: its voxels and, if it was loaded from a mesh, this mesh. */
+#ifndef OST_APP_PICTURE_TOOL_H
+#define OST_APP_PICTURE_TOOL_H
+
+#include "app/input/load.h"
+#include "render/viewer.h"
+
+/* `tool` was loaded by load_tool with the same name and options. */
+ost_status picture_add_tool(ost_viewer *viewer, const ost_tool *tool, const char *name, const tool_options *options,
+                            ost_error *err);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The surface of a tool as triangles with a normal at each corner, for drawing the tool smoothly.
+ *
+ *   meshes of the tool's parts --faces at each vertex--> normals --tool's grid--> corners in voxels
+ *
+ * The normal of a triangle's corner is the mean of the normals of the triangles that meet at this vertex, weighted by
+ * area. Only triangles whose normals are within 40 degrees of the corner's own triangle count, so the rim of a cylinder
+ * remains sharp. Normals are computed in doubles by additions, multiplications, divisions and square roots, so they are
+ * equal on all machines.
+ */
+#ifndef OST_RENDER_SMOOTH_MESH_H
+#define OST_RENDER_SMOOTH_MESH_H
+
+#include <osteon/mesh.h>
+
+/* A mesh with more triangles takes too much of a frame's time; the voxels of the tool are drawn instead. */
+enum { OST_SMOOTH_TRIANGLES_MAX = 1 << 17 };
+
+typedef struct ost_smooth_corner {
+    float at[3];     /* in voxels of the tool's grid: voxel (i, j, k) is the cube of side 1 about (i, j, k) */
+    float normal[3]; /* unit vector */
+} ost_smooth_corner;
+
+typedef struct ost_smooth_triangle {
+    ost_smooth_corner corner[3];
+} ost_smooth_triangle;
+_Static_assert(sizeof(ost_smooth_triangle) == 72, "18 floats without padding");
+
+typedef struct ost_smooth_mesh {
+    ost_smooth_triangle *triangle; /* owned */
+    size_t count;
+    bool closed; /* true if the back of no triangle can be seen from outside */
+    uint64_t hash; /* hash of the triangles, by which a renderer finds a mesh that it has uploaded */
+} ost_smooth_mesh;
+
+/*
+ * Makes the surface from the meshes of a tool's parts, in the frame of `grid`. Triangles without area are omitted. If
+ * the parts have more than OST_SMOOTH_TRIANGLES_MAX triangles together, *out is empty. Returns OST_ERR_USAGE if a
+ * vertex index is out of range, and OST_ERR_MEMORY. The caller frees *out with ost_smooth_mesh_free.
+ */
+ost_status ost_smooth_mesh_make(const ost_mesh *parts, int count, const ost_tool_geometry *grid, ost_smooth_mesh *out,
+                                ost_error *err);
+void ost_smooth_mesh_free(ost_smooth_mesh *mesh); /* accepts a zero-initialized mesh */
+
+#endif
