@@ -120,7 +120,7 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     const ost_row_ints number = ost_row_numbers(x - s->from),
                        inside = (number >= 0) & (number < s->to - s->from);
     /* a lane outside the span has the values of corner 0 */
-    const ost_row_floats along = (ost_row_floats)((ost_row_ints)__builtin_convertvector(number, ost_row_floats) & inside);
+    const ost_row_floats along = __builtin_convertvector(number & inside, ost_row_floats);
     const ost_row_floats b = (ost_row_floats)((ost_row_ints)(s->b + along * s->b_step) & inside),
                          c = (ost_row_floats)((ost_row_ints)(s->c + along * s->c_step) & inside);
     const ost_row_floats depth = t->scale / ost_row_linear(f->inverse[0], f->inverse[1], f->inverse[2], b, c);

@@ -86,13 +86,14 @@ static int64_t divide_up(int64_t a, int64_t by)
 /* Returns the half-open range of pixels, within 0 to `size`, whose middles lie from lo to hi (256ths). */
 static void middles(int32_t lo, int32_t hi, int size, int *from, int *to)
 {
-    const int64_t first = divide_up((int64_t)lo - PARTS / 2, PARTS), end = divide_up((int64_t)hi - PARTS / 2 + 1, PARTS);
+    const int64_t first = divide_up((int64_t)lo - PARTS / 2, PARTS),
+                  end = divide_up((int64_t)hi - PARTS / 2 + 1, PARTS);
     *from = first > 0 ? first < size ? (int)first : size : 0;
     *to = end < size ? end > 0 ? (int)end : 0 : size;
 }
 
-/* Adds a triangle that lies beyond the near plane. Omits a triangle that covers no pixel, or whose back is seen although
-   the mesh is closed. */
+/* Adds a triangle that lies beyond the near plane. Omits a triangle that covers no pixel, and one whose back is seen
+   although the mesh is closed. */
 static void add(ost_triangles *t, const ost_eye *eye, const corner *const c[3], bool closed)
 {
     ost_flat_triangle *f = &t->triangle[t->count];
