@@ -19,17 +19,15 @@
 #include <osteon/status.h>
 
 /*
- *   scalar      plain C, compiled for the baseline of the build (SSE2 on x86-64)
- *   avx2        AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
- *   avx512      avx2 and AVX-512 F, BW, DQ, VL, CD
- *   avx512vbmi  avx512 and AVX-512 VBMI
- *   neon        AArch64 Advanced SIMD
+ *   scalar  plain C, compiled for the baseline of the build (SSE2 on x86-64)
+ *   avx2    AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
+ *   avx512  avx2 and AVX-512 F, BW, DQ, VL, CD
+ *   neon    AArch64 Advanced SIMD
  */
 #define OST_ISA_LIST(X) \
     X(SCALAR, "scalar") \
     X(AVX2, "avx2")     \
     X(AVX512, "avx512") \
-    X(AVX512VBMI, "avx512vbmi") \
     X(NEON, "neon")
 
 typedef enum ost_isa {
@@ -45,7 +43,7 @@ typedef enum ost_isa {
  */
 typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
-    uint32_t leaf7_b, leaf7_c;
+    uint32_t leaf7_b;
     uint32_t extended1_c; /* leaf 0x80000001 */
     uint32_t xcr0;        /* mask of the register sets that the operating system saves */
 } ost_isa_cpuid;

@@ -93,11 +93,11 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
     *kernels = (ost_cpu_kernels){.isa = isa};
     fill_scalar(kernels);
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
         fill_avx2(kernels);
 #endif
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+    if (isa == OST_ISA_AVX512)
         fill_avx512(kernels);
 #endif
 #if HAVE_NEON_BUILD

@@ -11,7 +11,7 @@
  * processor's state is as after any C function, with the upper halves of
  * vector registers cleared.
  *
- *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512 -> avx512vbmi
+ *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512
  *                                   scalar -> neon
  */
 #ifndef OST_CPU_KERNELS_H

@@ -210,7 +210,7 @@ bool ost_triangle_row_scalar(const ost_triangles *t, const ost_flat_triangle *f,
 ost_triangle_row *ost_triangle_row_for(ost_isa isa)
 {
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512 || isa == OST_ISA_AVX512VBMI)
+    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
         return ost_triangle_row_avx2;
 #endif
     (void)isa;
