@@ -18,6 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "app/common/all_cores.h"
 #include "app/common/options.h"
 #include "app/common/progress.h"
 #include "app/common/print.h"
@@ -237,6 +238,7 @@ int main(int argc, char **argv)
 {
     open_standard_streams();
     catch_signals();
+    all_cores_begin();
     atexit(on_exit_within_verb);
     json_set_alloc_funcs(json_memory, free);
     ost_error err = {0};

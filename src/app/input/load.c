@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "app/common/all_cores.h"
 #include "app/common/backend_choice.h"
 #include "app/common/progress.h"
 #include "app/common/print.h"
@@ -165,12 +166,27 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     return OST_OK;
 }
 
+typedef struct generation {
+    ost_phantom_kind kind;
+    ost_volume *out;
+    ost_status status;
+    ost_error *err;
+} generation;
+
+static void generate(void *user)
+{
+    generation *g = user;
+    g->status = ost_phantom_make(g->kind, &(ost_phantom_options){.progress = progress_show}, g->out, g->err);
+}
+
 static ost_status phantom_volume(const char *kind_name, ost_volume *out, ost_error *err)
 {
     for (int k = 0; k < OST_PHANTOM_COUNT; k++)
-        if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0)
-            return ost_phantom_make((ost_phantom_kind)k, &(ost_phantom_options){.progress = progress_show}, out,
-                                    err);
+        if (strcmp(kind_name, ost_phantom_name((ost_phantom_kind)k)) == 0) {
+            generation g = {.kind = (ost_phantom_kind)k, .out = out, .err = err};
+            all_cores_do(generate, &g);
+            return g.status;
+        }
     return ost_fail(err, OST_ERR_USAGE, "builtin:%s: unknown bone; see osteon phantom --help", kind_name);
 }
 
