@@ -499,6 +499,25 @@ static bool all_entered(void)
     return true;
 }
 
+/* Samples a bone of 20^3 voxels, removes a cube, and samples the bone again. */
+static void sample_twice(ost_backend *backend, ost_bone *bone, const ost_geometry *g, int16_t densities[2][20])
+{
+    ost_error err = {0};
+    ost_removal_report report = {0};
+    int32_t index[20];
+    const int32_t *const diagonal[3] = {index, index, index};
+    const ost_pose pose = ost_pose_identity();
+    ost_tool *tool = solid_tool(backend, (ost_tool_geometry){{12, 12, 12}, 500 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
+    for (int i = 0; i < 20; i++)
+        index[i] = i;
+    assert_ok(ost_bone_sample(bone, 20, diagonal, densities[0], &err));
+    remove_at(bone, g, tool, &pose, 1, &report);
+    assert_true(report.total_voxels > 0);
+    assert_ok(ost_bone_sample(bone, 20, diagonal, densities[1], &err));
+    ost_removal_report_free(&report);
+    ost_tool_free(tool);
+}
+
 /* A path that was not entered was never compared. If the kernel set has such a path, the test fails. Must run last. */
 static void entered(void **state)
 {
@@ -507,6 +526,7 @@ static void entered(void **state)
     const ost_geometry g = cubic_geometry(20, 20, 20, 500 * UM, (ost_pm3){0, 0, 0});
     int16_t voxels[20 * 20 * 20], back[20 * 20 * 20];
     uint32_t words[2][16 * 16 * 16 / 32];
+    int16_t densities[2][2][20];
     const int32_t chunk = 1;
     for (int i = 0; i < 20 * 20 * 20; i++)
         voxels[i] = (int16_t)(i % 3 * 200);
@@ -514,9 +534,11 @@ static void entered(void **state)
     for (int b = 0; b < 2; b++) {
         bone[b] = bone_of(b ? p.cl : p.ref, &g, 16, voxels);
         assert_ok(ost_bone_occupancy(bone[b], 1, &chunk, words[b], &err));
+        sample_twice(b ? p.cl : p.ref, bone[b], &g, densities[b]);
         ost_bone_free(bone[b]);
     }
     assert_memory_equal(words[0], words[1], sizeof words[0]);
+    assert_memory_equal(densities[0], densities[1], sizeof densities[0]);
     assert_ok(ost_bone_create(p.cl, &g, 16, 120, &empty, &err));
     assert_ok(ost_bone_download(empty, 0, g.dims.z, back, &err));
     for (int i = 0; i < 20 * 20 * 20; i++)
