@@ -163,8 +163,11 @@ static ost_status open_cut(cut *c, const ost_volume *bone, const ost_glenoid *gl
         status = ost_viewer_add_tool(&c->viewer, &c->scene.tool, c->err);
     if (status == OST_OK)
         status = smooth_tool(c);
+    c->viewer.antialiased = true;
     if (status == OST_OK)
         status = ost_frame_init(&c->redrawn, WIDTH, HEIGHT, OST_STYLE_SMOOTH, isa, 1, c->err);
+    if (status == OST_OK)
+        status = ost_frame_antialias(&c->redrawn, isa, c->err);
     ost_viewer_follow(&c->viewer, c->live);
     c->subject = ost_view_subject_make(g, &glenoid->at, glenoid->axis, glenoid->left);
     return status;

@@ -251,6 +251,8 @@ ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_err
                                 viewer->threads, err);
         if (status == OST_OK)
             status = ost_frame_store(&viewer->frame, err);
+        if (status == OST_OK && viewer->antialiased && viewer->variant != &ost_gl_thesis)
+            status = ost_frame_antialias(&viewer->frame, viewer->isa, err);
     }
     if (status != OST_OK)
         return status;

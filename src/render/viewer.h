@@ -38,6 +38,7 @@ typedef struct ost_viewer {
     ost_isa isa;
     int threads;
     ost_style style;
+    bool antialiased;    /* set before the first frame for smooth edges with OST_STYLE_SMOOTH */
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
     ost_frame frame;     /* the last frame that was drawn, with the size of the camera's picture */
     ost_live_state state;

@@ -222,6 +222,7 @@ ost_status appearance_begin(appearance *a, ost_viewer *viewer, const ost_view_su
         return ost_fail(err, OST_ERR_USAGE, "--ghost needs the glenoid: pass --at and --axis");
     if (a->ghost == GHOST_TOOL && !tool)
         return ost_fail(err, OST_ERR_USAGE, "--ghost tool needs --tool TOOL");
+    viewer->antialiased = true;
     viewer->overlays = options->overlay_bits;
     viewer->scene.planned = subject->has_face;
     viewer->scene.depth_mm = depth_mm;

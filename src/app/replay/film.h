@@ -26,7 +26,8 @@ typedef struct replay_film_options {
     {.name = "size", .kind = OPTION_TEXT, .out = &(f).size, .value = "WxH",                                       \
      .help = "size of the frames in pixels (default: 1280x720)"},                                                 \
     {.name = "style", .kind = OPTION_CHOICE, .out = &(f).style, .value = "smooth|faces",                          \
-     .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},                    \
+     .help = "shade by the surface's normals and smooth the edges (default), or draw flat faces as in the "       \
+             "thesis"},                                                                                           \
     APPEARANCE_OPTIONS((f).look),                                                                                 \
     {.name = "contact", .kind = OPTION_FLAG, .out = &(f).contact, .help = "highlight bone that was just removed"}
 

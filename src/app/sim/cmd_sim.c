@@ -165,7 +165,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_CHOICE,
          .out = &args.style,
          .value = "smooth|faces",
-         .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},
+         .help = "shade by the surface's normals and smooth the edges (default), or draw flat faces as in the thesis"},
         {.name = "contact",
          .kind = OPTION_FLAG,
          .out = &args.contact,

@@ -421,8 +421,7 @@ static const ost_cells *changed_of(sim_window *w)
     if (!c->bit)
         return NULL;
     ost_cells_clear(c);
-    ost_cells_join(c, &f->stale);
-    ost_cells_join(c, &f->over);
+    ost_frame_changed(f, c);
     return c;
 }
 

@@ -267,7 +267,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
                  "every voxel a point as in the thesis (docs/design/rendering.md)"},
         HEADING("appearance"),
         {.name = "style", .kind = OPTION_CHOICE, .out = &args.style, .value = "smooth|faces",
-         .help = "shade by the surface's normals (default), or with flat faces as in the thesis"},
+         .help = "shade by the surface's normals and smooth the edges (default), or draw flat faces as in the thesis"},
         APPEARANCE_OPTIONS(args.look),
         HEADING("glenoid and plan"),
         TARGET_OPTIONS(*t, "centre of the glenoid's face (default: as in the bone's file)"),

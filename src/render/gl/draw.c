@@ -345,7 +345,7 @@ ost_status ost_gl_finish(ost_gl *gl, ost_error *err)
 
 static ost_status read_planes(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err)
 {
-    const ost_planes *p = &frame->planes;
+    const ost_planes *p = &frame->drawn;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, gl->targets.picture);
     glPixelStorei(GL_PACK_ROW_LENGTH, p->stride);
     glReadPixels(0, 0, frame->width, frame->height, GL_RGBA, GL_UNSIGNED_BYTE, p->colour);

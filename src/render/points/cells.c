@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/points/cells.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,4 +52,34 @@ void ost_cells_join(const ost_cells *c, const ost_cells *other)
 {
     for (size_t i = 0; i < (size_t)c->words * (size_t)c->rows; i++)
         c->bit[i] |= other->bit[i];
+}
+
+/* Adds the left and right neighbours of a row's cells. */
+static void grow_row(const ost_cells *c, uint64_t *row)
+{
+    uint64_t before = 0;
+    for (int w = 0; w < c->words; w++) {
+        const uint64_t was = row[w], after = w + 1 < c->words ? row[w + 1] : 0;
+        row[w] = was | was << 1 | before >> 63 | was >> 1 | after << 63;
+        before = was;
+    }
+    if (c->across % 64)
+        row[c->words - 1] &= UINT64_MAX >> (64 - c->across % 64);
+}
+
+void ost_cells_grow(const ost_cells *c, int across, int down)
+{
+    for (int i = 0; i < across; i++)
+        for (int row = 0; row < c->rows; row++)
+            grow_row(c, c->bit + (ptrdiff_t)row * c->words);
+    for (int i = 0; i < down; i++) {
+        uint64_t above[OST_CELL_WORDS] = {0};
+        for (int row = 0; row < c->rows; row++)
+            for (int w = 0; w < c->words; w++) {
+                uint64_t *word = c->bit + (ptrdiff_t)row * c->words + w;
+                const uint64_t was = *word;
+                *word |= above[w] | (row + 1 < c->rows ? word[c->words] : 0);
+                above[w] = was;
+            }
+    }
 }

@@ -32,6 +32,8 @@ void ost_cells_fill(const ost_cells *cells);
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
 /* Adds the cells of another set. Both sets must be for pictures of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
+/* Adds the cells that are up to `across` columns and `down` rows away from a cell of the set. */
+void ost_cells_grow(const ost_cells *cells, int across, int down);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
 {

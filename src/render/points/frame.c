@@ -101,6 +101,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->threads = 1;
 #endif
     const bool planes = planes_init(&frame->planes, width, height);
+    frame->drawn = frame->planes;
     frame->blank = malloc((size_t)frame->planes.stride * sizeof *frame->blank);
     frame->tiles_across = frame->planes.stride / OST_TILE;
     frame->directions = malloc(sizeof *frame->directions);
@@ -131,9 +132,57 @@ ost_status ost_frame_store(ost_frame *frame, ost_error *err)
     return no_memory(frame, err);
 }
 
+ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
+{
+    const size_t count = (size_t)frame->planes.stride * (size_t)frame->height + 1; /* one is read after the last */
+    uint32_t *colour = plane_alloc(count, sizeof *colour);
+    if (!colour || !ost_antialias_init(&frame->antialias, frame->width, frame->height, isa) ||
+        !ost_cells_init(&frame->smoothed, frame->width, frame->height)) {
+        free(colour);
+        ost_antialias_free(&frame->antialias);
+        return no_memory(frame, err);
+    }
+    memset(colour, 0, count * sizeof *colour);
+    frame->drawn.colour = colour;
+    return OST_OK;
+}
+
+/* Computes the colours of the frame from those that were drawn, in the cells of frame->smoothed. */
+static void smooth_edges(ost_frame *frame)
+{
+    const uint32_t *from = frame->drawn.colour;
+    uint32_t *to = frame->planes.colour;
+    const int stride = frame->planes.stride;
+    const bool faces = frame->style == OST_STYLE_FACES;
+#pragma omp parallel num_threads(frame->threads)
+    {
+#pragma omp for schedule(dynamic, 4)
+        for (int row = 0; row < frame->smoothed.rows; row++)
+            if (faces)
+                ost_antialias_none(&frame->antialias, &frame->smoothed, row);
+            else
+                ost_antialias_edges(&frame->antialias, from, stride, &frame->smoothed, row);
+#pragma omp for schedule(dynamic, 4)
+        for (int row = 0; row < frame->smoothed.rows; row++)
+            ost_antialias_smooth(&frame->antialias, from, to, stride, &frame->smoothed, row);
+    }
+}
+
 void ost_frame_overwritten(ost_frame *frame)
 {
     ost_cells_fill(&frame->over);
+    if (!frame->antialias.below)
+        return;
+    ost_cells_fill(&frame->smoothed);
+    smooth_edges(frame);
+}
+
+void ost_frame_changed(const ost_frame *frame, const ost_cells *cells)
+{
+    ost_cells_join(cells, &frame->stale);
+    ost_cells_join(cells, &frame->over);
+    if (frame->smoothed.bit)
+        ost_cells_join(cells, &frame->smoothed);
 }
 
 ost_sheet ost_frame_sheet(const ost_frame *frame)
@@ -143,6 +192,10 @@ ost_sheet ost_frame_sheet(const ost_frame *frame)
 
 void ost_frame_free(ost_frame *frame)
 {
+    if (frame->antialias.below)
+        free(frame->drawn.colour);
+    ost_antialias_free(&frame->antialias);
+    ost_cells_free(&frame->smoothed);
     planes_free(&frame->planes);
     planes_free(&frame->ghost);
     planes_free(&frame->stored);
@@ -277,6 +330,14 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
 #pragma omp for schedule(dynamic, 1)
         for (int i = 0; i < bands; i++)
             ost_frame_draw_band(frame, i, base);
+    }
+    if (frame->antialias.below) {
+        /* what was drawn in this frame, put back, or on the sheet of the previous frame */
+        ost_cells_clear(&frame->smoothed);
+        ost_cells_join(&frame->smoothed, &frame->stale);
+        ost_cells_join(&frame->smoothed, &frame->over);
+        ost_cells_grow(&frame->smoothed, OST_ANTIALIAS_CELLS_ACROSS, OST_ANTIALIAS_CELLS_DOWN);
+        smooth_edges(frame);
     }
     return OST_OK;
 }

@@ -25,12 +25,18 @@
  * cover, the nearest voxel is the same as before. Ties between equal distances are broken by the
  * voxel's number, which has the same order as the voxels' positions.
  *
- * The memory is reused from frame to frame: 9 bytes per pixel, 18 after ost_frame_store.
+ * After a call of ost_frame_antialias, the objects are drawn into colours of their own, from which the colours of the
+ * frame are computed with smooth edges (antialias.h), again only where something may have changed. Ghosts, lines and
+ * letters are drawn on the smooth colours.
+ *
+ * The memory is reused from frame to frame: 9 bytes per pixel, 18 after ost_frame_store, and 4.25 more after
+ * ost_frame_antialias.
  */
 #ifndef OST_RENDER_FRAME_H
 #define OST_RENDER_FRAME_H
 
 #include "render/lettering.h"
+#include "render/points/antialias.h"
 #include "render/points/blocks.h"
 #include "render/points/cells.h"
 #include "render/points/light.h"
@@ -104,6 +110,10 @@ typedef struct ost_frame {
     int width, height;
     /* owned; planes of the frame; they contain keys only after ost_frame_store_keys */
     ost_planes planes;
+    /* the planes into which objects are drawn: `planes`, but after ost_frame_antialias with colours of their own, which
+       are owned */
+    ost_planes drawn;
+    ost_antialias antialias; /* owned; without memory before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
     /* owned; planes of the first layer alone, without keys; NULL before the first call of ost_frame_store */
     ost_planes stored;
@@ -116,6 +126,8 @@ typedef struct ost_frame {
      * cells whose colours may differ from those in `stored`; drawing on the sheet of the frame adds cells to this set
      */
     ost_cells over;
+    /* cells whose smooth colours were computed in this frame; without memory before ost_frame_antialias */
+    ost_cells smoothed;
     ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
     uint32_t *blank;        /* owned; one row of background */
@@ -156,8 +168,16 @@ ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 /* Enables partial redrawing. In later frames, only the parts that differ from the previous frame are drawn. If few
    blocks change from frame to frame, this saves time. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
-/* Records that another renderer has overwritten all pixels, so that no part of the last frame is reused. */
+/*
+ * Enables antialiasing of later frames with OST_STYLE_SMOOTH. In OST_STYLE_FACES, whose faces have edges everywhere,
+ * pixels remain as they are drawn. Must be called before the first frame is drawn.
+ */
+ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err);
+/* Records that another renderer has overwritten all pixels of frame->drawn, so that no part of the last frame is
+   reused. Smooths the edges if antialiasing is enabled. */
 void ost_frame_overwritten(ost_frame *frame);
+/* Adds the cells in which the frame may differ from the previous frame, including what was drawn on its sheet. */
+void ost_frame_changed(const ost_frame *frame, const ost_cells *cells);
 /* Returns the frame's colours as a sheet to draw on. */
 ost_sheet ost_frame_sheet(const ost_frame *frame);
 

@@ -146,7 +146,7 @@ static void blank(const ost_frame *f, const band *at, const ost_planes *planes)
 
 static void put_back(const ost_frame *f, const band *at)
 {
-    const ost_planes *to = &f->planes, *stored = &f->stored;
+    const ost_planes *to = &f->drawn, *stored = &f->stored;
     for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
         const cell_row row = row_of(&f->stale, &f->stale, false, at, y);
         for (int x, end = 0; next_run(&row, &x, &end);)
@@ -221,7 +221,7 @@ void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base)
     over.top = over.key_top = at.y0;
     draw_layer(f, &f->layer[0], &f->part, &at, &planes);
     blank(f, &at, &planes);
-    if (base != &f->planes)
+    if (base != &f->drawn)
         put_back(f, &at);
     for (int i = 1; i < f->layers; i++) {
         const ost_frame_layer *layer = &f->layer[i];
@@ -232,12 +232,12 @@ void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base)
             const cell_row row = row_of(&layer->cells, &layer->cells, false, &at, y);
             for (int from, to = 0; next_run(&row, &from, &to);)
                 for (int j = row.y0; j < row.y1; j++)
-                    f->kernels.merge(&f->planes, &over, layer->scale, j, from, to,
+                    f->kernels.merge(&f->drawn, &over, layer->scale, j, from, to,
                                      f->over.bit + (ptrdiff_t)(y / OST_CELL_HEIGHT) * f->over.words);
         }
     }
     for (int i = 0; i < f->smooth_count; i++)
-        ost_triangles_draw(&f->smooth[i], f->row, &f->planes, at.y0, at.y1, &f->over);
+        ost_triangles_draw(&f->smooth[i], f->row, &f->drawn, at.y0, at.y1, &f->over);
 }
 
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number)

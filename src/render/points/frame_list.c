@@ -276,5 +276,5 @@ const ost_planes *ost_frame_choose_part(ost_frame *frame)
     ost_cells_clear(&frame->over);
     for (int i = 1; i < frame->layers; i++)
         ost_layer_drop_lists(&frame->layer[i]);
-    return still ? &frame->stored : &frame->planes;
+    return still ? &frame->stored : &frame->drawn;
 }
