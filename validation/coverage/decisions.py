@@ -210,33 +210,37 @@ def percent(reached, count):
 
 def document(tier, tables, pairs):
     out = ["<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Structural coverage of the campaign", "",
-           f"`validation/coverage/measure write {tier}` makes this file and `coverage.csv`: measurements of the tier",
-           f"`{tier}` of `osteon validate`, by clang-19's counters, on the machine that had the backends below.",
-           "The part `coverage` of `.ci/long` measures again and fails when a decision is neither reached nor",
-           "listed in `coverage-reasons.csv`, or when a row of that file names nothing that is missing.", "",
-           "Scope: the code that decides voxels, in `src/core`, `src/cpu` and `src/cl/kernels`. Files of these",
-           "folders that read texts, list backends or parse their options decide none and are left out:",
+           f"`validation/coverage/measure write {tier}` generates this page and `coverage.csv`. The `{tier}` tier of",
+           "`osteon validate` was measured with the counters of clang-19, on a machine with the backends in the",
+           "following table. `.ci/long coverage` repeats the measurement. It fails if a decision is neither",
+           "reached nor listed in `coverage-reasons.csv`, or if a row of that file matches no missing decision.", "",
+           "The measured code is the code in `src/core`, `src/cpu` and `src/cl/kernels` that determines voxels.",
+           "The following files of these folders read texts, list backends or parse the options of backends.",
+           "They determine no voxel and are not measured:",
            ",\n".join(f"`{name}`" for name in APART) + ".", "",
-           "- Lines are source lines with code. A side of a branch is a condition that came out true, or false.",
-           "- MC/DC counts conditions, of decisions with two or more, that were shown to change the outcome on",
-           "  their own; most that are missing are checks whose input no campaign has. clang-19 does not compile",
-           "  it in two files with OpenMP loops, `src/cpu/bone/bone.c` and `src/cpu/voxelize/voxelize.c`.",
-           "- Instances of an inline function count as one. Assertions are left out: none may fail.",
-           "- OpenCL devices have no counters. The kernels are measured as C, where the unit test",
-           "  `tests/cl/test_kernels_as_c` runs them; those rows are of that test and not of the campaign. The row",
-           "  of an OpenCL backend shows what its part on the host uses of `src/core`.",
-           "- `src/cpu/arm` is compiled for AArch64 alone and is not measured here.", "",
+           "- *Lines* are source lines that contain code. A *side of a branch* is one of the two outcomes of a",
+           "  condition, true or false.",
+           "- *MC/DC* is counted for decisions with two or more conditions. It is the number of conditions for",
+           "  which a pair of cases shows that the condition alone changes the outcome of the decision. Most",
+           "  conditions that are missing check for an input that no case contains. clang-19 does not measure",
+           "  MC/DC in two files with OpenMP loops, `src/cpu/bone/bone.c` and `src/cpu/voxelize/voxelize.c`.",
+           "- All instances of an inline function are counted as one. Assertions are not counted, because none",
+           "  of them may fail.",
+           "- OpenCL devices have no counters. The kernels are therefore measured as C code, which the unit test",
+           "  `tests/cl/test_kernels_as_c` runs; their rows describe this test and not the campaign. The row of",
+           "  an OpenCL backend shows how much of `src/core` the host code of the backend uses.",
+           "- `src/cpu/arm` is compiled only for AArch64 and is not measured.", "",
            "## Backends", "", "| backend | lines | sides of branches | MC/DC |", "|---|---|---|---|"]
     for backend, rows in tables:
         total = [sum(column) for column in list(zip(*rows))[1:]]
         out.append(f"| `{backend}` | {percent(total[1], total[0])} | {percent(total[3], total[2])} | {percent(total[5], total[4])} |")
-    out += ["", "A backend is not meant to enter another's files; the table by file is of all backends together.", "", "## Files", "",
+    out += ["", "A backend is not expected to execute the files of other backends. The table of files is for all backends together.", "", "## Files", "",
             "| file | lines | sides of branches | MC/DC |", "|---|---|---|---|"]
     for backend, rows in tables:
         if backend in ("all backends", "kernels as C"):
             for row in rows:
                 out.append(f"| `{row[0]}` | {percent(row[2], row[1])} | {percent(row[4], row[3])} | {percent(row[6], row[5])} |")
-    out += ["", "## What no case reaches", "", f"{len(pairs)} outcomes, by reason.", ""]
+    out += ["", "## What no case reaches", "", f"The following {len(pairs)} outcomes of decisions are not reached by any case. They are listed by reason.", ""]
     by_reason = {}
     for decision, reason in pairs:
         by_reason.setdefault(reason, []).append(decision)
