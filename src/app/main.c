@@ -45,7 +45,7 @@ static const app_verb verbs[] = {
     {"verify", "check a bundle of evidence offline", cmd_verify},
     {"sign", "sign a bundle of evidence", cmd_sign},
     {"bench", "measure against baselines in the same run", cmd_bench},
-    {"reproduce", "make the thesis' tables and figures again", cmd_reproduce},
+    {"reproduce", "reproduce the tables and figures of the thesis", cmd_reproduce},
     {"devices", "list what works on this machine, and why the rest does not", cmd_devices},
 };
 

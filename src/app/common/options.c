@@ -20,7 +20,7 @@ static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
         {.name = "backend", .kind = OPTION_TEXT, .out = &app->backend, .value = "NAME",
          .help = "backend: cpu (default), cpu:isa=avx2, cl, ref or plugin:FILE.so; osteon devices lists them"},
         {.name = "threads", .kind = OPTION_INTEGER, .out = &app->threads, .value = "N", .min = 1, .max = 1024,
-         .help = "maximum of threads (default: one per core); no result depends on it"},
+         .help = "maximum number of threads (default: one per core); no result depends on it"},
         {.name = "json", .kind = OPTION_FLAG, .out = &app->json, .help = "print one JSON object on standard output"},
         {.name = "quiet", .kind = OPTION_FLAG, .out = &app->quiet, .help = "print no summary, warnings or progress"},
         {.name = "help", .kind = OPTION_FLAG, .out = help, .help = "show this help"},

@@ -150,16 +150,16 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "A B [--html FILE] [options]",
-        .about = "Prints the differences between two grids, from the verdict down to voxels. A and\n"
-                 "B are two bones, two CTs or two tools; or two bundles of osteon validate, which\n"
-                 "are compared by their digests down to stage, tick and chunk.",
+        .about = "Prints whether two grids differ, and in which pattern, chunks and voxels. A and B\n"
+                 "are two bones, two CTs or two tools. They can also be two bundles of osteon\n"
+                 "validate, whose digests are compared for each stage, tick and chunk.",
         .operands = operands,
         .options = options,
-        .notes = "Exit status 0 if they are equal (same dimensions, spacing, origin and voxels), 1\n"
-                 "if they differ. Two lengths are equal if they differ by at most 2^-23 of their\n"
-                 "size, the precision of a NIfTI's float32. Other facts in the headers are not\n"
-                 "compared. A text is read as the bone that osteon import makes of it. Bundles are\n"
-                 "equal if every case of both could be compared and is equal.",
+        .notes = "Exit status 0 if they are equal (same dimensions, spacing, origin and voxels), 1 if\n"
+                 "they differ. Two lengths are equal if they differ by at most 2^-23 of their size,\n"
+                 "the precision of float32 in a NIfTI file. Other facts in the headers are not\n"
+                 "compared. A text file is first converted into a bone, as by osteon import. Two\n"
+                 "bundles are equal if every case of both was compared and is equal.",
         .example = "  osteon diff scapula.nrrd reamed.nrrd --html difference.html\n"
                    "  osteon diff our-bundle their-bundle",
     };

@@ -33,11 +33,11 @@ typedef struct glenoid_plan_options {
          .out = &(p).trigonum,                                                                                         \
          .given = &(p).trigonum_given,                                                                                 \
          .value = "X,Y,Z",                                                                                             \
-         .help = "trigonum spinae, where the scapula's spine meets its medial border: for version and inclination "    \
-                 "in the scapula's own frame (default: as in the file)"},                                              \
+         .help = "trigonum spinae, where the scapula's spine meets its medial border; with it, version and "           \
+                 "inclination are measured in the scapula's frame (default: as in the file)"},                         \
     {                                                                                                                  \
         .name = "inferior-angle", .kind = OPTION_POINT, .out = &(p).inferior, .given = &(p).inferior_given,            \
-        .value = "X,Y,Z", .help = "inferior angle, the scapula's lowest point: for the same (default: as in the file)" \
+        .value = "X,Y,Z", .help = "inferior angle, the scapula's lowest point: likewise (default: as in the file)"     \
     }
 
 /*

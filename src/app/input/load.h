@@ -26,7 +26,7 @@ typedef struct dicom_options {
     {.name = "even-slices", .kind = OPTION_FLAG, .out = &(d).even_slices,                                        \
      .help = "interpolate DICOM slices with uneven distances or gaps onto even ones (default: refuse them)"},    \
     {.name = "untilt", .kind = OPTION_FLAG, .out = &(d).untilt,                                                  \
-     .help = "shear the DICOM slices of a tilted gantry back (default: refuse them)"}
+     .help = "correct the shear of DICOM slices from a tilted gantry (default: refuse them)"}
 
 typedef struct ct_options {
     ost_pm3 spacing;

@@ -20,7 +20,7 @@
 
 #define SWEEP_OPTION(sweep)                                                                                            \
     {.name = "sweep", .kind = OPTION_CHOICE, .out = &(sweep), .value = "off|on",                                       \
-     .help = "remove along the way between two ticks too (default: on)"}
+     .help = "also remove bone along the motion between two ticks (default: on)"}
 
 #define CLASSES_OPTION(text)                                                                                           \
     {.name = "classes", .kind = OPTION_TEXT, .out = &(text), .value = "NAME:HU,...",                                   \

@@ -30,12 +30,12 @@ enum { SEGMENT_AIR = -200, SEGMENT_CUTS_MAX = OPTION_LIST_MAX * 2 + 1, SEGMENT_B
      .help = "bone to select: the largest one, all (default), or the one at a position; may be given several "     \
              "times"},                                                                                             \
     {.name = "min-volume", .kind = OPTION_DECIMAL, .out = &(s).min_volume, .value = "MM3",                         \
-     .help = "volume of the smallest bone (default: 100)"},                                                        \
+     .help = "minimum volume of a bone (default: 100)"},                                                           \
     {.name = "growth", .kind = OPTION_INTEGER, .out = &(s).growth, .value = "HU", .min = 1, .max = 32767,          \
      .help = "lowest density of the voxels of a bone, of which at least one reaches the threshold (default: as "   \
              "--threshold)"},                                                                                      \
     {.name = "fill", .kind = OPTION_FLAG, .out = &(s).fill,                                                        \
-     .help = "give holes inside a bone its label, unless they have air"},                                          \
+     .help = "assign holes inside a bone to this bone, unless they contain air"},                                  \
     {.name = "air", .kind = OPTION_INTEGER, .out = &(s).air, .given = &(s).air_given, .value = "HU",               \
      .min = -32768, .max = 32767, .help = "density below which a voxel is air (default: -200)"},                   \
     HEADING("separating bones that touch"),                                                                        \

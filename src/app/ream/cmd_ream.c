@@ -214,13 +214,13 @@ ost_status cmd_ream(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "--bone BONE --tool TOOL --path PATH --out FILE [options]",
-        .about = "Moves tools along a path and removes the bone that they meet.",
+        .about = "Moves tools along a path and removes the bone that they cover.",
         .options = options,
         .notes = "Lengths are in millimetres, densities in HU. A path file has lines\n"
-                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm] (or x_m,y_m,z_m; plain or gzip):\n"
-                 "a row is a tick, and its pose takes the tool's frame into the bone's; a row of\n"
-                 "nan lifts the tool. The bone's frame is the CT's: x to the patient's left, y to\n"
-                 "the back, z to the head (LPS).",
+                 "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm] (or x_m,y_m,z_m; plain or gzip).\n"
+                 "A row is a tick. Its pose transforms the tool's frame to the bone's frame; a row of\n"
+                 "nan lifts the tool. The bone has the frame of the CT: x points to the patient's\n"
+                 "left, y to the back, z to the head (LPS).",
         .example = "  osteon ream --bone builtin:scapula --out reamed.nrrd \\\n"
                    "    --tool builtin:peg --path builtin:peg-hole \\\n"
                    "    --tool builtin:reamer --path builtin:glenoid-ream\n"

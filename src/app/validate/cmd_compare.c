@@ -228,17 +228,17 @@ ost_status cmd_compare(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "DUMPS | BACKEND [options]",
-        .about = "Compares the grids of another program with those of the scalar reference, stage\n"
-                 "by stage, and prints for every voxel that differs how near its decision was to\n"
-                 "the other result.\n"
+        .about = "Compares the grids of another program with those of the scalar reference, stage by\n"
+                 "stage. For every voxel that differs, prints a margin, which states how close the\n"
+                 "voxel was to the other result.\n"
                  "DUMPS is a folder with a dump.json (docs/spec/dumps.md); BACKEND is the name of a\n"
                  "backend, such as plugin:./mine.so.",
         .operands = names,
         .options = options,
-        .notes = "The margin of a voxel is the distance, on its worst axis, between the\n"
-                 "reference's point and the nearest border behind which the other result would be\n"
-                 "correct. Rounding gives margins near 0; a difference that no border explains is\n"
-                 "not rounding.",
+        .notes = "The reference determines a voxel by the position of a point. The margin of a voxel\n"
+                 "is the distance, on its worst axis, from this point to the nearest border beyond\n"
+                 "which the other result would be correct. Rounding gives margins near 0. A\n"
+                 "difference that no border explains is not caused by rounding.",
         .example = "  osteon validate --export-cases cases --only import/0   # inputs, for your program\n"
                    "  osteon compare my-dumps\n"
                    "  osteon compare plugin:./thesis_f32.so --only static --apart\n"

@@ -235,17 +235,17 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--tier TIER] [--ct FILE] [--tool FILE] [--path FILE] [options]",
-        .about = "Runs generated cases, and cases of your own files, on every backend, each in a\n"
-                 "process of its own, and compares every stage with the scalar reference byte by\n"
-                 "byte.",
+        .about = "Runs generated cases, and cases of your own files, on every backend, and compares\n"
+                 "every stage with the scalar reference, byte by byte. Each backend runs in its own\n"
+                 "process.",
 
         .options = options,
-        .notes = "The cases of your own files are user/1, user/2, ... after the tier's; --only\n"
-                 "user runs them alone. The bundle contains the sizes and SHA-256 of these files,\n"
-                 "but neither names nor content.\n"
+        .notes = "Your own files become the cases user/1, user/2, ..., which run after those of the\n"
+                 "tier; with --only user, only these cases run. The bundle contains the sizes and\n"
+                 "SHA-256 of your files, but neither their names nor their content.\n"
                  "\n"
-                 "This is verification of the equivalence of backends (code verification): it\n"
-                 "shows that all backends compute the same. It is not a clinical validation.",
+                 "The method is backend equivalence verification (code verification): it shows that\n"
+                 "all backends compute the same results. It is not a clinical validation.",
         .example = "  osteon validate --out bundle\n  osteon validate --tier standard --cpu-only --json\n"
                    "  osteon validate --backends 'cpu:isa=avx2,threads=7;cl' --only session\n"
                    "  osteon validate --ct shoulder.nii.gz --tool reamer.stl --path motion.csv --out bundle\n"

@@ -347,7 +347,7 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "filter", .kind = OPTION_TEXT, .out = &how.filter, .value = "TEXT",
          .help = "measure the rows whose name contains TEXT"},
         {.name = "repeat", .kind = OPTION_INTEGER, .out = &repeat, .value = "N", .min = 1, .max = 100000,
-         .help = "repetitions of every row (default: each row's own number)"},
+         .help = "repetitions of every row (default: a number defined for each row)"},
         {.name = "quick", .kind = OPTION_FLAG, .out = &how.quick,
          .help = "use three repetitions and small inputs, to check that everything runs"},
         {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "SHARE",
@@ -356,22 +356,21 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--suite NAME] [options]",
-        .about = "Measures osteon against baselines in the same run: removal against the thesis'\n"
-                 "kernel in C, transfer against a copy, parsing against fscanf, voxelization\n"
-                 "against Embree, OpenCL against the thesis' kernel in OpenCL. Every grid is first\n"
-                 "compared with the reference's byte by byte.",
+        .about = "Measures osteon and its baselines in the same run. The baselines are the thesis'\n"
+                 "kernel in C for removal, a copy for transfer, fscanf for parsing, Embree for\n"
+                 "voxelization, and the thesis' kernel in OpenCL for OpenCL. Before a row is\n"
+                 "measured, its grid is compared with that of the reference, byte by byte.",
         .options = options,
-        .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time\n"
-                 "divided by ours. Rows that end in /1 and those of the suite tick use one thread,\n"
-                 "all others --threads (default: all). Other work on the machine changes the\n"
-                 "figures; the minima change least. docs/performance.md explains the rows, their\n"
-                 "limits and their goals.\n"
-                 "A row that cannot run here (not enough memory on the device or the host, no\n"
-                 "baseline program) is printed as not run with the reason, and the other rows\n"
-                 "follow.\n"
-                 "Exit status 0: rows were measured; 1: the grid of a row differs from the\n"
-                 "reference's; 2: wrong usage; 3: no row could run, or the backend is not\n"
-                 "available.",
+        .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time divided\n"
+                 "by osteon's. Rows that end in /1 and those of the suite tick use one thread; all\n"
+                 "others use --threads (default: all). Other work on the machine changes the figures,\n"
+                 "the minima least. docs/performance.md explains the rows, their limits and their\n"
+                 "goals.\n"
+                 "A row that cannot run on this machine (for example because the device or the host\n"
+                 "has too little memory) is printed as not run, with the reason. The other rows are\n"
+                 "still measured.\n"
+                 "Exit status 0: rows were measured; 1: the grid of a row differs from that of the\n"
+                 "reference; 2: wrong usage; 3: no row could run, or the backend is not available.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend "
                    "cpu:voxelizer=embree\n"
                    "  osteon bench --backend cpu:isa=avx2 --json",

@@ -145,12 +145,13 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "--to HOST:PORT --key FILE --device NAME [options]",
-        .about = "Connects a device of this machine to a simulation on another. The force is\n"
-                 "computed here from the latest plane that the simulation sent: a slow link makes\n"
-                 "it late but never unstable. If the link fails, the force becomes zero.",
+        .about = "Connects a device of this machine to a simulation on another machine. The force is\n"
+                 "computed on this machine, from the latest plane that the simulation sent. A slow\n"
+                 "link therefore delays the force but never makes it unstable. If the link fails, the\n"
+                 "force becomes zero.",
         .options = options,
         .notes = "The key is a file of at least 16 bytes that only its owner may read, the same on\n"
-                 "both sides. Packets are authenticated with it, not encrypted.",
+                 "both machines. Packets are authenticated with the key, but not encrypted.",
         .example = "  (umask 077; head -c 32 /dev/urandom >osteon.key)\n"
                    "  osteon sim --headless --device udp:bind=0.0.0.0,key=osteon.key --seconds 600\n"
                    "  osteon bridge --to simulator:4707 --key osteon.key --device openhaptics",

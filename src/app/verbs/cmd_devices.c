@@ -270,10 +270,10 @@ ost_status cmd_devices(app_state *app, int argc, char **argv, ost_error *err)
     const option options[] = {{.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--json]",
-        .about = "Lists which backends, instruction sets, haptic devices and optional parts work\n"
-                 "here, and for the others the reason and what to install. OSTEON_ISA,\n"
-                 "OMP_NUM_THREADS, --backend and --threads have the same effect as for any other\n"
-                 "verb.",
+        .about = "Lists the backends, instruction sets, haptic devices and optional components that\n"
+                 "work on this machine. For those that do not work, the list states the reason and\n"
+                 "what to install. OSTEON_ISA, OMP_NUM_THREADS, --backend and --threads have the same\n"
+                 "effect as for any other verb.",
         .options = options,
         .example = "  osteon devices\n  osteon devices --backend cpu:isa=avx2 --threads 1",
     };

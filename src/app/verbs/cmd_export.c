@@ -278,20 +278,20 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "omit-empty",
          .kind = OPTION_FLAG,
          .out = &args.omit_empty,
-         .help = ".txt: no lines for voxels of density 0; it is read as the box of the other voxels"},
+         .help = ".txt: omit the lines of voxels of density 0; the file is then read as the box of the other voxels"},
         COMPRESS_OPTION(args.compress),
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BONE --out FILE [options]",
-        .about = "Writes a bone in the format of FILE: its voxels, its surface or a picture. BONE\n"
-                 "may also be a CT or a tool grid. A session is written as a table with a row for\n"
-                 "each tick.",
+        .about = "Writes a bone in the format of FILE: its voxels, its surface or a picture. BONE may\n"
+                 "also be a CT or a tool grid. A session is written as a table with a row for each\n"
+                 "tick.",
         .operands = operands,
         .streams = true,
         .options = options,
-        .notes = "Lengths are in millimetres, in the bone's frame (LPS), which a mesh states as 3D\n"
-                 "Slicer reads it (SPACE=LPS). A surface is closed. A text is read as the bone that\n"
-                 "osteon import makes of it.",
+        .notes = "Lengths are in millimetres, in the bone's frame (LPS). A surface is closed, and its\n"
+                 "file states the frame in the form that 3D Slicer reads (SPACE=LPS). A text file is\n"
+                 "first converted into a bone, as by osteon import.",
         .example = "  osteon export reamed.nrrd --out reamed.stl\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --view en-face --out reamed.png\n"
                    "  osteon export reamed.nrrd --before scapula.nrrd --out removed.stl\n"

@@ -157,16 +157,16 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "CT --out BONE.nrrd [options]",
-        .about = "Converts a CT into a bone: cubic voxels, of which those below the threshold are\n"
-                 "empty. CT is a text of lines \"x y z density\", an NRRD, a NIfTI, a MetaImage or a\n"
-                 "folder of DICOM files, or a stack of TIFF or PNG slices: a folder, a pattern in quotes,\n"
-                 "or a TIFF with pages.",
+        .about = "Converts a CT into a bone of cubic voxels. Voxels below the threshold are empty. CT\n"
+                 "is a text file of lines \"x y z density\", an NRRD, NIfTI or MetaImage file, a folder\n"
+                 "of DICOM files, or a stack of TIFF or PNG slices: a folder, a pattern in quotes, or\n"
+                 "a TIFF with several pages.",
         .operands = operands,
         .streams = true,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. Axes are turned to point to the\n"
-                 "patient's left, back and head (LPS); a text is not turned. The positions of a\n"
-                 "text are voxel centres in any order.",
+        .notes = "Lengths are in millimetres, densities in HU. The axes of the grid are made to point\n"
+                 "to the patient's left, back and head (LPS); the axes of a text file are not\n"
+                 "changed. The positions in a text file are voxel centres, in any order.",
         .example = "  osteon import shoulder.nii.gz --out shoulder.nrrd\n"
                    "  osteon import scan/ --series 3 --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"

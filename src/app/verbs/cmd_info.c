@@ -294,9 +294,9 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "FILE [--digest] [--set KEY=VALUE] [--repair FILE]",
-        .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only\n"
-                 "the header of a volume is read; a session is read completely, and what is\n"
-                 "missing in it is printed. For a folder of DICOM files, lists its series.",
+        .about = "Describes a file: a CT, a bone, a tool grid, a mesh, a path or a session. Only the\n"
+                 "header of a volume is read. A session is read completely, and its missing parts are\n"
+                 "listed. For a folder of DICOM files, the series are listed.",
         .operands = operands,
         .streams = true,
         .options = options,

@@ -68,7 +68,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "seed", .kind = OPTION_INTEGER, .out = &seed, .value = "N", .min = 1, .max = INT64_MAX,
          .help = "seed of the generated bone (default: 1)"},
         {.name = "spacing", .kind = OPTION_LENGTHS, .out = &make.spacing, .value = "MM[,MM,MM]",
-         .help = "voxel spacing (default: the thesis'); the bone keeps its size"},
+         .help = "voxel spacing (default: as in the thesis); the size of the bone does not change"},
         {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "FACTOR",
          .help = "factor of the bone's size, from 0.1 to 10 (default: 1)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &side, .value = "left|right",
@@ -79,8 +79,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "KIND --out FILE [options]",
-        .about = "Makes a CT of a generated bone, for everything that needs one.\n\n"
-                 "kinds, with the thesis' sizes\n"
+        .about = "Generates a CT of an artificial bone, for every command that needs a CT.\n\n"
+                 "kinds, with the dimensions of the thesis\n"
                  "  scapula      256 x 234 x 201 at 0.47 x 0.47 x 1 mm, with a glenoid\n"
                  "  glenoid      49 x 81 x 41 at 0.47 x 0.47 x 1 mm\n"
                  "  shoulder     336 x 234 x 201 at 0.47 x 0.47 x 1 mm, a scapula and a humerus\n"
@@ -90,8 +90,9 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
                  "  foam         314 x 320 x 604 at 0.032 mm",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres, densities in HU. A seed gives the same grid on every\n"
-                 "machine. The file states where the glenoid is, for osteon ream.",
+        .notes = "Lengths are in millimetres, densities in HU. The same seed gives the\n"
+                 "same grid on every machine. The file contains the position of the glenoid, which\n"
+                 "osteon ream uses.",
         .example = "  osteon phantom scapula --out scapula.nrrd",
     };
     ost_status status;

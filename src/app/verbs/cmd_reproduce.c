@@ -301,7 +301,7 @@ ost_status cmd_reproduce(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_TEXT,
          .out = &args.out,
          .value = "DIR",
-         .help = "folder for the files; it is made if it does not exist"},
+         .help = "folder for the output files; it is created if it does not exist"},
         {.name = "quick",
          .kind = OPTION_FLAG,
          .out = &args.quick,
@@ -309,31 +309,32 @@ ost_status cmd_reproduce(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "list",
          .kind = OPTION_FLAG,
          .out = &args.list,
-         .help = "list the items, and the tables and figures that are missing with the reason"},
+         .help = "list the items, and the tables and figures that cannot be reproduced, with the reason"},
         {.name = "merge",
          .kind = OPTION_LIST,
          .out = &args.merge,
          .value = "DIR",
-         .help = "measure nothing: merge the results of another run, made on any machine or device; may repeat"},
+         .help = "measure nothing: merge the results of another run, from any machine or device; may repeat"},
         {.name = "ct",
          .kind = OPTION_LIST,
          .out = &args.ct,
          .value = "[MODEL=]FILE",
-         .help = "use a CT in the place of the model foam, core-2, core-1, scapula (default) or glenoid; may repeat"},
+         .help = "use a CT instead of the model foam, core-2, core-1, scapula (default) or glenoid; may repeat"},
         {.name = NULL}};
     const operand operands[] = {{"ITEM", &args.items, NULL}, {NULL, NULL, NULL}};
     const usage_text usage = {
         .synopsis = "[ITEM[,ITEM...]|all] --out DIR [options]",
-        .about = "Makes the thesis' tables and figures again: as CSV, JSON, plots and pictures, each\n"
-                 "with the thesis' own values next to those of this machine, and a report.",
+        .about = "Reproduces the tables and figures of the thesis as CSV, JSON, plots and pictures,\n"
+                 "each with the thesis' own values next to those of this machine, and writes a\n"
+                 "report.",
         .operands = operands,
         .options = options,
         .notes = "An item is a table or a figure: table-3.3, figure-3.10 or fig-3.10. Its files are\n"
                  "ITEM.json, ITEM.csv, ITEM.svg and pictures; report.html shows all items of the run.\n"
                  "The items of the kind `times` differ between machines; all others do not.\n"
                  "The report of all items takes minutes; --quick takes less than two.\n"
-                 "Exit status 0: items were measured; 2: wrong usage; 3: no item could be measured\n"
-                 "here, or the backend is not available.",
+                 "Exit status 0: items were measured; 2: wrong usage; 3: no item could be measured on\n"
+                 "this machine, or the backend is not available.",
         .example = "  osteon reproduce all --out thesis\n"
                    "  osteon reproduce table-3.3,table-3.4 --out chunks --backend cl\n"
                    "  osteon reproduce --out both --merge thesis --merge other-machine/thesis",

@@ -38,7 +38,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
          .help = "the label map: .nrrd, .nii or .nii.gz"},
         HEADING("what is bone"),
         {.name = "threshold", .kind = OPTION_INTEGER, .out = &threshold, .value = "HU", .min = 1, .max = 32767,
-         .help = "density that a bone reaches somewhere (default: 120)"},
+         .help = "density that at least one voxel of each bone reaches (default: 120)"},
         SEGMENT_OPTIONS(segment),
         HEADING("reading and reporting"),
         {.name = "at", .kind = OPTION_POINT, .out = &at, .given = &has_at, .value = "X,Y,Z",
@@ -53,13 +53,13 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         .synopsis = "CT --out LABELS.nrrd [options]",
         .about = "Divides a CT (NRRD, NIfTI, MetaImage or a folder of DICOM files) into bones:\n"
                  "components of dense voxels that share faces. Label 1 is the largest. osteon import\n"
-                 "--mask LABELS.nrrd:1 makes a bone of it; osteon import also accepts the options that\n"
-                 "select a bone.",
+                 "--mask LABELS.nrrd:1 imports the bone with label 1; osteon import also accepts the\n"
+                 "options that select a bone.",
         .operands = operands,
         .streams = true,
         .options = options,
-        .notes = "Lengths are in millimetres in the patient's axes (LPS), densities in HU. The label map\n"
-                 "is equal on every machine.",
+        .notes = "Lengths are in millimetres in the patient's axes (LPS), densities in HU. The label\n"
+                 "map is the same on every machine.",
         .example = "  osteon segment shoulder.nii.gz --out labels.nrrd\n"
                    "  osteon segment shoulder.nii.gz --cut-ball -142,196,-159,26 --out labels.nrrd",
     };

@@ -45,13 +45,12 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "MESH --voxel MM --out TOOL.nrrd [options]",
-        .about = "Converts a mesh (STL, OBJ, PLY, 3DS, or builtin:reamer, builtin:peg,\n"
-                 "builtin:burr) into a tool grid: a voxel is solid if its centre lies inside the\n"
-                 "mesh.",
+        .about = "Converts a mesh (STL, OBJ, PLY, 3DS, or builtin:reamer, builtin:peg, builtin:burr)\n"
+                 "into a tool grid. A voxel is solid if its centre lies inside the mesh.",
         .operands = operands,
         .options = options,
-        .notes = "Lengths are in millimetres. The grid has the mesh's own frame. A row of voxels\n"
-                 "that the mesh does not close is left empty and counted as leaking.",
+        .notes = "Lengths are in millimetres. The grid has the frame of the mesh. If the mesh is not\n"
+                 "closed in a row of voxels, the row is left empty and counted as a leak.",
         .example = "  osteon tool reamer --out reamer.stl\n  osteon voxelize reamer.stl --voxel 0.5 --out reamer.nrrd",
     };
     ost_status status;
