@@ -106,6 +106,8 @@ static void a_sphere_has_radial_normals(void **state)
     ost_mesh mesh = sphere(4, 40, 80);
     ost_smooth_mesh s = smooth(&mesh);
     assert_int_equal(s.count, 2 * 80 * 39);
+    /* the vertices of the triangles are not shared, but their positions are */
+    assert_int_equal(s.positions, 80 * 39 + 2);
     assert_true(s.closed);
     double worst = 1;
     for (size_t t = 0; t < s.count; t++)
@@ -194,7 +196,7 @@ static picture *draw(const ost_smooth_mesh *mesh, const ost_eye *eye, int band, 
     memset(p->colour, 0, sizeof p->colour);
     assert_ok(ost_triangles_project(&t, mesh, eye, OST_PAINT_STEEL, 1, &err));
     for (int y = 0; y < HEIGHT; y += band)
-        ost_triangles_draw(&t, ost_triangle_row_for(isa), &p->planes, y, y + band < HEIGHT ? y + band : HEIGHT,
+        ost_triangles_draw(&t, ost_triangle_rows_for(isa), &p->planes, y, y + band < HEIGHT ? y + band : HEIGHT,
                            &p->over);
     ost_triangles_free(&t);
     return p;
@@ -262,6 +264,29 @@ static candidate candidate_at(const ost_eye *e, const ost_smooth_triangle *t, in
                                   fabs(meet(e, t, x + 0.5, y + 0.51, &ignored) - depth)};
 }
 
+/* Returns a mesh of random triangles. Some of them share positions. */
+static ost_smooth_mesh random_mesh(test_rng *rng, size_t triangles)
+{
+    ost_smooth_mesh m = {.triangle = calloc(triangles, sizeof *m.triangle),
+                         .position = calloc(3 * triangles, sizeof *m.position),
+                         .place = calloc(triangles, sizeof *m.place),
+                         .count = triangles,
+                         .positions = 2 * triangles};
+    assert_non_null(m.triangle);
+    assert_non_null(m.position);
+    assert_non_null(m.place);
+    for (size_t p = 0; p < m.positions; p++)
+        for (int a = 0; a < 3; a++)
+            m.position[p][a] = (float)rng_range(rng, -2000, 11000) / 1000.0f;
+    for (size_t t = 0; t < triangles; t++)
+        for (int c = 0; c < 3; c++) {
+            m.place[t][c] = (uint32_t)rng_range(rng, 0, (int64_t)m.positions - 1);
+            memcpy(m.triangle[t].corner[c].at, m.position[m.place[t][c]], sizeof m.triangle[t].corner[c].at);
+            m.triangle[t].corner[c].normal[c] = 1;
+        }
+    return m;
+}
+
 /* Compares the picture of random triangles with rays. Pixels whose ray passes close to a side are not compared. */
 static void a_pixel_shows_the_nearest_triangle(void **state)
 {
@@ -270,14 +295,7 @@ static void a_pixel_shows_the_nearest_triangle(void **state)
     test_rng rng = rng_seeded("triangles");
     int compared = 0, covered = 0, clipped = 0;
     for (int round = 0; round < ROUNDS; round++) {
-        ost_smooth_mesh mesh = {.triangle = calloc(TRIANGLES, sizeof *mesh.triangle), .count = TRIANGLES};
-        assert_non_null(mesh.triangle);
-        for (int t = 0; t < TRIANGLES; t++)
-            for (int c = 0; c < 3; c++)
-                for (int a = 0; a < 3; a++) {
-                    mesh.triangle[t].corner[c].at[a] = (float)rng_range(&rng, -2000, 11000) / 1000.0f;
-                    mesh.triangle[t].corner[c].normal[a] = a == c;
-                }
+        ost_smooth_mesh mesh = random_mesh(&rng, TRIANGLES);
         /* in every fifth round, the eye is among the triangles, and the near plane divides some of them */
         const double far = round % 5 ? 30 : 3;
         const double from[3] = {4.5 + far, 4.5 + (double)rng_range(&rng, -20, 20) / 10, 4.5 + far / 3};
@@ -321,6 +339,45 @@ static void a_pixel_shows_the_nearest_triangle(void **state)
     assert_true(compared > 100000 && covered > 20000 && clipped > 0);
 }
 
+static void assert_same(const picture *a, const picture *b)
+{
+    assert_memory_equal(a->colour, b->colour, sizeof a->colour);
+    assert_memory_equal(a->depth, b->depth, sizeof a->depth);
+    assert_memory_equal(a->face, b->face, sizeof a->face);
+    assert_memory_equal(a->over.bit, b->over.bit, (size_t)a->over.words * (size_t)a->over.rows * sizeof *a->over.bit);
+}
+
+/* Triangles around the eye, some with corners so far away that their place in the picture is limited, are drawn alike
+   by every instruction set and in every band. */
+static void far_corners(void **state)
+{
+    (void)state;
+    enum { TRIANGLES = 40, ROUNDS = 40 };
+    test_rng rng = rng_seeded("far corners");
+    int covered = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        ost_smooth_mesh mesh = random_mesh(&rng, TRIANGLES);
+        for (size_t p = 0; p < mesh.positions; p++)
+            for (int a = 0; a < 3; a++)
+                mesh.position[p][a] *= rng_range(&rng, 0, 3) ? 1 : 1e6f;
+        const double from[3] = {5, 5, (double)rng_range(&rng, -20, 40) / 10};
+        const ost_eye eye = eye_at(from, (double)rng_range(&rng, 10, 5000));
+        ost_error err = {0};
+        ost_isa best;
+        assert_ok(ost_isa_choose(NULL, &best, &err));
+        picture *p = draw(&mesh, &eye, HEIGHT, OST_ISA_SCALAR),
+                *bands = draw(&mesh, &eye, (int)rng_range(&rng, 1, 3) * 8, best);
+        assert_same(p, bands);
+        for (int i = 0; i < STRIDE * HEIGHT; i++)
+            covered += p->face[i] != OST_NO_FACE;
+        picture_free(p);
+        picture_free(bands);
+        ost_smooth_mesh_free(&mesh);
+    }
+    print_message("%d pixels covered\n", covered);
+    assert_true(covered > 10000);
+}
+
 /* A sphere is drawn at once by the scalar loop, and in bands of 8 rows by the loop of this processor's instruction set.
    No pixel inside its outline is missing. */
 static void a_sphere_is_a_smooth_disc(void **state)
@@ -334,9 +391,7 @@ static void a_sphere_is_a_smooth_disc(void **state)
     ost_isa best;
     assert_ok(ost_isa_choose(NULL, &best, &err));
     picture *p = draw(&s, &eye, HEIGHT, OST_ISA_SCALAR), *bands = draw(&s, &eye, 8, best);
-    assert_memory_equal(p->colour, bands->colour, sizeof p->colour);
-    assert_memory_equal(p->depth, bands->depth, sizeof p->depth);
-    assert_memory_equal(p->face, bands->face, sizeof p->face);
+    assert_same(p, bands);
     /* a sphere of radius r at distance d is a disc of radius f r / sqrt(d^2 - r^2) */
     const double radius = 300 * 4 / sqrt(30 * 30 - 4 * 4);
     int steepest = 0;
@@ -366,6 +421,7 @@ int main(void)
         cmocka_unit_test(a_rim_remains_sharp),
         cmocka_unit_test(odd_meshes),
         cmocka_unit_test(a_pixel_shows_the_nearest_triangle),
+        cmocka_unit_test(far_corners),
         cmocka_unit_test(a_sphere_is_a_smooth_disc),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -93,7 +93,7 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
     frame->band = OST_BAND;
     frame->kernels = ost_splat_kernels_of(isa);
     frame->tint = ost_light_tint_for(isa);
-    frame->row = ost_triangle_row_for(isa);
+    frame->rows = ost_triangle_rows_for(isa);
 #ifdef _OPENMP
     frame->threads = threads ? threads : omp_get_num_procs();
 #else

@@ -133,7 +133,7 @@ typedef struct ost_frame {
     uint32_t *blank;        /* owned; one row of background */
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
-    ost_triangle_row *row;
+    ost_triangle_rows *rows;
     int threads;
     int band;               /* number of rows that a thread draws at a time, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];

@@ -237,7 +237,7 @@ void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base)
         }
     }
     for (int i = 0; i < f->smooth_count; i++)
-        ost_triangles_draw(&f->smooth[i], f->row, &f->drawn, at.y0, at.y1, &f->over);
+        ost_triangles_draw(&f->smooth[i], f->rows, &f->drawn, at.y0, at.y1, &f->over);
 }
 
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number)

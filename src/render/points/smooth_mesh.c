@@ -12,6 +12,7 @@
 #define CREASE 0.76604444311897803
 /* At a vertex with more triangles, every corner has the normal of its own triangle, so that the time is bounded. */
 enum { MEETING_MAX = 1024 };
+#define UNUSED UINT32_MAX
 
 /* The normals of a part's triangles, and the triangles that meet at each position. */
 typedef struct part {
@@ -21,6 +22,7 @@ typedef struct part {
     uint32_t *place;     /* owned; number of each vertex' position; vertices with equal positions share one number */
     uint32_t *first;     /* owned; entries first[p] to first[p + 1] - 1 of `meets` are the triangles at position p */
     uint32_t *meets;     /* owned */
+    uint32_t *number;    /* owned; each position's number among those of the surface, or UNUSED */
 } part;
 
 static void part_free(part *p)
@@ -30,6 +32,7 @@ static void part_free(part *p)
     free(p->place);
     free(p->first);
     free(p->meets);
+    free(p->number);
 }
 
 typedef struct numbered {
@@ -109,10 +112,13 @@ static ost_status part_make(const ost_mesh *mesh, part *p, ost_error *err)
     p->place = malloc((mesh->vertex_count + 1) * sizeof *p->place);
     p->first = calloc(mesh->vertex_count + 2, sizeof *p->first);
     p->meets = malloc((3 * mesh->triangle_count + 1) * sizeof *p->meets);
-    if (!p->normal || !p->area || !p->place || !p->first || !p->meets || !number_positions(p))
+    p->number = malloc((mesh->vertex_count + 1) * sizeof *p->number);
+    if (!p->normal || !p->area || !p->place || !p->first || !p->meets || !p->number || !number_positions(p))
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface of %zu triangles", mesh->triangle_count);
     find_normals(p);
     list_meetings(p);
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        p->number[i] = UNUSED;
     return OST_OK;
 }
 
@@ -136,22 +142,37 @@ static void corner_normal(const part *p, size_t triangle, uint32_t vertex, float
         out[a] = (float)sum[a];
 }
 
+/* Returns the number of a vertex' position in the surface. Appends the position at its first use. */
+static uint32_t position_of(const part *p, uint32_t vertex, const ost_tool_geometry *grid, ost_smooth_mesh *out)
+{
+    const ost_pm3 *v = &p->mesh->vertices[vertex];
+    const double voxel = (double)grid->voxel;
+    uint32_t *number = &p->number[p->place[vertex]];
+    if (*number == UNUSED) {
+        float *at = out->position[out->positions];
+        at[0] = (float)((double)(v->x - grid->corner.x) / voxel - 0.5);
+        at[1] = (float)((double)(v->y - grid->corner.y) / voxel - 0.5);
+        at[2] = (float)((double)(v->z - grid->corner.z) / voxel - 0.5);
+        *number = (uint32_t)out->positions++;
+    }
+    return *number;
+}
+
 /* Appends the triangles of a part. */
 static void append(const part *p, const ost_tool_geometry *grid, ost_smooth_mesh *out)
 {
     const ost_mesh *m = p->mesh;
-    const double voxel = (double)grid->voxel;
     for (size_t t = 0; t < m->triangle_count; t++) {
         if (!(p->area[t] > 0))
             continue;
-        ost_smooth_triangle *to = &out->triangle[out->count++];
+        ost_smooth_triangle *to = &out->triangle[out->count];
         for (int c = 0; c < 3; c++) {
-            const ost_pm3 *v = &m->vertices[m->triangles[t][c]];
-            to->corner[c].at[0] = (float)((double)(v->x - grid->corner.x) / voxel - 0.5);
-            to->corner[c].at[1] = (float)((double)(v->y - grid->corner.y) / voxel - 0.5);
-            to->corner[c].at[2] = (float)((double)(v->z - grid->corner.z) / voxel - 0.5);
+            const uint32_t number = position_of(p, m->triangles[t][c], grid, out);
+            out->place[out->count][c] = number;
+            memcpy(to->corner[c].at, out->position[number], sizeof to->corner[c].at);
             corner_normal(p, t, m->triangles[t][c], to->corner[c].normal);
         }
+        out->count++;
     }
 }
 
@@ -187,8 +208,10 @@ ost_status ost_smooth_mesh_make(const ost_mesh *parts, int count, const ost_tool
     if (triangles == 0 || triangles > OST_SMOOTH_TRIANGLES_MAX)
         return OST_OK;
     out->triangle = malloc(triangles * sizeof *out->triangle);
+    out->position = malloc(3 * triangles * sizeof *out->position);
+    out->place = malloc(triangles * sizeof *out->place);
     ost_status status = OST_OK;
-    if (!out->triangle)
+    if (!out->triangle || !out->position || !out->place)
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a surface of %zu triangles", triangles);
     for (int i = 0; i < count && status == OST_OK; i++) {
         part p;
@@ -209,5 +232,7 @@ ost_status ost_smooth_mesh_make(const ost_mesh *parts, int count, const ost_tool
 void ost_smooth_mesh_free(ost_smooth_mesh *mesh)
 {
     free(mesh->triangle);
+    free(mesh->position);
+    free(mesh->place);
     *mesh = (ost_smooth_mesh){0};
 }

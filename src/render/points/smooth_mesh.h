@@ -30,6 +30,11 @@ _Static_assert(sizeof(ost_smooth_triangle) == 72, "18 floats without padding");
 typedef struct ost_smooth_mesh {
     ost_smooth_triangle *triangle; /* owned */
     size_t count;
+    /* owned; the different positions of the corners, and the numbers of each triangle's positions, so that a position
+       is projected once for all triangles that meet there */
+    float (*position)[3];
+    size_t positions;
+    uint32_t (*place)[3];
     bool closed; /* true if the back of no triangle can be seen from outside */
     uint64_t hash; /* hash of the triangles, by which a renderer finds a mesh that it has uploaded */
 } ost_smooth_mesh;

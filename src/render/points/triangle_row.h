@@ -9,6 +9,10 @@
 
 #include <string.h>
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include "render/points/triangles.h"
 
 #ifdef __AVX2__
@@ -93,10 +97,10 @@ static inline ost_row_ints ost_row_light(const ost_triangles *t, ost_row_floats 
 
 static inline ost_row_ints ost_row_numbers(int32_t first)
 {
+    static const int32_t numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
     ost_row_ints v;
-    for (int l = 0; l < OST_ROW_LANES; l++)
-        v[l] = first + l;
-    return v;
+    memcpy(&v, numbers, sizeof v);
+    return v + first;
 }
 
 static inline bool ost_row_any(ost_row_ints mask)
@@ -108,8 +112,39 @@ static inline bool ost_row_any(ost_row_ints mask)
     return any != 0;
 }
 
+/* Between masks of bytes and of ints, the compiler converts lane by lane. */
+#ifdef __AVX2__
+static inline ost_row_ints ost_row_without_face(ost_row_bytes faces)
+{
+    const ost_row_bytes none = faces == OST_NO_FACE;
+    return (ost_row_ints)_mm256_cvtepi8_epi32(_mm_cvtsi64_si128((int64_t)none));
+}
+static inline ost_row_bytes ost_row_byte_mask(ost_row_ints mask)
+{
+    const __m256i v = (__m256i)mask;
+    const __m128i words = _mm_packs_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    return (ost_row_bytes)_mm_cvtsi128_si64(_mm_packs_epi16(words, words));
+}
+#else
+static inline ost_row_ints ost_row_without_face(ost_row_bytes faces)
+{
+    return __builtin_convertvector(faces, ost_row_ints) == OST_NO_FACE;
+}
+static inline ost_row_bytes ost_row_byte_mask(ost_row_ints mask)
+{
+    return __builtin_convertvector(mask, ost_row_bytes);
+}
+#endif
+
+/* The pixels from <= x < to of a row. The shares of corners 1 and 2 are b and c at `from`, and change from pixel to
+   pixel by the steps. */
+typedef struct ost_row_span {
+    int from, to;
+    float b, b_step, c, c_step;
+} ost_row_span;
+
 /* Draws the part of a span in the pixels from x on, which are at `at` in the planes. Returns true if one changes. */
-static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle *f, const ost_triangle_span *s, int x,
+static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle *f, const ost_row_span *s, int x,
                                 const ost_planes *planes, size_t at)
 {
     ost_row_floats was, n[3];
@@ -124,8 +159,7 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     const ost_row_floats b = (ost_row_floats)((ost_row_ints)(s->b + along * s->b_step) & inside),
                          c = (ost_row_floats)((ost_row_ints)(s->c + along * s->c_step) & inside);
     const ost_row_floats depth = t->scale / ost_row_linear(f->inverse[0], f->inverse[1], f->inverse[2], b, c);
-    const ost_row_ints none = __builtin_convertvector(faces, ost_row_ints) == OST_NO_FACE,
-                       take = inside & (none | (depth < was));
+    const ost_row_ints take = inside & (ost_row_without_face(faces) | (depth < was));
     if (!ost_row_any(take))
         return false;
     for (int a = 0; a < 3; a++)
@@ -133,20 +167,72 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     memcpy(&colours, planes->colour + at, sizeof colours);
     colours = (ost_row_light(t, n) & take) | (colours & ~take);
     was = ost_row_choose(take, depth, was);
-    faces &= __builtin_convertvector(~take, ost_row_bytes); /* face 0 */
+    faces &= ~ost_row_byte_mask(take); /* face 0 */
     memcpy(planes->colour + at, &colours, sizeof colours);
     memcpy(planes->depth + at, &was, sizeof was);
     memcpy(planes->face + at, &faces, sizeof faces);
     return true;
 }
 
-static inline bool ost_row_draw(const ost_triangles *t, const ost_flat_triangle *f, const ost_triangle_span *s, int y,
-                                const ost_planes *planes)
+/* The side of a triangle that is opposite to a corner. Its value is 0 on the side and positive inside, and the three
+   values of a pixel have the same sum, twice the area. Values are below 2^60. */
+typedef struct ost_row_side {
+    int64_t value;        /* at the middle of the triangle's first pixel in a row */
+    int64_t across, down; /* change from pixel to pixel, and from row to row */
+} ost_row_side;
+
+/* Returns the side opposite to corner `opposite`, in row y. */
+static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int opposite, int y)
 {
-    bool any = false;
-    for (int x = s->from / OST_ROW_LANES * OST_ROW_LANES; x < s->to; x += OST_ROW_LANES)
-        any |= ost_row_some(t, f, s, x, planes, ost_row(planes, y) + (size_t)x);
-    return any;
+    const int a = (opposite + 1) % 3, b = (opposite + 2) % 3;
+    const int64_t dx = f->x[b] - f->x[a], dy = f->y[b] - f->y[a];
+    const int64_t px = (int64_t)f->pixels.x0 * OST_PIXEL_PARTS + OST_PIXEL_PARTS / 2,
+                  py = (int64_t)y * OST_PIXEL_PARTS + OST_PIXEL_PARTS / 2;
+    return (ost_row_side){dx * (py - f->y[a]) - dy * (px - f->x[a]), -dy * OST_PIXEL_PARTS, dx * OST_PIXEL_PARTS};
+}
+
+/*
+ * Divides integers, rounding down. a >= 0 and b > 0. The division of doubles, which is faster, is exact for a < 2^52: a
+ * quotient that is not an integer is at least 1 / b away from one, and is rounded by less than a / b 2^-53 < 1 / b.
+ */
+static inline int64_t ost_row_quotient(int64_t a, int64_t b)
+{
+    return a < INT64_C(1) << 52 ? (int64_t)((double)a / (double)b) : a / b;
+}
+
+/* Narrows a half-open range of pixels, counted from the triangle's first one, to those on the inner side. */
+static inline void ost_row_narrow(const ost_row_side *s, int *from, int *to)
+{
+    if (s->value < 0) {
+        const int64_t first = s->across > 0 ? ost_row_quotient(s->across - 1 - s->value, s->across) : *to;
+        *from = first > *from ? first < *to ? (int)first : *to : *from;
+    } else if (s->value + (*to - 1) * s->across < 0) {
+        const int64_t end = ost_row_quotient(s->value, -s->across) + 1;
+        *to = end < *to ? (int)end : *to;
+    }
+}
+
+/* Draws the rows of a triangle. */
+static inline void ost_row_triangle(const ost_triangles *t, const ost_flat_triangle *f, const ost_planes *planes,
+                                    int y0, int y1, const ost_cells *over)
+{
+    ost_row_side s[3] = {ost_row_side_of(f, 0, y0), ost_row_side_of(f, 1, y0), ost_row_side_of(f, 2, y0)};
+    for (int y = y0; y < y1; y++) {
+        int from = 0, to = f->pixels.x1 - f->pixels.x0;
+        for (int i = 0; i < 3; i++)
+            ost_row_narrow(&s[i], &from, &to);
+        const ost_row_span span = {.from = f->pixels.x0 + from,
+                                   .to = f->pixels.x0 + to,
+                                   .b = (float)(s[1].value + from * s[1].across) * f->whole,
+                                   .b_step = (float)s[1].across * f->whole,
+                                   .c = (float)(s[2].value + from * s[2].across) * f->whole,
+                                   .c_step = (float)s[2].across * f->whole};
+        for (int x = span.from / OST_ROW_LANES * OST_ROW_LANES; x < span.to && from < to; x += OST_ROW_LANES)
+            if (ost_row_some(t, f, &span, x, planes, ost_row(planes, y) + (size_t)x))
+                ost_cells_dot(over, x, y);
+        for (int i = 0; i < 3; i++)
+            s[i].value += s[i].down;
+    }
 }
 
 #endif

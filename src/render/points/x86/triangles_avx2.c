@@ -3,8 +3,8 @@
 #include "core/conditions.h"
 #include "render/points/triangle_row.h"
 
-bool ost_triangle_row_avx2(const ost_triangles *t, const ost_flat_triangle *f, const ost_triangle_span *span, int y,
-                           const ost_planes *planes)
+void ost_triangle_rows_avx2(const ost_triangles *t, const ost_flat_triangle *f, const ost_planes *planes, int y0,
+                            int y1, const ost_cells *over)
 {
-    return ost_row_draw(t, f, span, y, planes);
+    ost_row_triangle(t, f, planes, y0, y1, over);
 }
