@@ -173,9 +173,9 @@ static ost_status run(scene *s, ost_servo_tick *tick, ost_servo_done *done, ost_
 
 static void a_tick_allocates_nothing(void **state)
 {
-    if (!COUNTING || strcmp(ost_backend_name(*state), "ref") == 0)
+    /* the reference allocates, and so may the driver of a device */
+    if (!COUNTING || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
         skip();
-    skip_without_samples(*state);
     ost_error err = {0};
     scene s = make_scene(*state);
     begin(&s);
@@ -277,7 +277,6 @@ static void a_tick_calls_the_system_for_times_alone(void **state)
 #if FILTERING
     if (!COUNTING || getenv("OST_UNDER_VALGRIND") || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
         skip();
-    skip_without_samples(*state);
     scene s = make_scene(*state);
     const int status = status_of(&s, filtered_tick);
     if (status == NO_FILTER)
