@@ -2,14 +2,15 @@
 # Starts a virtual display, and osteon sim in a window on it, for tests with Xvfb and xdotool. The
 # display is closed at the end of the test.
 
-Xvfb -displayfd 3 -screen 0 900x700x24 -fbdir . -nolisten tcp 3>display 2>xvfb.log &
+# Without -noreset, Xvfb resets when its last client ends, and refuses a client that connects at that moment.
+Xvfb -noreset -displayfd 3 -screen 0 900x700x24 -fbdir . -nolisten tcp 3>display 2>xvfb.log &
 xvfb=$!
 trap 'kill $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
 for i in $(seq 400); do
     [ -s display ] && break
     sleep 0.05
 done
-[ -s display ] || fail "Xvfb does not start: $(cat xvfb.log)"
+[ -s display ] || { fail "Xvfb does not start: $(cat xvfb.log)"; finish; }
 DISPLAY=:$(cat display)
 export DISPLAY
 

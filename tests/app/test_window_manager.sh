@@ -26,16 +26,22 @@ HOME=$scratch XDG_CONFIG_HOME=$scratch XDG_CACHE_HOME=$scratch openbox --sm-disa
 manager=$!
 trap 'kill $manager $xvfb 2>/dev/null; rm -rf "$scratch"' EXIT
 
-# soon WHAT COMMAND...: waits some seconds for the command to succeed
+# soon WHAT COMMAND...: waits until the command succeeds, at most 30 s. The limit is long, because other work on the
+# machine may delay the window manager. A step that depends on an earlier one cannot succeed after it, so a failure
+# ends the test.
 soon() {
     what=$1
     shift
     checks=$((checks + 1))
-    for i in $(seq 200); do
+    begun=$(date +%s)
+    while [ $(($(date +%s) - begun)) -lt 30 ]; do
         "$@" && return
         sleep 0.02
     done
-    fail "$what: not within 4 s"
+    kill -0 $manager || echo "The window manager has ended."
+    fail "$what: not within 30 s; openbox printed: $(cat openbox.log)"
+    [ -z "${pid:-}" ] || kill $pid
+    finish
 }
 manages() { xprop -root _NET_SUPPORTING_WM_CHECK 2>/dev/null | grep -q 'window id'; }
 state_is() { xprop -id "$window" WM_STATE 2>/dev/null | grep -q "window state: $1"; }
