@@ -61,6 +61,8 @@ AC_DEFUN([OST_ISAS], [
     [__m256i a = _mm256_set1_epi8(1); return _mm256_movemask_epi8(a) + (int)_pext_u64(3, 1);])
   OST_ISA([AVX512], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd],
     [__m512i a = _mm512_set1_epi16(1); return (int)_mm512_movepi16_mask(a);])
+  OST_ISA([AVX512VBMI], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi],
+    [__m512i a = _mm512_set1_epi8(1); a = _mm512_permutexvar_epi8(a, a); return (int)_mm512_movepi8_mask(a);])
   AC_MSG_CHECKING([for Advanced SIMD (NEON)])
   AC_COMPILE_IFELSE([AC_LANG_SOURCE([[
 #if !defined __aarch64__

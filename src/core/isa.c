@@ -22,6 +22,7 @@ enum {
     OSXSAVE = 1 << 27,                             /* leaf 1, ECX: XGETBV may be executed */
     EXTENDED1_C = 1 << 5,                          /* LZCNT */
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
+    LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
     YMM_SAVED = 0x06,                              /* XCR0: XMM and the upper halves of YMM are saved */
     /* XCR0: opmasks, the upper halves of ZMM0-15, and ZMM16-31 are also saved */
     ZMM_SAVED = 0xe6,
@@ -42,7 +43,7 @@ ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid)
         return OST_ISA_SCALAR;
     if (!all(cpuid->xcr0, ZMM_SAVED) || !all(cpuid->leaf7_b, LEAF7_B_AVX512))
         return OST_ISA_AVX2;
-    return OST_ISA_AVX512;
+    return all(cpuid->leaf7_c, LEAF7_C_VBMI) ? OST_ISA_AVX512VBMI : OST_ISA_AVX512;
 }
 
 #if defined __x86_64__
@@ -57,8 +58,10 @@ static ost_isa detected(void)
         cpuid.leaf1_c = c;
     if (__get_cpuid(0x80000001, &a, &b, &c, &d))
         cpuid.extended1_c = c;
-    if (__get_cpuid_count(7, 0, &a, &b, &c, &d))
+    if (__get_cpuid_count(7, 0, &a, &b, &c, &d)) {
         cpuid.leaf7_b = b;
+        cpuid.leaf7_c = c;
+    }
     if (cpuid.leaf1_c & OSXSAVE)
         __asm__ volatile("xgetbv" : "=a"(cpuid.xcr0), "=d"(d) : "c"(0));
     return ost_isa_decide(&cpuid);
@@ -73,6 +76,8 @@ bool ost_isa_available(ost_isa isa)
         return HAVE_AVX2_BUILD && isa <= detected();
     case OST_ISA_AVX512:
         return HAVE_AVX512_BUILD && isa <= detected();
+    case OST_ISA_AVX512VBMI:
+        return HAVE_AVX512VBMI_BUILD && isa <= detected();
     case OST_ISA_NEON:
     case OST_ISA_COUNT:
         break;
@@ -118,6 +123,6 @@ ost_status ost_isa_choose(const char *name, ost_isa *out, ost_error *err)
             return OST_OK;
         }
     return ost_fail(err, OST_ERR_USAGE,
-                    "%sunknown instruction set '%.40s'; expected auto, scalar, avx2, avx512 or neon",
+                    "%sunknown instruction set '%.40s'; expected auto, scalar, avx2, avx512, avx512vbmi or neon",
                     from, name);
 }

@@ -19,15 +19,17 @@
 #include <osteon/status.h>
 
 /*
- *   scalar  plain C, compiled for the baseline of the build (SSE2 on x86-64)
- *   avx2    AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
- *   avx512  avx2 and AVX-512 F, BW, DQ, VL, CD
- *   neon    AArch64 Advanced SIMD
+ *   scalar      plain C, compiled for the baseline of the build (SSE2 on x86-64)
+ *   avx2        AVX2, BMI1, BMI2, LZCNT, POPCNT; FMA is not used
+ *   avx512      avx2 and AVX-512 F, BW, DQ, VL, CD
+ *   avx512vbmi  avx512 and AVX-512 VBMI
+ *   neon        AArch64 Advanced SIMD
  */
 #define OST_ISA_LIST(X) \
     X(SCALAR, "scalar") \
     X(AVX2, "avx2")     \
     X(AVX512, "avx512") \
+    X(AVX512VBMI, "avx512vbmi") \
     X(NEON, "neon")
 
 typedef enum ost_isa {
@@ -43,7 +45,7 @@ typedef enum ost_isa {
  */
 typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
-    uint32_t leaf7_b;
+    uint32_t leaf7_b, leaf7_c;
     uint32_t extended1_c; /* leaf 0x80000001 */
     uint32_t xcr0;        /* mask of the register sets that the operating system saves */
 } ost_isa_cpuid;
@@ -53,6 +55,12 @@ typedef struct ost_isa_cpuid {
  * system saves the registers of that level.
  */
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
+
+/* Returns true if a machine that runs the level `isa` also runs the code for `level`. */
+static inline bool ost_isa_includes(ost_isa isa, ost_isa level)
+{
+    return isa == level || level == OST_ISA_SCALAR || (isa != OST_ISA_NEON && level < isa);
+}
 
 const char *ost_isa_name(ost_isa isa);
 /* Returns true if this build contains code of the level and this machine can run it. */

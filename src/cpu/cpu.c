@@ -200,7 +200,7 @@ static ost_status finish(ost_backend *backend, ost_error *err)
 
 const ost_backend_ops ost_backend_cpu = {
     .name = "cpu",
-    .description = "vectorised by hand, on all cores; options isa=scalar|avx2|avx512|neon, threads=N, "
+    .description = "vectorised by hand, on all cores; options isa=scalar|avx2|avx512|avx512vbmi|neon, threads=N, "
                    "grain=N, order=N, voxelizer=auto|triangles|embree",
     .available = available,
     .devices = ost_no_devices,

@@ -20,6 +20,7 @@ static void fill_scalar(ost_cpu_kernels *k)
     k->sample = ost_sample_scalar;
     k->blocks = ost_blocks_scalar;
     k->split = ost_split_scalar;
+    k->match_tables = ost_match_ties;
     k->match = ost_match_scalar;
     k->take = ost_take_scalar;
     k->vox_mark = ost_vox_mark_scalar;
@@ -68,6 +69,14 @@ static void fill_avx512(ost_cpu_kernels *k)
 }
 #endif
 
+#if HAVE_AVX512VBMI_BUILD
+static void fill_avx512vbmi(ost_cpu_kernels *k)
+{
+    k->match_tables = ost_match_carries_avx512vbmi;
+    k->match = ost_match_avx512vbmi;
+}
+#endif
+
 #if HAVE_NEON_BUILD
 /*
  * The slots gather_row, stretch_row and vox_fill have no NEON variant, because NEON would not make them faster:
@@ -93,12 +102,16 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
     *kernels = (ost_cpu_kernels){.isa = isa};
     fill_scalar(kernels);
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         fill_avx2(kernels);
 #endif
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         fill_avx512(kernels);
+#endif
+#if HAVE_AVX512VBMI_BUILD
+    if (isa == OST_ISA_AVX512VBMI)
+        fill_avx512vbmi(kernels);
 #endif
 #if HAVE_NEON_BUILD
     if (isa == OST_ISA_NEON)

@@ -11,7 +11,7 @@
  * processor's state is as after any C function, with the upper halves of
  * vector registers cleared.
  *
- *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512
+ *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512 -> avx512vbmi
  *                                   scalar -> neon
  */
 #ifndef OST_CPU_KERNELS_H
@@ -133,6 +133,12 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
+ * Computes the tables of *match that the `match` kernel of the same instruction set reads. match->windows is true, and
+ * ost_match_make has computed the other members.
+ */
+typedef void ost_match_tables_fn(ost_match *match);
+
+/*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
  * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows is set, every
  * brick must be one that the `split` kernel has classified as mixed with the same shape (remove.h: "Match"). u + offset
@@ -212,6 +218,7 @@ typedef struct ost_cpu_kernels {
     ost_sample_fn *sample;
     ost_blocks_fn *blocks;
     ost_split_fn *split;
+    ost_match_tables_fn *match_tables;
     ost_match_fn *match;
     ost_take_fn *take;
     ost_vox_mark_fn *vox_mark;
@@ -233,7 +240,8 @@ ost_drain_fn ost_drain_scalar, ost_drain_avx2;
 ost_sample_fn ost_sample_scalar, ost_sample_avx512;
 ost_blocks_fn ost_blocks_scalar, ost_blocks_avx512;
 ost_split_fn ost_split_scalar, ost_split_avx2, ost_split_avx512, ost_split_neon;
-ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512, ost_match_neon;
+ost_match_tables_fn ost_match_ties, ost_match_carries_avx512vbmi;
+ost_match_fn ost_match_scalar, ost_match_avx2, ost_match_avx512, ost_match_avx512vbmi, ost_match_neon;
 ost_take_fn ost_take_scalar, ost_take_avx2, ost_take_avx512, ost_take_neon;
 ost_vox_mark_fn ost_vox_mark_neon;
 ost_vox_keys_fn ost_vox_keys_neon;

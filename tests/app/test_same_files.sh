@@ -144,7 +144,7 @@ cmp -s ref32/bone.nrrd ref32/small.nrrd && fail "gzip made a raw file"
 [ $failures -eq 0 ] || finish
 
 isas=
-for isa in scalar avx2 avx512 neon; do
+for isa in scalar avx2 avx512 avx512vbmi neon; do
     "$osteon" devices --backend "cpu:isa=$isa" | grep -q "works with $isa" && isas="$isas $isa"
 done
 turn=0

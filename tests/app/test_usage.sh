@@ -111,7 +111,7 @@ value_of() { # value_of KEY
 check "first backend" "$(value_of name)" cpu
 check "OSTEON_ISA is heard" "$(OSTEON_ISA=scalar value_of isa)" scalar
 check "OMP_NUM_THREADS is heard" "$(OMP_NUM_THREADS=3 value_of threads)" "$("$osteon" devices --threads 3 --json | "$json_get" backends.0.threads)"
-for isa in scalar avx2 avx512 neon; do
+for isa in scalar avx2 avx512 avx512vbmi neon; do
     if "$osteon" devices | grep -q "works with.*there are.*\<$isa\>"; then
         check "OSTEON_ISA=$isa is heard" "$(OSTEON_ISA=$isa value_of isa)" $isa
     else

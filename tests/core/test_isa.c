@@ -23,17 +23,21 @@ static const struct machine {
     /* FMA (12), MOVBE (22); BMI1 (3), AVX2 (5), BMI2 (8) */
     {"Haswell",
      OST_ISA_AVX2,
-     {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), BIT(5), 1 | XMM | YMM}},
+     {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), 0, BIT(5), 1 | XMM | YMM}},
     /* AVX-512 F (16), PF (26), ER (27), CD (28), no DQ, BW, VL */
     {"Knights Landing",
      OST_ISA_AVX2,
-     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(26) | BIT(27) | BIT(28), BIT(5),
+     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(26) | BIT(27) | BIT(28), 0, BIT(5),
       1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
     /* F (16), DQ (17), CD (28), BW (30), VL (31) */
-    {"Skylake server and later processors",
+    {"Skylake server",
      OST_ISA_AVX512,
-     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31),
+     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31), BIT(11),
       BIT(5), 1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
+    {"Ice Lake",
+     OST_ISA_AVX512VBMI,
+     {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31),
+      BIT(1) | BIT(11), BIT(5), 1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
 };
 enum { MACHINES = sizeof machines / sizeof *machines };
 
@@ -57,7 +61,7 @@ static void unsaved_registers(void **state)
         uint32_t unsaved;
         ost_isa level;
     } systems[] = {
-        {0, OST_ISA_AVX512},     {XMM, OST_ISA_SCALAR},
+        {0, OST_ISA_AVX512VBMI},     {XMM, OST_ISA_SCALAR},
         {YMM, OST_ISA_SCALAR},       {OPMASK, OST_ISA_AVX2},
         {ZMM_HIGH, OST_ISA_AVX2},    {HIGH_ZMM, OST_ISA_AVX2},
         {YMM | OPMASK, OST_ISA_SCALAR}, {OPMASK | ZMM_HIGH | HIGH_ZMM, OST_ISA_AVX2},
@@ -87,6 +91,7 @@ static void each_bit_is_needed(void **state)
         NEEDS(extended1_c, 5, OST_ISA_SCALAR), NEEDS(leaf7_b, 3, OST_ISA_SCALAR),  NEEDS(leaf7_b, 5, OST_ISA_SCALAR),
         NEEDS(leaf7_b, 8, OST_ISA_SCALAR),     NEEDS(leaf7_b, 16, OST_ISA_AVX2),   NEEDS(leaf7_b, 17, OST_ISA_AVX2),
         NEEDS(leaf7_b, 28, OST_ISA_AVX2),      NEEDS(leaf7_b, 30, OST_ISA_AVX2),   NEEDS(leaf7_b, 31, OST_ISA_AVX2),
+        NEEDS(leaf7_c, 1, OST_ISA_AVX512),
 #undef NEEDS
     };
     for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {

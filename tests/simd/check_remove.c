@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernels `blocks`, `split`, `match` and `take`.
+ * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
  * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
  * near three types of borders: a base beyond the first is uncertain and must be computed by division, a
@@ -406,6 +406,78 @@ static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, 
     }
 }
 
+static void call_match_tables(check_fn *kernel, void *with)
+{
+    ((ost_match_tables_fn *)kernel)(with);
+}
+
+/* Returns the set of the voxels whose offset along axis a, added to this fraction, reaches one more voxel. */
+static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
+{
+    const uint32_t mask = (1 << OST_MAP_FRACTION) - 1;
+    uint64_t carries = 0;
+    for (int v = 0; v < 64; v++)
+        carries |= (uint64_t)((((uint32_t)(match->offset[a][v] - match->lowest[a]) & mask) + fraction) > mask) << v;
+    return carries;
+}
+
+/* A variant that differs from the scalar kernel computes `carries` instead of its tables. They are compared with their
+   definition (remove.h, "Carries"). */
+static void test_match_tables(check *c)
+{
+    solid s;
+    solid_make(c, &s);
+    void *both[2];
+    check_outputs(c, "match", 1, sizeof(ost_match), _Alignof(ost_match), both);
+    for (int i = 0; i < 2; i++)
+        ost_match_make(s.step, &s.shape, both[i]);
+    const ost_match *match = both[1];
+    const ost_carries *carries = &match->carries;
+    check_note(c, "%s", s.text);
+    if (!match->windows || !check_both(c, call_match_tables, both[0], both[1]) || c->other == c->scalar)
+        return;
+    uint8_t whole[3][64];
+    for (int a = 0; a < 3; a++) {
+        const uint32_t *threshold = carries->threshold[a][0];
+        for (int v = 0; v < 64; v++)
+            whole[a][v] = (uint8_t)((match->offset[a][v] - match->lowest[a]) >> OST_MAP_FRACTION);
+        for (int i = 0; i < 128; i++) {
+            uint32_t fraction = (uint32_t)check_range(c, 0, (1 << OST_MAP_FRACTION) - 1);
+            if (i < 64) /* exactly a threshold, or one below it */
+                fraction = (threshold[i] - (threshold[i] >> OST_MAP_FRACTION | (uint32_t)check_range(c, 0, 1)));
+            int rank = 0;
+            for (int t = 0; t < 64; t++)
+                rank += threshold[t] <= fraction;
+            if (!check_that(c, rank < 64 && carries->mask[a][rank] == carries_of(match, a, fraction),
+                            "axis %d, fraction %u has the rank %d and other carries", a, fraction, rank))
+                return;
+        }
+        for (int i = 1; i < 64; i++)
+            check_that(c, threshold[16 * (i & 3) + i / 4] >= threshold[16 * ((i - 1) & 3) + (i - 1) / 4],
+                       "axis %d, threshold %d is less than the one before", a, i);
+    }
+    for (int v = 0; v < 64; v++) {
+        for (int k = 0; k < 3 * s.shape.windows.step; k++)
+            check_that(c, carries->row[k][v] == 8 * (whole[1][v] + k % 3) + whole[2][v] + k / 3, "row %d, voxel %d", k,
+                       v);
+        for (int x = 0; x <= s.shape.windows.step && whole[0][v] + x < 8; x++)
+            check_that(c, carries->bit[x][v] == 1 << (whole[0][v] + x), "bit %d, voxel %d", x, v);
+    }
+}
+
+/* Computes the tables of all instruction sets, because the caller does not know which kernel reads them. */
+static void make_tables(ost_match *match)
+{
+    if (!match->windows)
+        return;
+    for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
+        ost_cpu_kernels kernels;
+        ost_cpu_kernels_fill(&kernels, (ost_isa)isa);
+        if (ost_isa_available((ost_isa)isa))
+            kernels.match_tables(match);
+    }
+}
+
 static void test_match(check *c)
 {
     solid s;
@@ -417,6 +489,7 @@ static void test_match(check *c)
     if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
         shape->windows = (ost_windows){0};
     ost_match_make(s.step, shape, match);
+    make_tables(match);
     ost_split split;
     ost_split_make(s.step, 8, &shape->cells, &split);
     const size_t wanted = c->number % 4 == 0 ? (size_t)check_range(c, 0, 20)
@@ -564,6 +637,7 @@ static scene *scene_make(void)
     ost_split_make(step, 16, &s.shape.cells, &s.split[0]);
     ost_split_make(step, 8, &s.shape.cells, &s.split[1]);
     ost_match_make(step, &s.shape, &s.match);
+    make_tables(&s.match);
     for (int b = 0; b < 8; b++) {
         for (int a = 0; a < 3; a++)
             s.blocks.u[a][b] = 3 * (1 << 20) +
@@ -623,12 +697,15 @@ static void bench_take(check_bench *b)
 
 CHECK_CPU_SLOT(blocks)
 CHECK_CPU_SLOT(split)
+CHECK_CPU_SLOT(match_tables)
 CHECK_CPU_SLOT(match)
 CHECK_CPU_SLOT(take)
-extern const check_kernel check_blocks, check_split, check_match, check_take;
+extern const check_kernel check_blocks, check_split, check_match_tables, check_match, check_take;
 const check_kernel check_blocks = {.name = "blocks", .of = blocks_of, .test = test_blocks, .cases = 1000};
 const check_kernel check_split = {
     .name = "split", .of = split_of, .test = test_split, .bench = bench_split, .cases = 1000};
+const check_kernel check_match_tables = {
+    .name = "match_tables", .of = match_tables_of, .test = test_match_tables, .cases = 300};
 const check_kernel check_match = {
     .name = "match", .of = match_of, .test = test_match, .bench = bench_match, .cases = 800};
 const check_kernel check_take = {.name = "take", .of = take_of, .test = test_take, .bench = bench_take, .cases = 600};

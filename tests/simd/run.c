@@ -15,13 +15,13 @@
 #include "cpu/kernels.h"
 
 extern const check_kernel check_gather_row, check_blend_rows, check_stretch_row, check_weigh_rows, check_brick_row,
-    check_any_active, check_drain, check_sample, check_blocks, check_split, check_match, check_take, check_vox_mark,
-    check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
+    check_any_active, check_drain, check_sample, check_blocks, check_split, check_match_tables, check_match, check_take,
+    check_vox_mark, check_vox_keys, check_vox_fill, check_vox_expand, check_text_match;
 
 const check_kernel *const check_kernels[] = {
-    &check_gather_row, &check_blend_rows, &check_stretch_row, &check_weigh_rows, &check_brick_row,  &check_any_active,
-    &check_drain,      &check_sample,     &check_blocks,      &check_split,      &check_match,      &check_take,
-    &check_vox_mark,   &check_vox_keys,   &check_vox_fill,    &check_vox_expand, &check_text_match,
+    &check_gather_row,   &check_blend_rows, &check_stretch_row, &check_weigh_rows, &check_brick_row,  &check_any_active,
+    &check_drain,        &check_sample,     &check_blocks,      &check_split,      &check_match_tables, &check_match,
+    &check_take,         &check_vox_mark,   &check_vox_keys,    &check_vox_fill,   &check_vox_expand, &check_text_match,
 };
 const int check_kernel_count = sizeof check_kernels / sizeof check_kernels[0];
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "core/conditions.h"
-#include "cpu/remove/remove.h"
+#include "cpu/kernels.h"
 
 /*
  * Returns (2 R)^2, where R is half the longest diagonal of a bone cube with `edge` voxels per side, in tool coordinates
@@ -84,32 +84,33 @@ static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
 
 void ost_match_make(const int32_t step[3][3], const ost_shape *shape, ost_match *out)
 {
-    enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, TIES = 1 << OST_TIE_BITS };
     out->shape = shape;
     out->windows = windows_hold(step, &shape->windows);
-    if (out->windows) {
-        memset(out->tie, 0, sizeof out->tie);
-        memset(out->near_tie, 0, sizeof out->near_tie);
-    }
     for (int a = 0; a < 3; a++) {
-        const int32_t lowest = 3 * (below_zero(step[0][a]) + below_zero(step[1][a]) + below_zero(step[2][a]));
-        out->lowest[a] = lowest;
+        out->lowest[a] = 3 * (below_zero(step[0][a]) + below_zero(step[1][a]) + below_zero(step[2][a]));
         for (int row = 0; row < 16; row++) {
             const int32_t first = (row & 3) * step[1][a] + (row >> 2) * step[2][a];
             for (int x = 0; x < 4; x++)
                 out->offset[a][4 * row + x] = first + x * step[0][a];
         }
-        if (!out->windows)
-            continue;
+    }
+}
+
+void ost_match_ties(ost_match *match)
+{
+    enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, TIES = 1 << OST_TIE_BITS };
+    memset(match->tie, 0, sizeof match->tie);
+    memset(match->near_tie, 0, sizeof match->near_tie);
+    for (int a = 0; a < 3; a++) {
         for (int v = 0; v < 64; v++) {
-            const uint32_t offset = (uint32_t)(out->offset[a][v] - lowest);
-            out->high[a][v] = (uint16_t)(offset >> LOW);
-            out->low[a][v] = (uint16_t)(offset & ((1 << LOW) - 1));
+            const uint32_t offset = (uint32_t)(match->offset[a][v] - match->lowest[a]);
+            match->high[a][v] = (uint16_t)(offset >> LOW);
+            match->low[a][v] = (uint16_t)(offset & ((1 << LOW) - 1));
         }
         for (int v = 0; v < 64; v++) {
-            const uint32_t tie = (TIES - 1 - out->high[a][v]) & (TIES - 1);
-            out->tie[tie] |= (uint8_t)(1 << a);
-            out->near_tie[a][tie * OST_NEAR_TIES / TIES / 32] |= UINT32_C(1) << (tie * OST_NEAR_TIES / TIES % 32);
+            const uint32_t tie = (TIES - 1 - match->high[a][v]) & (TIES - 1);
+            match->tie[tie] |= (uint8_t)(1 << a);
+            match->near_tie[a][tie * OST_NEAR_TIES / TIES / 32] |= UINT32_C(1) << (tie * OST_NEAR_TIES / TIES % 32);
         }
     }
 }

@@ -253,7 +253,8 @@ static void block_range(const ost_voxel_box *box, int32_t lo[3], int32_t hi[3])
     }
 }
 
-static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_box *box, const ost_shape *shape)
+static void plan_pose(const ost_cpu_kernels *kernels, const ost_map *map, const ost_voxel_box *box,
+                      const ost_shape *shape, ost_pose_plan *plan)
 {
     int32_t lo[3], hi[3];
     block_range(box, lo, hi);
@@ -262,6 +263,8 @@ static void plan_pose(ost_pose_plan *plan, const ost_map *map, const ost_voxel_b
     ost_split_make(map->step, 16, &shape->cells, &plan->split[0]);
     ost_split_make(map->step, 8, &shape->cells, &plan->split[1]);
     ost_match_make(map->step, shape, &plan->match);
+    if (plan->match.windows)
+        kernels->match_tables(&plan->match);
     ost_block_bases_make(&plan->bases, map, lo, hi);
 }
 
@@ -305,7 +308,7 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_re
         ost_voxel_box box;
         if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))
             continue;
-        plan_pose(&scratch->plan, &event->maps[p], &box, shape);
+        plan_pose(&backend->kernels, &event->maps[p], &box, shape, &scratch->plan);
         if (many)
             run_shared(backend, scratch, n, apply, classes);
         else

@@ -36,6 +36,12 @@
  * with some offset has 13 set bits. Such a brick (2.3 % of all bricks) is matched with the carries. `near_tie` has one
  * bit for eight such values, so that its bits fit registers. If the bit of a brick is clear (five bricks of six), the
  * brick is not a tie.
+ *
+ * Carries.  The kernel for AVX-512 VBMI adds complete voxels and fractions separately. Voxel v of a brick has the
+ * voxel coordinate floor(c) + floor(offset[v]) + carry in its window, where carry is 1 if the fraction of c is at least
+ * 1 - the fraction of offset[v], its threshold. The thresholds of the 64 voxels are sorted. The number of thresholds
+ * that a fraction reaches, its rank, then determines the carries of all voxels. At least one voxel of each axis has
+ * offset 0 and a threshold that no fraction reaches, so a rank is at most 63.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H
@@ -77,20 +83,35 @@ typedef struct ost_split {
 } ost_split;
 
 /*
+ * The tables that only the `match` kernel for AVX-512 VBMI reads ("Carries"), in units of 2^-20 tool voxels. The voxels
+ * of a brick are numbered as in ost_match.
+ */
+typedef struct ost_carries {
+    /* Element [a][k][g] is the threshold with the number 4 g + k in ascending order, 1..2^20. */
+    _Alignas(64) uint32_t threshold[3][4][16];
+    /* row[3 z + y][v] is the number of the window's byte for voxel v without carries, if floor(c) is (any, y, z) */
+    uint8_t row[9][64];
+    uint8_t bit[4][64];    /* bit[x][v] is the bit within the byte, if floor(c) plus the carry is x */
+    uint64_t mask[3][64];  /* mask[a][r] is the set of the voxels with a carry along axis a for a fraction of rank r */
+} ost_carries;
+
+/*
  * Constants with which the `match` kernel tests the voxels of bricks, for one pose. In an array of 64 elements, voxel
- * (x, y, z) of a brick has the index x + 4y + 16z.
+ * (x, y, z) of a brick has the index x + 4y + 16z. ost_match_make computes `offset`, `lowest`, `windows` and `shape`.
+ * If `windows` is true, the `match_tables` kernel then computes the tables that the `match` kernel of the same
+ * instruction set reads: either `high`, `low`, `tie` and `near_tie`, or `carries`.
  */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset[a][i] - lowest[a]) >> 7 */
     _Alignas(64) uint16_t low[3][64];  /* (offset[a][i] - lowest[a]) mod 2^7 */
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the least element of offset[] on each axis */
-    /* true if windows may be used; `high`, `low`, `tie` and `near_tie` are then valid */
-    bool windows;
+    bool windows;                      /* true if windows may be used */
     /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
     uint8_t tie[1 << OST_TIE_BITS];
     /* bit n of near_tie[a] is set if at least one of the elements tie[8 n] to tie[8 n + 7] has bit a set */
     _Alignas(64) uint32_t near_tie[3][OST_NEAR_TIES / 32];
+    ost_carries carries;
     const ost_shape *shape;
 } ost_match;
 

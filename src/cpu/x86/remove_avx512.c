@@ -28,6 +28,7 @@
 
 #include "core/conditions.h"
 #include "cpu/kernels.h"
+#include "cpu/x86/window_avx512.h"
 
 /* ----------------------------------------------------------------- blocks */
 
@@ -271,16 +272,6 @@ typedef struct places {
 } places;
 
 /*
- * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3. In this range,
- * (voxel * ceil(2^16 / step)) >> 16 is exact; for step 1, the product is a shift by 16.
- */
-static inline __m512i windows_of(__m512i voxel, int32_t step)
-{
-    const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
-    return _mm512_srli_epi32(_mm512_mullo_epi32(voxel, _mm512_set1_epi32(inverse)), 16);
-}
-
-/*
  * Returns the mask of the lanes whose c is near a tie. This is the case if bit (c >> LOW >> 3) % 1024 of
  * `near` is set. The rotation instruction uses its count modulo 32.
  */
@@ -304,17 +295,15 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     __mmask16 near = 0;
     for (int a = 0; a < 3; a++) {
         const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from), _mm512_set1_epi32(match->lowest[a]));
-        window[a] = windows_of(_mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), margin), w->step);
-        const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_mullo_epi32(window[a], step), margin),
+        window[a] = ost_window_of(ost_window_voxel(u), w->step);
+        const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_madd_epi16(window[a], step), margin),
                                                 OST_MAP_FRACTION);
         const __m512i c = _mm512_sub_epi32(u, begin), high = _mm512_srli_epi32(c, LOW);
         _mm512_store_si512(out->high[a] + to, _mm512_or_si512(high, _mm512_slli_epi32(high, 16)));
         _mm512_store_si512(out->low[a] + to, _mm512_and_si512(c, _mm512_set1_epi32((1 << LOW) - 1)));
         near |= near_tie(match->near_tie[a], c);
     }
-    const __m512i row = _mm512_add_epi32(window[1], _mm512_mullo_epi32(window[2], _mm512_set1_epi32(w->dims[1])));
-    _mm512_store_si512(out->line + to,
-                       _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0]))));
+    _mm512_store_si512(out->line + to, ost_window_number(w, window));
     return near;
 }
 
@@ -334,20 +323,6 @@ static inline size_t place_all(const ost_match *match, const ost_cubes *bricks, 
         tied += (size_t)_mm_popcnt_u32(near);
     }
     return tied;
-}
-
-/*
- * Replaces the number of the window with the number of the window's line for the first `count` bricks, and
- * prefetches the lines.
- */
-static inline void find_lines(const ost_windows *windows, size_t count, places *at)
-{
-    const uint8_t(*const line)[64] = windows->line;
-    const uint32_t *const index = windows->index;
-    for (size_t i = 0; i < count; i++) {
-        at->line[i] = index[at->line[i]];
-        _mm_prefetch((const char *)line[at->line[i]], _MM_HINT_T0);
-    }
 }
 
 static inline bool is_tied(const ost_match *match, const places *at, size_t i)
@@ -405,7 +380,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     for (size_t piece = 0; piece < bricks->count; piece += PIECE, hits += PIECE) {
         const size_t count = bricks->count - piece < PIECE ? bricks->count - piece : PIECE;
         const size_t tied = place_all(match, bricks, piece, count, &at);
-        find_lines(&match->shape->windows, count, &at);
+        ost_find_lines(&match->shape->windows, count, at.line);
         for (size_t i = 0; i < count; i++) {
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),

@@ -37,11 +37,11 @@ static size_t match(const ost_text_pattern *pattern, const ost_text_column *colu
 ost_text_match *ost_text_match_for(ost_isa isa)
 {
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         return ost_text_match_avx512;
 #endif
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         return ost_text_match_avx2;
 #endif
 #if HAVE_NEON_BUILD

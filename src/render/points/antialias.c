@@ -52,7 +52,7 @@ void ost_antialias_find_scalar(const uint32_t *row, const uint32_t *next, int ce
 static ost_antialias_find *find_for(ost_isa isa)
 {
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         return ost_antialias_find_avx2;
 #endif
     (void)isa;

@@ -150,7 +150,7 @@ void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t cou
 ost_light_tint_of *ost_light_tint_for(ost_isa isa)
 {
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         return ost_light_tint_avx512;
 #endif
     (void)isa;
@@ -160,7 +160,7 @@ ost_light_tint_of *ost_light_tint_for(ost_isa isa)
 ost_light_shade_of *ost_light_shade_for(ost_isa isa)
 {
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         return ost_light_shade_avx512;
 #endif
     (void)isa;

@@ -23,12 +23,12 @@ ost_row_kernels ost_row_kernels_of(ost_isa isa)
     ost_row_kernels k = {ost_rows_join_scalar, ost_rows_spread_scalar, ost_rows_faces_scalar, ost_rows_behind_scalar,
                          ost_rows_points_scalar};
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         k = (ost_row_kernels){ost_rows_join_avx2, ost_rows_spread_avx2, ost_rows_faces_avx2, ost_rows_behind_avx2,
                               ost_rows_points_avx2};
 #endif
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         k = (ost_row_kernels){ost_rows_join_avx512, ost_rows_spread_avx512, ost_rows_faces_avx512,
                               ost_rows_behind_avx512, ost_rows_points_avx512};
 #endif

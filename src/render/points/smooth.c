@@ -131,11 +131,11 @@ ost_smooth_kernels ost_smooth_kernels_of(ost_isa isa)
 {
     ost_smooth_kernels k = OF(scalar, ost_field_finer_scalar);
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         k = (ost_smooth_kernels)OF(avx2, ost_field_finer_avx2);
 #endif
 #if HAVE_AVX512_BUILD
-    if (isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX512))
         k = (ost_smooth_kernels)OF(avx512, k.finer);
 #endif
     (void)isa;

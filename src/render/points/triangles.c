@@ -188,7 +188,7 @@ void ost_triangle_rows_scalar(const ost_triangles *t, const ost_flat_triangle *f
 ost_triangle_rows *ost_triangle_rows_for(ost_isa isa)
 {
 #if HAVE_AVX2_BUILD
-    if (isa == OST_ISA_AVX2 || isa == OST_ISA_AVX512)
+    if (ost_isa_includes(isa, OST_ISA_AVX2))
         return ost_triangle_rows_avx2;
 #endif
     (void)isa;

@@ -114,7 +114,7 @@ class Generator(unittest.TestCase):
     def test_survivors_ran_everywhere(self):
         """The result "survived" applies to a tier, so no backend of the tier that runs the file may be omitted."""
         cpu = ["cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=3,grain=1",
-               "cpu:isa=avx512,threads=7,grain=1", "cpu:isa=avx512,threads=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2"]
+               "cpu:isa=avx512,threads=7,grain=1", "cpu:isa=avx512vbmi,threads=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2"]
         cl = ["cl:platform=0,device=0,kernels=cpu", "cl:platform=0,device=0,kernels=gpu,staging=65536"]
         available = ["ref", "dense", *cpu, *cl]
         for file, found in (("src/cpu/remove/shape.c", cpu), ("src/cpu/x86/remove_avx2.c", cpu[2:]), ("src/cpu/x86/remove_avx512.c", cpu[4:]),

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Finds the windows of sixteen bricks at once (shape.h, "Windows"), for the two kernels `match` of AVX-512. */
+#ifndef OST_CPU_X86_WINDOW_AVX512_H
+#define OST_CPU_X86_WINDOW_AVX512_H
+
+#include <immintrin.h>
+
+#include "core/conditions.h"
+#include "cpu/remove/shape.h"
+
+enum { OST_WINDOW_FRACTION = (1 << OST_MAP_FRACTION) - 1 };
+
+/* Returns the voxel of each coordinate u, counted from the first voxel of the first window: 0 <= voxel < 2^15. */
+static inline __m512i ost_window_voxel(__m512i u)
+{
+    return _mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), _mm512_set1_epi32(OST_WINDOW_MARGIN));
+}
+
+/*
+ * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3. In this range, (voxel * ceil(2^16 / step))
+ * >> 16 is exact. The factors are 2 voxel and ceil(2^16 / step) / 2, so that both fit 16 bits.
+ */
+static inline __m512i ost_window_of(__m512i voxel, int32_t step)
+{
+    const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
+    return _mm512_mulhi_epu16(_mm512_add_epi32(voxel, voxel), _mm512_set1_epi32(inverse / 2));
+}
+
+/* Returns the number of the window (window[0], window[1], window[2]). The windows of an axis are fewer than 2^15. */
+static inline __m512i ost_window_number(const ost_windows *w, const __m512i window[3])
+{
+    const __m512i row = _mm512_add_epi32(window[1], _mm512_madd_epi16(window[2], _mm512_set1_epi32(w->dims[1])));
+    return _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0])));
+}
+
+/* Replaces the numbers of `count` windows with the numbers of their lines, and prefetches the lines. */
+static inline void ost_find_lines(const ost_windows *windows, size_t count, uint32_t *number)
+{
+    const uint8_t(*const line)[64] = windows->line;
+    const uint32_t *const index = windows->index;
+    for (size_t i = 0; i < count; i++) {
+        number[i] = index[number[i]];
+        _mm_prefetch((const char *)line[number[i]], _MM_HINT_T0);
+    }
+}
+
+#endif
