@@ -25,6 +25,7 @@
  *            4 bits:    z0 x2 x1 x0
  */
 #include <immintrin.h>
+#include <string.h>
 
 #include "core/conditions.h"
 #include "cpu/kernels.h"
@@ -106,12 +107,20 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
  * blocks. The cells of all groups are found first, then the values of the cells are read one by one, and then the parts
  * are sorted.
  */
-enum { GROUPS = 8 };
+enum { GROUPS = 8, PIECE_CUBES = 8 * GROUPS };
 typedef struct split_piece {
     _Alignas(64) int32_t cell[GROUPS][64];
     _Alignas(64) int8_t value[GROUPS][64];
-    uint64_t keep[GROUPS]; /* bit p of byte c is set if part p of cube c is to be sorted */
+    /* bit p of keep[c] is set if part p of cube c is to be sorted; elements beyond the last cube are 0 */
+    _Alignas(8) uint8_t keep[PIECE_CUBES + 8];
+    /* the cubes of the piece that have active voxels; used if the occupancy of their parts is known */
+    int32_t u[3][PIECE_CUBES + 8], number[PIECE_CUBES + 8];
 } split_piece;
+/* Pointers to the first cube of a piece, either in the kernel's list or in split_piece. */
+typedef struct some_cubes {
+    const int32_t *u[3], *number;
+    size_t count;
+} some_cubes;
 
 #define INLINED static inline __attribute__((always_inline))
 
@@ -136,30 +145,57 @@ INLINED __m512i parts(const int32_t eight[8], int wide, int q)
     return _mm512_permutexvar_epi32(part_numbers(4, q), all);
 }
 
-INLINED __m512i some_cubes(const int32_t *u, int wide)
+INLINED __m512i repeated(const int32_t *u, int wide)
 {
     return wide == 8 ? _mm512_broadcast_i64x4(_mm256_loadu_si256((const __m256i *)(const void *)u))
                      : _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i *)(const void *)u));
 }
 
-static inline uint64_t parts_kept(const ost_cubes *cubes, size_t from, size_t count, const uint64_t *occupancy)
+/* Selects all parts of the cubes of a piece. */
+static inline some_cubes all_cubes(const ost_cubes *cubes, size_t from, size_t count, split_piece *piece)
 {
-    uint64_t keep = 0;
-    for (size_t c = 0; c < count; c++) {
-        uint64_t filled = 0xff;
-        if (occupancy)
-            filled = _mm512_test_epi64_mask(_mm512_loadu_si512(occupancy + 8 * cubes->number[from + c]),
-                                            _mm512_set1_epi64(-1));
-        keep |= filled << (8 * c);
-    }
-    return keep;
+    memset(piece->keep, 0xff, count);
+    memset(piece->keep + count, 0, 8);
+    return (some_cubes){{cubes->u[0] + from, cubes->u[1] + from, cubes->u[2] + from}, cubes->number + from, count};
 }
 
-INLINED void find_cells(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, size_t from, int wide,
+/*
+ * Selects the parts with active voxels. Cubes without active voxels are dropped before their parts are classified: in a
+ * sequence of ticks, these are a third of the cubes, because the tool moves in a space that it has emptied itself.
+ */
+static inline some_cubes active_cubes(const ost_cubes *cubes, size_t from, size_t count, const uint64_t *occupancy,
+                                      split_piece *piece)
+{
+    size_t n = 0;
+    for (size_t begin = 0; begin < count; begin += 8) {
+        const size_t eight = count - begin < 8 ? count - begin : 8, at = n;
+        unsigned active = 0;
+        for (size_t c = 0; c < eight; c++) {
+            const __m512i words = _mm512_loadu_si512(occupancy + 8 * cubes->number[from + begin + c]);
+            const unsigned parts = _mm512_test_epi64_mask(words, words);
+            piece->keep[n] = (uint8_t)parts;
+            n += parts != 0;
+            active |= (unsigned)(parts != 0) << c;
+        }
+        for (int a = 0; a < 3; a++)
+            _mm256_storeu_si256((__m256i *)(void *)(piece->u[a] + at),
+                                _mm256_maskz_compress_epi32((__mmask8)active,
+                                                            _mm256_loadu_si256((const __m256i *)(const void *)(
+                                                                cubes->u[a] + from + begin))));
+        _mm256_storeu_si256((__m256i *)(void *)(piece->number + at),
+                            _mm256_maskz_compress_epi32((__mmask8)active,
+                                                        _mm256_loadu_si256((const __m256i *)(const void *)(
+                                                            cubes->number + from + begin))));
+    }
+    memset(piece->keep + n, 0, 8);
+    return (some_cubes){{piece->u[0], piece->u[1], piece->u[2]}, piece->number, n};
+}
+
+INLINED void find_cells(const ost_split *split, const ost_cells *cells, const some_cubes *cubes, size_t from, int wide,
                         int32_t out[64])
 {
-    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide),
-                  z = some_cubes(cubes->u[2] + from, wide);
+    const __m512i x = repeated(cubes->u[0] + from, wide), y = repeated(cubes->u[1] + from, wide),
+                  z = repeated(cubes->u[2] + from, wide);
     for (int q = 0; q < wide / 2; q++)
         _mm512_store_si512(out + 16 * q, cells_of(cells, _mm512_add_epi32(x, parts(split->centre[0], wide, q)),
                                                   _mm512_add_epi32(y, parts(split->centre[1], wide, q)),
@@ -189,15 +225,15 @@ INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 }
 
 /* Appends the parts of a group that are mixed to the list `mixed`, and those that are inside to the list `inside`. */
-INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t from, int wide, const int8_t *value,
+INLINED void sort_parts(const ost_split *split, const some_cubes *cubes, size_t from, int wide, const int8_t *value,
                         uint64_t keep, ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
 {
     /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
-    const __m512i x = some_cubes(cubes->u[0] + from, wide), y = some_cubes(cubes->u[1] + from, wide),
-                  z = some_cubes(cubes->u[2] + from, wide);
-    const __m512i number = _mm512_slli_epi32(some_cubes(cubes->number + from, wide), 3);
+    const __m512i x = repeated(cubes->u[0] + from, wide), y = repeated(cubes->u[1] + from, wide),
+                  z = repeated(cubes->u[2] + from, wide);
+    const __m512i number = _mm512_slli_epi32(repeated(cubes->number + from, wide), 3);
     for (int q = 0; q < wide / 2; q++) {
         const __m128i v = _mm_load_si128((const __m128i *)(const void *)(value + 16 * q));
         const __mmask16 kept = kept_of(keep, wide, q);
@@ -217,6 +253,13 @@ INLINED void sort_parts(const ost_split *split, const ost_cubes *cubes, size_t f
     }
 }
 
+static inline uint64_t eight_bytes(const uint8_t *bytes)
+{
+    uint64_t word;
+    memcpy(&word, bytes, 8);
+    return word;
+}
+
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
@@ -224,27 +267,25 @@ void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_
     const int8_t *const table = cells->value;
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
-    for (size_t from = 0; from < cubes->count; from += 8 * GROUPS) {
-        const size_t left = cubes->count - from, piece_count = left < 8 * GROUPS ? left : 8 * GROUPS;
-        const size_t remainder = piece_count % 8, full = piece_count / 8 + (remainder > 4);
+    for (size_t from = 0; from < cubes->count; from += PIECE_CUBES) {
+        const size_t left = cubes->count - from, piece_count = left < PIECE_CUBES ? left : PIECE_CUBES;
+        const some_cubes some = occupancy ? active_cubes(cubes, from, piece_count, occupancy, &piece)
+                                          : all_cubes(cubes, from, piece_count, &piece);
+        const size_t remainder = some.count % 8, full = some.count / 8 + (remainder > 4);
         const bool narrow = remainder > 0 && remainder <= 4;
-        for (size_t g = 0; g < full; g++) {
-            const size_t count = piece_count - 8 * g < 8 ? piece_count - 8 * g : 8;
-            piece.keep[g] = parts_kept(cubes, from + 8 * g, count, occupancy);
-            find_cells(split, cells, cubes, from + 8 * g, 8, piece.cell[g]);
-        }
-        if (narrow) {
-            piece.keep[full] = parts_kept(cubes, from + 8 * full, remainder, occupancy);
-            find_cells(split, cells, cubes, from + 8 * full, 4, piece.cell[full]);
-        }
+        for (size_t g = 0; g < full; g++)
+            find_cells(split, cells, &some, 8 * g, 8, piece.cell[g]);
+        if (narrow)
+            find_cells(split, cells, &some, 8 * full, 4, piece.cell[full]);
         for (size_t g = 0; g < full; g++)
             read_cells(table, piece.cell[g], 8, piece.value[g]);
         if (narrow)
             read_cells(table, piece.cell[full], 4, piece.value[full]);
         for (size_t g = 0; g < full; g++)
-            sort_parts(split, cubes, from + 8 * g, 8, piece.value[g], piece.keep[g], mixed, inside, &m, &n);
+            sort_parts(split, &some, 8 * g, 8, piece.value[g], eight_bytes(piece.keep + 8 * g), mixed, inside, &m, &n);
         if (narrow)
-            sort_parts(split, cubes, from + 8 * full, 4, piece.value[full], piece.keep[full], mixed, inside, &m, &n);
+            sort_parts(split, &some, 8 * full, 4, piece.value[full], eight_bytes(piece.keep + 8 * full), mixed, inside,
+                       &m, &n);
     }
     mixed->count = m;
     inside->count = n;
