@@ -182,23 +182,30 @@ static cells cells_of(const ost_uncut *g)
     return (cells){(d.x + 1) / 2, (d.y + 1) / 2, (d.z + 1) / 2};
 }
 
-static bool empty_cell(const ost_uncut *g, int32_t x, int32_t y, int32_t z)
+enum { OPEN = 1, BONE = 2 }; /* marks of cells */
+
+/* Marks the cells that contain bone, in the order of the voxels in memory. */
+static void mark_bone(const ost_uncut *g, uint8_t *mark)
 {
-    for (int i = 0; i < 8; i++) {
-        const int32_t at[3] = {2 * x + (i & 1), 2 * y + (i >> 1 & 1), 2 * z + (i >> 2)};
-        if (density_at(g, at) >= g->threshold)
-            return false;
-    }
-    return true;
+    const ost_dims d = g->volume.geometry.dims;
+    const cells c = cells_of(g);
+    const int16_t *voxels = g->volume.voxels;
+    for (int32_t z = 0; z < d.z; z++)
+        for (int32_t y = 0; y < d.y; y++, voxels += d.x) {
+            uint8_t *row = mark + (int64_t)c.x * (y / 2 + (int64_t)c.y * (z / 2));
+            for (int32_t x = 0; x + 1 < d.x; x += 2)
+                row[x / 2] |= (uint8_t)(((voxels[x] >= g->threshold) | (voxels[x + 1] >= g->threshold)) * BONE);
+            if (d.x % 2 && voxels[d.x - 1] >= g->threshold)
+                row[c.x - 1] |= BONE;
+        }
 }
 
 /*
- * Marks all empty cells from which a path through empty cells leads to the border of the grid. The array `mark` must be
- * zero-initialized. Returns false if memory is exhausted.
+ * Marks all cells without bone from which a path through such cells leads to the border of the grid. The cells with
+ * bone are marked, and no others. Returns false if memory is exhausted.
  */
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {
-    enum { OPEN = 1 };
     const cells c = cells_of(g);
     const int64_t step[6] = {-1, 1, -c.x, c.x, -(int64_t)c.x * c.y, (int64_t)c.x * c.y};
     size_t count = 0, capacity = 4096;
@@ -207,8 +214,7 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
         for (int32_t y = 0; y < c.y && stack; y++)
             for (int32_t x = 0; x < c.x && stack; x++) {
                 const int64_t seed = x + c.x * (y + (int64_t)c.y * z);
-                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed] ||
-                    !empty_cell(g, x, y, z))
+                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed])
                     continue;
                 mark[seed] = OPEN;
                 stack[count++] = seed;
@@ -228,9 +234,6 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
                     for (int f = 0; f < 6; f++) {
                         const int64_t next = at + step[f];
                         if (!can[f] || mark[next])
-                            continue;
-                        if (!empty_cell(g, (int32_t)(next % c.x), (int32_t)(next / c.x % c.y),
-                                        (int32_t)(next / c.x / c.y)))
                             continue;
                         mark[next] = OPEN;
                         stack[count++] = next;
@@ -260,11 +263,16 @@ static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
 static ost_status find_outside(ost_uncut *g, ost_error *err)
 {
     const cells c = cells_of(g);
-    uint8_t *mark = calloc((size_t)c.x * (size_t)c.y * (size_t)c.z, 1);
+    const size_t count = (size_t)c.x * (size_t)c.y * (size_t)c.z;
+    uint8_t *mark = calloc(count, 1);
+    if (mark)
+        mark_bone(g, mark);
     if (!mark || !flood(g, mark)) {
         free(mark);
         return ost_fail(err, OST_ERR_MEMORY, "out of memory to find the outside of the bone");
     }
+    for (size_t i = 0; i < count; i++)
+        mark[i] &= OPEN;
     for (int64_t i = 0; i < (int64_t)c.y * c.z; i++)
         widen(mark, i * c.x, 1, c.x);
     for (int32_t z = 0; z < c.z; z++)
