@@ -100,10 +100,14 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
             ost_outline_free(outline);
             break;
         }
-    for (size_t at = 0; status == OST_OK && at < cells; at++) {
+    if (status != OST_OK) {
+        free(pieces);
+        return status;
+    }
+#pragma omp parallel for
+    for (int64_t at = 0; at < (int64_t)cells; at++) {
         double best[OST_OUTLINE_TAGS], least = 1e30;
-        double u = outline->u0 + step * (double)(at % (size_t)outline->nu),
-               v = outline->v0 + step * (double)(at / (size_t)outline->nu);
+        double u = outline->u0 + step * (double)(at % outline->nu), v = outline->v0 + step * (double)(at / outline->nu);
         bool inside = measure(pieces, count * PIECES, u, v, best);
         for (int t = 0; t < OST_OUTLINE_TAGS; t++) {
             least = ost_min(least, best[t]);
@@ -113,7 +117,7 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
         outline->inside[at] = inside ? sqrt(least) : -sqrt(least);
     }
     free(pieces);
-    return status;
+    return OST_OK;
 }
 
 void ost_outline_free(ost_outline *outline)
