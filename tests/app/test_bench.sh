@@ -140,6 +140,36 @@ grep -q "no row could be run: $scratch/nowhere" err || fail "no row at all: $(ca
 check "rows that were run of none" "$(value rows_run)" 0
 TMPDIR=$scratch
 
+# Compares ratios with those of an earlier run. No machine is 1e9 times as fast as the baseline, and every machine is
+# faster than a millionth of it, so the results do not depend on times.
+earlier() { printf '{"quick": true, "isa": "abacus", "rows": [{"name": "removal/peg/32/steady/1", "ratio_of_minima": %s}]}' "$1" >old.json; }
+row=removal/peg/32/steady/1
+earlier 1e9
+run 1 bench --suite removal --filter peg/32/steady/1 --quick --against old.json --json
+check "the row that is slower" "$(value against.rows.0.name) $(value against.rows.0.slower) $(value against.slower)" "$row true 1"
+check "the row is shown as well" "$(value rows.0.name)" $row
+has against.rows.0.ratio_then against.rows.0.ratio_now against.rows.0.slowdown_percent
+check "the default" "$(value against.max_slowdown_percent)" 10
+run 1 bench --suite removal --filter peg/32/steady/1 --quick --against old.json
+grep -q "^$row .*  slower$" out || fail "which row is slower is not said: $(cat out)"
+earlier 1e-6
+run 0 bench --suite removal --filter peg/32/steady/1 --quick --against old.json --max-slowdown 0.5%
+grep -q "^$row .* -100.0%$" out || fail "no comparison in the table: $(cat out)"
+grep -q 'slower than allowed: 0 of 1 rows; allowed is a slowdown of 0.5 %' out || fail "no summary: $(cat out)"
+grep -q 'isa then: abacus; now: ' out || fail "another instruction set is not said: $(cat out)"
+run 2 bench --suite removal --filter peg/64/steady/1 --quick --against old.json
+grep -q 'old.json: no row with a ratio is in both runs' err || fail "no row to compare: $(cat err)"
+refuse 2 "measured with --quick" bench --suite removal --filter peg/64/steady/1 --against old.json
+for spoilt in '{' '[]' '{"quick": true}' '{"quick": 1, "rows": []}'; do
+    echo "$spoilt" >spoilt.json
+    refuse 2 "spoilt.json" bench --suite removal --filter peg/64/steady/1 --quick --against spoilt.json
+done
+refuse 2 "absent.json" bench --quick --against absent.json
+refuse 2 "--max-slowdown needs --against" bench --quick --max-slowdown 5
+for limit in x -1 1001 5%%; do
+    refuse 2 "expected a percentage" bench --quick --against old.json --max-slowdown="$limit"
+done
+
 refuse 2 "no row of suite tick matches 'nothing'" bench --suite tick --filter nothing
 refuse 2 '--scale 2' bench --scale 2
 finish

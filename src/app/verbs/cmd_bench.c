@@ -12,6 +12,7 @@
 #include "app/common/progress.h"
 #include "app/common/result.h"
 #include "app/common/print.h"
+#include "app/verbs/bench_against.h"
 #include "bench/bench.h"
 
 #if defined __clang__
@@ -339,6 +340,8 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     int suite = 9;
     int64_t repeat = 0;
     bool markdown = false;
+    const char *earlier = NULL, *slowdown = NULL;
+    bench_against against;
     option_decimal scale = {.text = NULL};
     bench_options how = {0};
     const option options[] = {
@@ -352,6 +355,10 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
          .help = "use three repetitions and small inputs, to check that everything runs"},
         {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "SHARE",
          .help = "fraction of the 12,040,704 lines that parse/text reads (default: 1, 424 MB in TMPDIR)"},
+        {.name = "against", .kind = OPTION_TEXT, .out = &earlier, .value = "FILE",
+         .help = "compare the ratios with those in FILE, which an earlier run with --json printed"},
+        {.name = "max-slowdown", .kind = OPTION_TEXT, .out = &slowdown, .value = "PERCENT",
+         .help = "with --against: greatest slowdown of a row that is not an error (default: 10%)"},
         {.name = "markdown", .kind = OPTION_FLAG, .out = &markdown, .help = "print the table of docs/performance.md"},
         {.name = NULL}};
     const usage_text usage = {
@@ -369,11 +376,15 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
                  "A row that cannot run on this machine (for example because the device or the host\n"
                  "has too little memory) is printed as not run, with the reason. The other rows are\n"
                  "still measured.\n"
+                 "--against compares the ratios of the shortest times, which depend less on the machine\n"
+                 "and its load than the times do. A row without a baseline is not compared.\n"
                  "Exit status 0: rows were measured; 1: the grid of a row differs from that of the\n"
-                 "reference; 2: wrong usage; 3: no row could run, or the backend is not available.",
+                 "reference, or a row is slower than --max-slowdown allows; 2: wrong usage; 3: no row\n"
+                 "could run, or the backend is not available.",
         .example = "  osteon bench --suite removal --filter reamer/32\n  osteon bench --suite voxelize --backend "
                    "cpu:voxelizer=embree\n"
-                   "  osteon bench --backend cpu:isa=avx2 --json",
+                   "  osteon bench --suite removal --json >old.json\n"
+                   "  osteon bench --suite removal --against old.json --max-slowdown 10%",
     };
     ost_status status;
     if (!options_parse(app, &usage, argc, argv, &status, err))
@@ -390,6 +401,13 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
     how.repeat = (int)repeat;
     how.show = show_row;
 
+    status = bench_against_read(app, earlier, slowdown, how.quick, &against, err);
+    if (status != OST_OK)
+        return status;
     put_setting(app, &how, names[suite]);
-    return run_suites(app, &how, names[suite], markdown, err);
+    status = run_suites(app, &how, names[suite], markdown, err);
+    if (status == OST_OK && earlier)
+        status = bench_against_compare(app, &against, err);
+    bench_against_free(&against);
+    return status;
 }
