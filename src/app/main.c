@@ -259,6 +259,10 @@ int main(int argc, char **argv)
     } else if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "help") == 0) {
         print_help();
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
+    } else if (strcmp(word, "--complete") == 0) {
+        for (int i = 0; i < VERB_COUNT; i++)
+            printf("%s\t%s\n", verbs[i].name, verbs[i].summary);
+        return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);
     } else if (strcmp(word, "--version") == 0) {
         print_line_to(stdout, "osteon %s, arithmetic version %d", ost_version(), OST_ARITHMETIC_VERSION);
         return finish_output(&err) == OST_OK ? 0 : fail(NULL, &err, OST_ERR_IO);

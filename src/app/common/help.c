@@ -68,3 +68,26 @@ void help_print(const app_state *app, const usage_text *usage, const option *com
         printf("\n%s\n", usage->notes);
     printf("\nexample\n%s\n", usage->example);
 }
+
+/* Returns the kind of an option's value for shells: "flag", "file", "value", or the choices as "a|b|c". */
+static const char *kind_of(const option *o)
+{
+    if (o->kind == OPTION_FLAG)
+        return "flag";
+    if (o->kind == OPTION_CHOICE)
+        return o->value;
+    return o->kind == OPTION_TEXT || o->kind == OPTION_LIST ? "file" : "value";
+}
+
+static void print_candidates(const option *table)
+{
+    for (const option *o = table; o->name; o++)
+        if (o->kind != OPTION_HEADING)
+            printf("--%s\t%s\t%s\n", o->name, kind_of(o), o->help);
+}
+
+void help_print_candidates(const usage_text *usage, const option *common)
+{
+    print_candidates(usage->options);
+    print_candidates(common);
+}

@@ -302,8 +302,12 @@ bool options_parse(app_state *app, const usage_text *usage, int argc, char **arg
     bool help = false;
     option common[COMMON_MAX];
     common_options(app, &help, common);
-    if (is_help(argc, argv)) {
-        help_print(app, usage, common);
+    const bool complete = argc == 2 && strcmp(argv[1], "--complete") == 0;
+    if (complete || is_help(argc, argv)) {
+        if (complete)
+            help_print_candidates(usage, common);
+        else
+            help_print(app, usage, common);
         app->json = false;
         app->quiet = true;
         *status = OST_OK;
