@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds osteon._osteon, the extension module that calls libosteon.
+
+    include/osteon/*.h --C preprocessor--> declarations --cffi--> _osteon.c --compiler--> _osteon.abi3.so
+            '-------------------------- #include -------------------'
+
+The declarations that cffi needs are not written down in this package: they are derived from the public
+headers at each build. The package therefore cannot use an outdated copy of a declaration. The generated C
+file also includes the headers, and the compiler compares every function and every struct with cffi's
+understanding of it. A declaration that the derivation below misreads, for example because of a new
+attribute, does not compile. `osteon._c` compares the versions when the module is imported.
+
+The library is found in one of two ways:
+
+    OSTEON_BUILD=DIR   a build folder of osteon; the library is DIR/.libs/libosteon.so
+    pkg-config osteon  an installed library
+"""
+import os
+import re
+import shlex
+import subprocess
+import tempfile
+
+from cffi import FFI
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+# osteon.h does not include plugin.h, because a plugin is not linked to the library
+HEADERS = "#include <osteon/osteon.h>\n#include <osteon/plugin.h>\n"
+
+# The functions of Python that C calls, apart from the slots of the plugin (osteon/_c.py).
+CALLBACKS = """
+bool osteon_py_progress(void *user, const char *stage, double share);
+void osteon_py_device(const ost_device_info *device, void *user);
+"""
+
+# The extension module is also a plugin of osteon (osteon/plugin.h). libosteon loads the file of the module, which the
+# process has already loaded, so that the slots of the table call Python functions of the same process. The slots
+# `snap` and `steps` remain empty: the host executes these steps.
+PLUGIN = """
+static const ost_plugin osteon_py_table = {
+    .size = sizeof osteon_py_table,
+    .abi = OST_PLUGIN_ABI,
+    .arithmetic = OST_ARITHMETIC_VERSION,
+    .name = "python",
+    .description = "A function in Python that removes bone.",
+    %s
+};
+
+OST_PLUGIN_EXPORT const ost_plugin *ost_plugin_entry(uint32_t host_abi)
+{
+    return host_abi == OST_PLUGIN_ABI ? &osteon_py_table : NULL;
+}
+"""
+
+
+def run(*command, text=None):
+    """Runs a command and returns its output."""
+    return subprocess.run(command, input=text, stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
+
+
+def build_tree(folder):
+    """Returns the include folder and the library folder of a build folder."""
+    with open(os.path.join(folder, "Makefile"), encoding="utf-8") as file:
+        source = re.search(r"^abs_top_srcdir = (.*)$", file.read(), re.M)
+    libraries = os.path.join(os.path.abspath(folder), ".libs")
+    if not source or not os.path.exists(os.path.join(libraries, "libosteon.so")):
+        raise SystemExit(f"OSTEON_BUILD={folder}: not a build folder of osteon with a shared library; run make there")
+    return os.path.join(source.group(1), "include"), libraries
+
+
+def installed():
+    """Returns the include folder and the library folder of an installed osteon."""
+    tool = os.environ.get("PKG_CONFIG", "pkg-config")
+    try:
+        return tuple(run(tool, f"--variable={name}", "osteon").strip() for name in ("includedir", "libdir"))
+    except (OSError, subprocess.CalledProcessError):
+        raise SystemExit("libosteon was not found: install osteon, so that `pkg-config osteon` finds it, or set "
+                         "OSTEON_BUILD to a build folder") from None
+
+
+def preprocess(include, *options):
+    """Runs the preprocessor on the headers, with empty system headers, so that only osteon's declarations remain."""
+    compiler = shlex.split(os.environ.get("CC", "cc"))
+    with tempfile.TemporaryDirectory() as empty:
+        for name in ("stdbool.h", "stddef.h", "stdint.h"):
+            with open(os.path.join(empty, name), "w", encoding="ascii"):
+                pass
+        # cffi's types bool, size_t, int16_t etc. need no declaration; INT64_C is a macro of stdint.h
+        return run(*compiler, "-E", "-P", "-nostdinc", "-undef", "-DINT64_C(x)=x", "-DINT32_C(x)=x", "-I", empty,
+                   "-I", include, *options, "-", text=HEADERS)
+
+
+def constants(include):
+    """Declares the macros of the headers that are integers or strings. The compiler determines the values."""
+    lines = []
+    for name, value in re.findall(r"^#define (OST_[A-Z0-9_]+) (.+)$", preprocess(include, "-dM"), re.M):
+        if value.startswith('"'):
+            lines.append(f"static char *const {name};")
+        elif re.match(r"[(\d]|INT|OST_(?!STATUS_LIST|API|PRINTF)", value) and not name.endswith("_H"):
+            kind = "double" if re.match(r"\d*\.\d", value) else "long long"
+            lines.append(f"static const {kind} {name};")
+    return "\n".join(sorted(lines)) + "\n"
+
+
+def slots(declarations):
+    """Returns the names of the plugin's slots and a prototype for each."""
+    table = re.search(r"typedef struct ost_plugin \{(.*?)\} ost_plugin;", declarations, re.S).group(1)
+    found = [slot for slot in re.findall(r"(\w+) \(\*(\w+)\)\(([^;]*)\);", table) if slot[1] not in ("snap", "steps")]
+    return [name for _, name, _ in found], [f"{result} osteon_py_{name}({' '.join(arguments.split())});"
+                                            for result, name, arguments in found]
+
+
+def check_version(include):
+    """Ends the build if the headers have a different version than the package."""
+    header = dict(re.findall(r"^#define OST_VERSION_(MAJOR|MINOR|PATCH) (\d+)$", preprocess(include, "-dM"), re.M))
+    found = ".".join(header[part] for part in ("MAJOR", "MINOR", "PATCH"))
+    with open(os.path.join(HERE, "pyproject.toml"), encoding="utf-8") as file:
+        wanted = re.search(r'^version = "(.*)"$', file.read(), re.M).group(1)
+    if found != wanted:
+        raise SystemExit(f"{include} has the headers of osteon {found}; this package needs osteon {wanted}")
+
+
+def make():
+    """Returns the builder that setuptools calls (setup.py)."""
+    build = os.environ.get("OSTEON_BUILD")
+    include, libraries = build_tree(build) if build else installed()
+    check_version(include)
+    declarations = preprocess(include)
+    names, prototypes = slots(declarations)
+    callbacks = CALLBACKS.strip().split("\n") + prototypes
+    table = PLUGIN % " ".join(f".{name} = osteon_py_{name}," for name in names)
+    builder = FFI()
+    builder.cdef(declarations + constants(include) + "void free(void *memory);\n"
+                 + "\n".join('extern "Python" ' + line for line in callbacks))
+    builder.set_source("osteon._osteon", HEADERS + "#include <stdlib.h>\n"
+                       + "\n".join("static " + line for line in callbacks) + table, libraries=["osteon"], include_dirs=[include],
+                       library_dirs=[libraries], extra_compile_args=["-std=c11"],
+                       # the path of the library is recorded unless the loader finds it anyway
+                       runtime_library_dirs=[] if libraries.startswith("/usr/lib") else [libraries])
+    return builder
+
+
+ffibuilder = make()

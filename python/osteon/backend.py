@@ -1,0 +1,552 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Backends, which store voxels and operate on them, and the bones and tools that they own.
+
+    file --Backend.read_bone--> Bone        Volume --Backend.bone--> Bone --Bone.write--> file
+    file --Backend.read_tool--> Tool        Mesh --Backend.voxelize--> Tool
+
+A string selects a backend: "cpu" (the default), "cpu:isa=avx2,threads=2", "ref", "cl:platform=Portable,device=0" or
+"plugin:FILE.so". All backends compute bit-identical grids.
+
+Lifetimes: bones and tools refer to their backend, which is closed after them. Backend.close() closes them too.
+
+Threads: the C library allows one thread at a time to use a backend and its objects; different backends may be used by
+different threads at the same time. A lock in each backend ensures this, and cffi releases the GIL during a call.
+"""
+import os
+import weakref
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Union
+
+import numpy as np
+
+from osteon._c import Lock, Owned, call, ffi, lib, meta_of, meta_to, path_bytes, progress_handle, text
+from osteon.errors import UsageError
+from osteon.event import Event, Pose, Report
+from osteon.grid import (Geometry, Progress, Volume, as_voxels, call_with_progress, member_of, pointer, report_of,
+                         volume_options)
+from osteon.mesh import Mesh, Snapped, ToolGeometry, ToolVolume, grid_of, mesh_of
+from osteon.units import Length, Vector, c_pm3, mm_text, pm, pm3
+
+__all__ = ["Backend", "Bone", "BoneInfo", "Tool", "backends", "devices"]
+
+_RESAMPLE = {"linear": lib.OST_RESAMPLE_LINEAR, "nearest": lib.OST_RESAMPLE_NEAREST,
+             "thesis": lib.OST_RESAMPLE_THESIS}
+_DUPLICATES = {"error": lib.OST_DUPLICATES_ERROR, "first": lib.OST_DUPLICATES_FIRST, "last": lib.OST_DUPLICATES_LAST,
+               "max": lib.OST_DUPLICATES_MAX}
+_RULES = {"winding": lib.OST_FILL_WINDING, "parity": lib.OST_FILL_PARITY}
+
+
+def choice(table: Dict[str, int], what: str, value: str) -> int:
+    """Returns the value of an option, or raises UsageError with the possible values."""
+    if value not in table:
+        raise UsageError(f"{what} {value!r}: expected one of {', '.join(table)}")
+    return table[value]
+
+
+# ------------------------------------------------------------------ choice
+
+
+def backends() -> List[Dict[str, Any]]:
+    """Returns the backends: name, description, available, and the reason if a backend is not available."""
+    found = []
+    for index in range(lib.ost_backend_count()):
+        info = ffi.new("ost_backend_info *")
+        call(lib.ost_backend_describe, index, info)
+        found.append({"name": text(info.name), "description": text(info.description), "available": info.available,
+                      "reason": text(info.reason)})
+    return found
+
+
+@ffi.def_extern()
+def osteon_py_device(device: Any, user: Any) -> None:
+    """Receives one device (ost_device_visit)."""
+    ffi.from_handle(user).append({name: text(getattr(device, name)) if name != "available" else device.available
+                                  for name in ("spec", "platform", "name", "available", "reason", "notes", "facts")})
+
+
+def devices() -> List[Dict[str, Any]]:
+    """Tests every device of every backend, as `osteon devices` does. "spec" is the string for Backend()."""
+    found: List[Dict[str, Any]] = []
+    handle = ffi.new_handle(found)
+    for index in range(lib.ost_backend_count()):
+        call(lib.ost_backend_devices, index, lib.osteon_py_device, handle)
+    return found
+
+
+class Backend(Owned):
+    """An open backend.
+
+    Parameters
+    ----------
+    spec : str
+        For example "cpu", "ref" or "cpu:isa=avx2,threads=2".
+
+    Raises
+    ------
+    UsageError
+        If a name, key or value is unknown.
+    UnavailableError
+        If the backend cannot run on this machine.
+    """
+
+    def __init__(self, spec: str = "cpu") -> None:
+        out = ffi.new("ost_backend **")
+        call(lib.ost_backend_open, spec.encode(), out)
+        super().__init__(out[0], lib.ost_backend_close, Lock())
+        self.spec = spec
+        self._objects: "weakref.WeakSet[Owned]" = weakref.WeakSet()
+
+    def close(self) -> None:
+        """Closes the backend and all its bones, tools and worlds, which must not be used afterwards."""
+        for item in sorted(self._objects, key=lambda item: getattr(item, "_closes_first", 1)):
+            item.close()
+        super().close()
+
+    def _adopt(self, item: Owned) -> None:
+        self._objects.add(item)
+
+    def __repr__(self) -> str:
+        return f"<osteon.Backend {self.spec}{' (closed)' if self.closed else ''}>"
+
+    @property
+    def name(self) -> str:
+        """Name without options, for example "cpu"."""
+        return text(lib.ost_backend_name(self._c))
+
+    @property
+    def settings(self) -> Dict[str, Any]:
+        """Settings that follow from the options and the machine: isa, threads, platform, device."""
+        found = lib.ost_backend_settings_get(self._c)
+        return {"isa": text(found.isa), "threads": found.threads, "platform": found.platform, "device": found.device}
+
+    def finish(self) -> None:
+        """Waits until all work is complete, and raises the error of work that failed after its call returned."""
+        with self._lock.held:
+            call(lib.ost_backend_finish, self._c)
+
+    # -------------------------------------------------------------- bones
+
+    def read_bone(self, path: Any, *, spacing_mm: Any = None, cubic_mm: Optional[Length] = None,
+                  threshold: Optional[int] = None, chunk_size: int = 32, resample: Optional[str] = None,
+                  duplicates: str = "error", crop: Any = None, threads: int = 0, digests: bool = False,
+                  mask: Any = None, mask_labels: Iterable[Union[int, str]] = (), mask_fill: bool = False,
+                  clamp: bool = False, resample_oblique: bool = False, orientation: str = "", form: str = "auto",
+                  series: Optional[str] = None, even_slices: bool = False, untilt: bool = False,
+                  nan_as_air: bool = False, progress: Optional[Progress] = None) -> "Bone":
+        """Imports a CT, or a bone that Bone.write or `osteon import` wrote.
+
+        The keywords are the options of `osteon import` with the same names.
+
+        Parameters
+        ----------
+        path : path-like
+            NRRD, NIfTI, MetaImage, DICOM, a stack of slices, or text.
+        spacing_mm : length or (x, y, z), optional
+            Spacing of the CT, which replaces the spacing in the file.
+        cubic_mm : length, optional
+            Edge length of the bone's voxels; the default is the CT's spacing along x.
+        threshold : int, optional
+            Lowest density of bone; the default is the threshold in the file, or 120.
+        crop : ((x, y, z), (x, y, z)), optional
+            First voxel and end of the box of CT voxels to import.
+        mask : path-like, optional
+            Label map; only voxels with the labels `mask_labels` (numbers or names) are imported.
+        digests : bool
+            True to compute the SHA-256 of the grid of each stage, in Bone.imported["stages"].
+        progress : callable, optional
+            Called with a stage and the completed share from 0 to 1. If it returns False, CancelledError is raised.
+
+        Returns
+        -------
+        Bone
+            With the facts of the file in Bone.meta, and a report in Bone.imported.
+        """
+        options, keep = ffi.new("ost_import_options *"), []
+        if spacing_mm is not None:
+            options.spacing = c_pm3(pm3(spacing_mm))
+        options.cubic = 0 if cubic_mm is None else pm(cubic_mm)
+        options.threshold = threshold or 0
+        options.chunk_size = chunk_size
+        if resample is not None:
+            options.has_resample, options.resample = True, choice(_RESAMPLE, "resample", resample)
+        options.duplicates = choice(_DUPLICATES, "duplicates", duplicates)
+        if crop is not None:
+            options.crop = True
+            options.crop_box.lo, options.crop_box.hi = [int(v) for v in crop[0]], [int(v) for v in crop[1]]
+        options.threads, options.digests, options.mask_fill = threads, digests, mask_fill
+        if mask is not None:
+            keep.append(ffi.new("char[]", path_bytes(mask)))
+            options.mask = keep[-1]
+        for label in mask_labels:
+            if isinstance(label, str):
+                keep.append(ffi.new("char[]", label.encode()))
+                options.mask_names[options.mask_name_count] = keep[-1]
+                options.mask_name_count += 1
+            else:
+                options.mask_labels[options.mask_label_count] = int(label)
+                options.mask_label_count += 1
+        keep.append(volume_options(ffi.addressof(options, "volume"), clamp=clamp, resample_oblique=resample_oblique,
+                                   orientation=orientation, form=form, series=series, even_slices=even_slices,
+                                   untilt=untilt, nan_as_air=nan_as_air,
+                                   stack_spacing_mm=spacing_mm))
+        out, result = ffi.new("ost_bone **"), ffi.new("ost_import_result *")
+        running = progress_handle(progress, options)
+        with self._lock.held:
+            call_with_progress(running, lib.ost_import, self._c, path_bytes(path), options, out, result)
+        bone = Bone(self, out[0])
+        bone.meta = meta_of(result.meta)
+        bone.imported = imported_of(result)
+        bone.source = os.fsdecode(path)
+        bone.load = {"duplicates": duplicates, "clamp": "yes" if clamp else "no",
+                     "resample_oblique": "yes" if resample_oblique else "no"}
+        if spacing_mm is not None:
+            bone.load["spacing"] = ",".join(mm_text(v) for v in pm3(spacing_mm))
+        if cubic_mm is not None:
+            bone.load["cubic"] = mm_text(pm(cubic_mm))
+        if crop is not None:
+            bone.load["crop"] = ",".join(f"{int(a)}:{int(b)}" for a, b in zip(crop[0], crop[1]))
+        if resample is not None:
+            bone.load["resample"] = resample
+        if orientation:
+            bone.load["orientation"] = orientation
+        if form != "auto":
+            bone.load["form"] = form
+        return bone
+
+    def bone(self, volume: Any, *, geometry: Optional[Geometry] = None, cubic_mm: Optional[Length] = None,
+             threshold: Optional[int] = None, chunk_size: int = 32, resample: str = "linear") -> "Bone":
+        """Makes a bone from densities in memory, by the steps of an import.
+
+        Parameters
+        ----------
+        volume : Volume, SimpleITK.Image, nibabel image, or array [z, y, x] with `geometry`
+            The CT. If its spacing differs between the axes or from `cubic_mm`, it is resampled.
+        threshold : int, optional
+            Lowest density of bone; the default is volume.meta["threshold"], or 120.
+        """
+        volume = volume_of(volume, geometry)
+        if threshold is None:
+            threshold = int(volume.meta.get("threshold", 120))
+        cubic = volume.geometry.spacing_pm[0] if cubic_mm is None else pm(cubic_mm)
+        c_geometry = volume.geometry._c()
+        rect, grid, bone = ffi.new("ost_grid **"), ffi.new("ost_grid **"), ffi.new("ost_bone **")
+        with self._lock.held:
+            call(lib.ost_grid_create, self._c, c_geometry, rect)
+            try:
+                call(lib.ost_grid_upload, rect[0], 0, volume.geometry.dims[2], pointer(volume.voxels, "int16_t *"))
+                call(lib.ost_rect_to_cubic, rect[0], cubic, choice(_RESAMPLE, "resample", resample), grid)
+                call(lib.ost_cubic_to_chunks, grid[0], chunk_size, threshold, bone)
+            finally:
+                lib.ost_grid_free(grid[0])
+                lib.ost_grid_free(rect[0])
+        made = Bone(self, bone[0])
+        made.meta = dict(volume.meta)
+        return made
+
+    # -------------------------------------------------------------- tools
+
+    def read_tool(self, path: Any, voxel_mm: Length = "0.5", *, noncutting: Any = None, unit: str = "auto",
+                  rule: str = "winding") -> "Tool":
+        """Reads a tool grid, or reads a mesh and voxelizes it, as `osteon voxelize` does.
+
+        The parameters are those of voxelize(), and are not used for a tool grid.
+        """
+        kind = ffi.new("ost_file_kind *")
+        call(lib.ost_file_kind_find, path_bytes(path), kind)
+        if kind[0] == lib.OST_FILE_NRRD and noncutting is None:
+            tool = self.tool(ToolVolume.read(path))
+        else:
+            tool = self.voxelize(Mesh.read(path, unit), voxel_mm, noncutting=noncutting, unit=unit, rule=rule)
+            tool.load = {"voxel": mm_text(pm(voxel_mm)), "unit": unit, "rule": rule}
+        tool.source = os.fsdecode(path)
+        return tool
+
+    def voxelize(self, mesh: Any, voxel_mm: Length = "0.5", *, noncutting: Any = None, unit: str = "auto",
+                 rule: str = "winding") -> "Tool":
+        """Voxelizes a mesh (AR-VOX).
+
+        Parameters
+        ----------
+        mesh : Mesh, trimesh.Trimesh or path-like
+            The part that cuts.
+        voxel_mm : length
+            Edge length of the tool's voxels.
+        noncutting : Mesh, trimesh.Trimesh or path-like, optional
+            The part that touches bone but does not cut.
+        unit : str
+            Unit of the coordinates in mesh files.
+        rule : {"winding", "parity"}
+            Rule that determines which points are inside a mesh.
+
+        Returns
+        -------
+        Tool
+            With the counts of the voxelization in Tool.report. A surface that is not closed has leaking_rows.
+        """
+        parts = [mesh_of(mesh, unit)] + ([] if noncutting is None else [mesh_of(noncutting, unit)])
+        grid = grid_of(parts, voxel_mm)
+        return self._voxelize([Snapped(part, grid) for part in parts], rule)
+
+    def _voxelize(self, parts: List[Snapped], rule: str) -> "Tool":
+        out, report = ffi.new("ost_tool **"), ffi.new("ost_voxelize_report *")
+        with self._lock.held:
+            call(lib.ost_voxelize, self._c, parts[0].c, parts[1].c if len(parts) > 1 else ffi.NULL,
+                 choice(_RULES, "rule", rule), report, out)
+        tool = Tool(self, out[0])
+        tool.report = report_of(report)
+        return tool
+
+    def tool(self, volume: ToolVolume) -> "Tool":
+        """Makes a tool from a tool grid in memory."""
+        out = ffi.new("ost_tool **")
+        with self._lock.held:
+            call(lib.ost_tool_upload, self._c, volume._c(), out)
+        tool = Tool(self, out[0])
+        tool.meta = dict(volume.meta)
+        return tool
+
+
+def volume_of(data: Any, geometry: Optional[Geometry] = None) -> Volume:
+    """Returns a Volume for a Volume, a Bone, an image of SimpleITK or nibabel, or an array with a geometry."""
+    if isinstance(data, Volume):
+        return data
+    if isinstance(data, Bone):
+        return data.download()
+    if geometry is not None:
+        return Volume(data, geometry)
+    if hasattr(data, "GetDirection"):
+        return Volume.from_sitk(data)
+    if hasattr(data, "affine"):
+        return Volume.from_nibabel(data)
+    raise UsageError(f"{type(data).__name__}: expected a Volume, a Bone, an image of SimpleITK or nibabel, or an array "
+                     "with geometry=Geometry.of(array.shape, spacing_mm, origin_mm)")
+
+
+def imported_of(result: Any) -> Dict[str, Any]:
+    """Returns the report of an import as a dict."""
+    found = {name: member_of(getattr(result, name), member.type) for name, member in ffi.typeof(result).item.fields
+             if name not in ("rect", "cubic", "meta", "stages", "stage_count", "resample")}
+    found["rect"], found["cubic"] = Geometry._of_c(result.rect), Geometry._of_c(result.cubic)
+    found["resample"] = text(lib.ost_resample_name(result.resample))
+    found["stages"] = [{"name": text(s.name), "time_ms": s.time_ms,
+                        "digest": bytes(ffi.buffer(s.digest.bytes)).hex() if s.has_digest else None}
+                       for s in result.stages[0:result.stage_count]]
+    return found
+
+
+# ------------------------------------------------------------------- bones
+
+
+class BoneInfo(NamedTuple):
+    """Properties and counts of a bone (ost_bone_info in osteon/backend.h)."""
+
+    geometry: Geometry
+    chunk_size: int
+    threshold: int
+    chunk_dims: Vector
+    chunks: int
+    active_chunks: int
+    active_voxels: int
+    chunk_bytes: int
+    resident_bytes: int
+
+
+class Bone(Owned):
+    """A bone in the memory of a backend. Backend.read_bone and Backend.bone make bones.
+
+    Attributes
+    ----------
+    backend : Backend
+        The owner of the voxels.
+    meta : dict
+        Facts of the file, for example the position of the glenoid; write() stores them again.
+    imported : dict
+        Report of the import.
+    """
+
+    def __init__(self, backend: Backend, made: Any) -> None:
+        super().__init__(made, lib.ost_bone_free, backend._lock, backend)
+        backend._adopt(self)
+        self.backend = backend
+        self.meta: Dict[str, str] = {}
+        self.imported: Dict[str, Any] = {}
+        self.source, self.load = "", {}  # for the header of a session
+        info = self.info
+        self.geometry, self.chunk_size, self.threshold = info.geometry, info.chunk_size, info.threshold
+        self.chunk_dims = info.chunk_dims
+
+    def __repr__(self) -> str:
+        x, y, z = self.geometry.dims
+        return f"<osteon.Bone {x} x {y} x {z} voxels on {self.backend.spec}{' (closed)' if self.closed else ''}>"
+
+    @property
+    def info(self) -> BoneInfo:
+        """Properties and counts."""
+        out = ffi.new("ost_bone_info *")
+        with self._lock.held:
+            call(lib.ost_bone_info_get, self._c, out)
+        return BoneInfo(Geometry._of_c(out.geometry), out.chunk_size, out.threshold,
+                        (out.chunk_dims.x, out.chunk_dims.y, out.chunk_dims.z), out.chunks, out.active_chunks,
+                        out.active_voxels, out.chunk_bytes, out.resident_bytes)
+
+    def voxels(self, z0: int = 0, count: Optional[int] = None, out: Optional[np.ndarray] = None) -> np.ndarray:
+        """Copies slices z0 to z0 + count from the backend to an int16 array [z, y, x]. Inactive voxels are 0.
+
+        Parameters
+        ----------
+        out : ndarray, optional
+            A C-contiguous int16 array to fill, so that no memory is allocated.
+        """
+        shape = (self.geometry.dims[2] - z0 if count is None else count,) + self.geometry.shape[1:]
+        if out is None:
+            out = np.empty(shape, np.int16)
+        elif out.shape != shape or out.dtype != np.int16 or not out.flags.c_contiguous:
+            raise UsageError(f"out: expected a C-contiguous int16 array of shape {shape}")
+        with self._lock.held:
+            call(lib.ost_bone_download, self._c, z0, shape[0], pointer(out, "int16_t *", writable=True))
+        return out
+
+    def download(self) -> Volume:
+        """Copies the bone to a volume with its geometry and meta."""
+        return Volume(self.voxels(), self.geometry, dict(self.meta))
+
+    def upload(self, voxels: Any, z0: int = 0) -> None:
+        """Copies slices from an array [z, y, x] to the bone. Densities below the threshold are stored as 0."""
+        array = as_voxels(voxels)
+        if array.shape[1:] != self.geometry.shape[1:]:
+            raise UsageError(f"slices of shape {array.shape[1:]}: expected {self.geometry.shape[1:]}")
+        with self._lock.held:
+            call(lib.ost_bone_upload, self._c, z0, array.shape[0], pointer(array, "int16_t *"))
+
+    def copy(self, backend: Optional[Backend] = None) -> "Bone":
+        """Returns a copy of the bone, on the same backend or on another one."""
+        backend = backend or self.backend
+        out = ffi.new("ost_bone **")
+        with backend._lock.held:
+            call(lib.ost_bone_create, backend._c, self.geometry._c(), self.chunk_size, self.threshold, out)
+        bone = Bone(backend, out[0])
+        bone.upload(self.voxels())
+        bone.meta = dict(self.meta)
+        return bone
+
+    def sample(self, points: Any) -> np.ndarray:
+        """Reads the densities of single voxels. points has the indices x, y, z in rows, shape (n, 3)."""
+        at = [np.ascontiguousarray(column, np.int32) for column in np.asarray(points).reshape(-1, 3).T]
+        out = np.empty(len(at[0]), np.int16)
+        columns = ffi.new("int32_t *[3]", [pointer(column, "int32_t *") for column in at])
+        with self._lock.held:
+            call(lib.ost_bone_sample, self._c, len(out), columns, pointer(out, "int16_t *"))
+        return out
+
+    def digest(self) -> str:
+        """Returns the digest of the bone (AR-DIG) as 64 hexadecimal digits."""
+        out = ffi.new("ost_digest *")
+        with self._lock.held:
+            call(lib.ost_bone_digest, self._c, ffi.NULL, out)
+        return bytes(ffi.buffer(out)).hex()
+
+    def leaves(self) -> np.ndarray:
+        """Returns the digests of the leaves of 32^3 voxels, uint8 [z, y, x, 32], which locate a difference."""
+        x, y, z = (-(-n // lib.OST_LEAF) for n in self.geometry.dims)
+        out = np.empty((z, y, x, lib.OST_DIGEST_BYTES), np.uint8)
+        with self._lock.held:
+            call(lib.ost_bone_digest, self._c, pointer(out, "ost_digest *"), ffi.new("ost_digest *"))
+        return out
+
+    def write(self, path: Any, *, meta: Optional[Dict[str, str]] = None, compress: bool = False,
+              progress: Optional[Progress] = None) -> None:
+        """Writes the bone with its facts, as `osteon ream --out` does: .nrrd, .nii, .nii.gz, .mha or .txt.
+
+        Parameters
+        ----------
+        meta : dict, optional
+            Facts for the header; the default is Bone.meta.
+        """
+        options = ffi.new("ost_write_options *", {"compress": compress})
+        facts = ffi.new("ost_meta *")
+        meta_to(facts, self.meta if meta is None else meta)
+        running = progress_handle(progress, options)
+        with self._lock.held:
+            call_with_progress(running, lib.ost_bone_write, path_bytes(path), self._c, facts, options)
+
+    def remove(self, tool: "Tool", event: Union[Event, Pose, Iterable[Pose]]) -> Report:
+        """Removes the voxels that the tool covers in an event (AR-REM), without a world.
+
+        Parameters
+        ----------
+        event : Event, Pose or poses
+            Poses of the tool. World.step computes the poses of a motion.
+        """
+        return self._event(lib.ost_bone_remove, tool, event)
+
+    def collide(self, tool: "Tool", event: Union[Event, Pose, Iterable[Pose]]) -> Report:
+        """Returns the report of remove() without changing the bone."""
+        return self._event(lib.ost_bone_collide, tool, event)
+
+    def _event(self, function: Any, tool: "Tool", event: Any) -> Report:
+        if not isinstance(event, Event):
+            event = Event.of([event] if isinstance(event, Pose) else event, self.geometry, tool.geometry)
+        report = ffi.gc(ffi.new("ost_removal_report *"), lib.ost_removal_report_free)
+        c_event, keep = event._c(self.geometry)
+        with self._lock.held:
+            call(function, self._c, tool._c, c_event, report)
+        del keep
+        return Report.of(report, len(event.classes))
+
+    def overlap(self, tool: "Tool", pose: Pose) -> int:
+        """Counts the active voxels that a tool covers at a pose, with cutting or noncutting voxels."""
+        out = ffi.new("int64_t *")
+        with self._lock.held:
+            call(lib.ost_bone_overlap, self._c, tool._c, pose._c(), out)
+        return int(out[0])
+
+
+# ------------------------------------------------------------------- tools
+
+
+class Tool(Owned):
+    """A tool grid in the memory of a backend. Backend.read_tool, voxelize and tool make tools.
+
+    Attributes
+    ----------
+    geometry : ToolGeometry
+        The grid.
+    report : dict
+        After a voxelization: solid_voxels, cutting_voxels and leaking_rows.
+    """
+
+    def __init__(self, backend: Backend, made: Any) -> None:
+        super().__init__(made, lib.ost_tool_free, backend._lock, backend)
+        backend._adopt(self)
+        self.backend = backend
+        self.meta: Dict[str, str] = {}
+        self.report: Dict[str, Any] = {}
+        self.source, self.load = "", {}  # for the header of a session
+        self.geometry = ToolGeometry._of_c(lib.ost_tool_geometry_get(made))
+
+    def __repr__(self) -> str:
+        x, y, z = self.geometry.dims
+        return f"<osteon.Tool {x} x {y} x {z} voxels on {self.backend.spec}{' (closed)' if self.closed else ''}>"
+
+    def download(self) -> ToolVolume:
+        """Copies the tool to host memory."""
+        memory = ffi.new("ost_tool_volume *")
+        with self._lock.held:
+            call(lib.ost_tool_download, self._c, memory)
+        volume = ToolVolume._of_c(memory)
+        volume.meta = dict(self.meta)
+        return volume
+
+    def voxels(self) -> np.ndarray:
+        """Returns the classes of the voxels, uint8 [z, y, x]."""
+        return self.download().voxels
+
+    def digest(self) -> str:
+        """Returns the digest of the tool (AR-DIG) as 64 hexadecimal digits."""
+        out = ffi.new("ost_digest *")
+        with self._lock.held:
+            call(lib.ost_tool_digest, self._c, out)
+        return bytes(ffi.buffer(out)).hex()
+
+    def write(self, path: Any) -> None:
+        """Writes the tool grid as a uint8 NRRD file."""
+        self.download().write(path)

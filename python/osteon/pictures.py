@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures without a display: uint8 arrays [row, column, 3], row 0 at the top.
+
+    render   a shaded view with scale and directions, as `osteon export --view` does
+    slices   axial, coronal and sagittal slices, as `osteon export --slices` does
+
+Threads: the functions share no state.
+"""
+from typing import Any, Iterable, Optional, Tuple
+
+import numpy as np
+
+from osteon._c import call, ffi, lib, path_bytes
+from osteon.backend import Bone, Tool, volume_of
+from osteon.errors import UsageError
+from osteon.grid import Geometry, Volume, array_of, pointer
+from osteon.mesh import ToolVolume
+
+__all__ = ["render", "slices", "write_png"]
+
+
+def _picture(picture: Any) -> np.ndarray:
+    size = 3 * picture.width * picture.height
+    rgb = ffi.gc(picture.rgb, lambda _: lib.ost_picture_free(picture), size)
+    return array_of(rgb, size, np.uint8, (picture.height, picture.width, 3))
+
+
+def _scene(data: Any, threshold: Optional[int]) -> Tuple[Volume, int, bool]:
+    """Returns the volume, the threshold and whether it is a tool."""
+    if isinstance(data, Tool):
+        data = data.download()
+    if isinstance(data, ToolVolume):
+        g = data.geometry
+        origin = tuple(c + g.voxel_pm // 2 for c in g.corner_pm)
+        return Volume(data.voxels.astype(np.int16), Geometry(g.dims, (g.voxel_pm,) * 3, origin)), 1, True
+    if threshold is None and isinstance(data, Bone):
+        threshold = data.threshold
+    volume = volume_of(data)
+    return volume, int(volume.meta.get("threshold", 120)) if threshold is None else threshold, False
+
+
+def render(data: Any, before: Any = None, *, direction: Iterable[float] = (0, 0, 0), up: Iterable[float] = (0, 0, 0),
+           size: Tuple[int, int] = (800, 800), threshold: Optional[int] = None, centre_mm: Any = None,
+           extent_mm: float = 0.0, legend: bool = True, threads: int = 0) -> np.ndarray:
+    """Draws a view of the bone voxels, whose voxels must be cubes.
+
+    Parameters
+    ----------
+    data : Bone, Volume, Tool, ToolVolume or image
+        The grid.
+    before : Bone or Volume, optional
+        The bone before an operation. The newly exposed surface is coloured by its depth below this surface.
+    direction : (x, y, z)
+        From the eye into the scene, in LPS; the default is to posterior.
+    up : (x, y, z)
+        Upward direction; the default is superior.
+    size : (int, int)
+        Width and height in pixels.
+    centre_mm, extent_mm : (x, y, z), float
+        Centre of the view and height of the view in its plane; the default shows the complete bone.
+    legend : bool
+        False to omit the legend, the scale bar and the patient's directions.
+
+    Returns
+    -------
+    ndarray
+        uint8, shape (height, width, 3).
+    """
+    volume, level, tool = _scene(data, threshold)
+    options = ffi.new("ost_view_options *", {
+        "direction": [float(v) for v in direction], "up": [float(v) for v in up], "threshold": level,
+        "width": size[0], "height": size[1], "extent_mm": extent_mm, "tool": tool, "no_legend": not legend,
+        "threads": threads})
+    if centre_mm is not None:
+        options.centre_mm = [float(v) for v in centre_mm]
+    out = ffi.new("ost_picture *")
+    c_volume = volume._c()
+    old = volume_of(before) if before is not None else None
+    call(lib.ost_picture_view, c_volume, old._c() if old is not None else ffi.NULL, options, out)
+    return _picture(out)
+
+
+def slices(data: Any, before: Any = None, *, at: Optional[Iterable[int]] = None, threshold: Optional[int] = None,
+           level: int = 0, width: int = 0, pixels: int = 0) -> np.ndarray:
+    """Draws the axial, coronal and sagittal slice through a voxel.
+
+    Parameters
+    ----------
+    before : Bone or Volume, optional
+        The bone before an operation; removed voxels are coloured.
+    at : (int, int, int), optional
+        Index x, y, z of the voxel; the default is the middle of the removed voxels, or of the grid.
+    level, width : int
+        Grey-scale window in HU; the default is 400 and 1800.
+    pixels : int
+        Length of the longest side of a slice; the default is 480.
+    """
+    volume, lowest, _ = _scene(data, threshold)
+    options = ffi.new("ost_slices_options *", {"at": [-1] * 3 if at is None else [int(v) for v in at],
+                                               "threshold": lowest, "level": level, "width": width, "pixels": pixels})
+    out = ffi.new("ost_picture *")
+    c_volume = volume._c()
+    old = volume_of(before) if before is not None else None
+    call(lib.ost_picture_slices, c_volume, old._c() if old is not None else ffi.NULL, options, out)
+    return _picture(out)
+
+
+def write_png(path: Any, picture: np.ndarray) -> None:
+    """Writes a picture as a PNG file."""
+    array = np.ascontiguousarray(picture)
+    if array.ndim != 3 or array.shape[2] != 3 or array.dtype != np.uint8:
+        raise UsageError(f"picture of shape {array.shape} and type {array.dtype}: expected (rows, columns, 3), uint8")
+    out = ffi.new("ost_picture *", {"width": array.shape[1], "height": array.shape[0],
+                                    "rgb": pointer(array, "uint8_t *")})
+    call(lib.ost_picture_write_png, path_bytes(path), out)

@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds the Python package in python/ against the library of this build folder, as `pip install` does, and runs its
+# tests. Nothing is written to the source tree, and no package index is needed. PYTHON3 selects the interpreter.
+#
+#   python/ --copy--> tests/python/package --pip install --target--> tests/python/site --> pytest tests/python
+#
+# Covers: REQ-PYTHON
+set -u
+build=$(pwd)
+source_folder=$(cd "${srcdir:-.}" && pwd)
+python=${PYTHON3:-python3}
+work=$build/tests/python
+
+skip() {
+    echo "SKIP: $*"
+    exit 77
+}
+
+[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a build with sanitizers, which Python cannot load"
+[ -e "$build/.libs/libosteon.so" ] || skip "a build without a shared library"
+command -v "$python" >/dev/null || skip "no $python"
+for name in cffi numpy pytest setuptools pip; do
+    "$python" -W ignore -c "import $name" 2>/dev/null || skip "no python3-$name (for $python)"
+done
+"$python" -W ignore -c '
+import setuptools
+if tuple(int(n) for n in setuptools.__version__.split(".")[:2]) < (70, 1): import wheel' 2>/dev/null ||
+    skip "no python3-wheel (for $python)"
+"$python" -c 'import os, sys, sysconfig
+sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' ||
+    skip "no Python.h (python3-dev, for $python)"
+
+rm -rf "$work/package" "$work/site"
+mkdir -p "$work" && cp -R "$source_folder/python" "$work/package" && chmod -R u+w "$work/package" || exit 99
+PYTHONDONTWRITEBYTECODE=1
+PIP_DISABLE_PIP_VERSION_CHECK=1
+OSTEON_BUILD=$build
+OSTEON_SOURCE=$source_folder
+OSTEON=${OSTEON:-$build/osteon}
+export PYTHONDONTWRITEBYTECODE PIP_DISABLE_PIP_VERSION_CHECK OSTEON_BUILD OSTEON_SOURCE OSTEON
+if ! "$python" -W ignore -m pip install -q --no-index --no-deps --no-build-isolation --target "$work/site" \
+    "$work/package" >"$work/pip.log" 2>&1; then
+    tail -n 40 "$work/pip.log"
+    echo "FAIL: pip could not build the package"
+    exit 1
+fi
+PYTHONPATH=$work/site "$python" -W ignore -m pytest -q -p no:cacheprovider --rootdir "$source_folder/tests/python" \
+    "$source_folder/tests/python" "$@"

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sessions: recorded here and replayed by the command, and the other way round."""
+import numpy as np
+import pytest
+
+import osteon
+from osteon import session
+
+
+def test_record_and_replay(tmp_path, scene, command):
+    bone, tool, path = scene
+    start = bone.copy()
+    totals = session.record(osteon.World(bone, [tool]), path, tmp_path / "p.session", sync=False)
+    assert totals.ticks == len(path)
+    out = command("replay", tmp_path / "p.session")
+    assert "are as recorded" in out and bone.digest() in out
+    read = session.read(tmp_path / "p.session")
+    assert np.array_equal(read.ticks["tick"], path.ticks) and read.missing == "" and read.end_digest == bone.digest()
+    assert read.header["bone_sha256"] == start.digest() and read.ticks["removed"].sum() == totals.removed_voxels
+    result = session.replay(read, osteon.World(start, [tool]))
+    assert result == session.Replay(len(path), True, None, True)
+    assert np.array_equal(osteon.Path.read(tmp_path / "p.session").ticks, path.ticks)
+
+
+def test_replay_of_a_session_of_the_command(tmp_path, inputs, command):
+    command("ream", "--bone", inputs / "ct.nrrd", "--tool", inputs / "peg.stl", "--path", "builtin:peg-hole",
+            "--out", tmp_path / "c.nrrd", "--record", tmp_path / "c.session")
+    with osteon.Backend("ref") as backend:
+        world = osteon.World(backend.read_bone(inputs / "ct.nrrd"), [backend.read_tool(inputs / "peg.stl")])
+        assert session.replay(tmp_path / "c.session", world).equal
+    header = session.read(tmp_path / "c.session").header
+    with osteon.Backend() as backend:
+        world = osteon.World(backend.read_bone(inputs / "ct.nrrd"), [backend.read_tool(inputs / "peg.stl")])
+        mine = session.header_of(world)
+    names = [key for key in header if key.startswith(("bone_", "tool_sha256", "config", "load."))]
+    assert {key: header[key] for key in names} == {key: mine[key] for key in names}
+
+
+def test_a_difference_is_located(tmp_path, scene):
+    bone, tool, path = scene
+    first = next(number for number, step in enumerate(osteon.World(bone.copy(), [tool]).steps(path)) if step.removed)
+    whole = bone.copy()
+    session.record(osteon.World(bone, [tool]), path, tmp_path / "p.session", sync=False)
+    data = whole.voxels()
+    data[data > 0] += 1  # the densities of the report differ from the first removed voxel on
+    whole.upload(data)
+    result = session.replay(tmp_path / "p.session", osteon.World(whole, [tool]))
+    assert not result.equal and result.first_difference == first
+
+
+def test_interrupted_and_damaged_sessions(tmp_path, scene):
+    bone, tool, path = scene
+    world = osteon.World(bone, [tool])
+    with session.Recorder(tmp_path / "i.session", session.header_of(world), sync=False) as recorder:
+        recorder.note(5, "a note")
+        for number, step in enumerate(world.steps(path[:50])):
+            recorder.put(path.ticks[number], step, world.step_digest)
+        assert recorder.state["put"] == 51
+    read = session.read(tmp_path / "i.session")
+    assert len(read.ticks) == 50 and read.end_digest is None and read.missing and read.notes == [(5, "a note")]
+    whole = (tmp_path / "i.session").read_bytes()
+    (tmp_path / "d.session").write_bytes(whole[:-100])
+    assert len(session.read(tmp_path / "d.session").ticks) < 50
+    (tmp_path / "n.session").write_bytes(b"nothing")
+    with pytest.raises(osteon.InputError):
+        session.read(tmp_path / "n.session")
+    with pytest.raises(osteon.OsteonError):
+        session.Recorder(tmp_path / "none" / "x.session", {})
+
+
+def test_frame(tmp_path, scene):
+    pytest.importorskip("pandas")
+    bone, tool, path = scene
+    session.record(osteon.World(bone, [tool]), path, tmp_path / "p.session", sync=False)
+    frame = session.read(tmp_path / "p.session").frame()
+    assert len(frame) == len(path) and frame["removed"].sum() > 0
+    assert (frame["t_pm_z"].to_numpy() == path.ticks["t_pm"][:, 2]).all() and "q30_w" in frame
