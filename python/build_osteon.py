@@ -15,6 +15,7 @@ The library is found in one of two ways:
     OSTEON_BUILD=DIR   a build folder of osteon; the library is DIR/.libs/libosteon.so
     pkg-config osteon  an installed library
 """
+import json
 import os
 import re
 import shlex
@@ -59,20 +60,22 @@ def run(*command, text=None):
 
 
 def build_tree(folder):
-    """Returns the include folder and the library folder of a build folder."""
+    """Returns the include folder, the library folder and the command of a build folder."""
     with open(os.path.join(folder, "Makefile"), encoding="utf-8") as file:
         source = re.search(r"^abs_top_srcdir = (.*)$", file.read(), re.M)
     libraries = os.path.join(os.path.abspath(folder), ".libs")
     if not source or not os.path.exists(os.path.join(libraries, "libosteon.so")):
         raise SystemExit(f"OSTEON_BUILD={folder}: not a build folder of osteon with a shared library; run make there")
-    return os.path.join(source.group(1), "include"), libraries
+    return os.path.join(source.group(1), "include"), libraries, os.path.join(os.path.abspath(folder), "osteon")
 
 
 def installed():
-    """Returns the include folder and the library folder of an installed osteon."""
+    """Returns the include folder, the library folder and the command of an installed osteon."""
     tool = os.environ.get("PKG_CONFIG", "pkg-config")
     try:
-        return tuple(run(tool, f"--variable={name}", "osteon").strip() for name in ("includedir", "libdir"))
+        include, libraries, prefix = (run(tool, f"--variable={name}", "osteon").strip()
+                                      for name in ("includedir", "libdir", "exec_prefix"))
+        return include, libraries, os.path.join(prefix, "bin", "osteon")
     except (OSError, subprocess.CalledProcessError):
         raise SystemExit("libosteon was not found: install osteon, so that `pkg-config osteon` finds it, or set "
                          "OSTEON_BUILD to a build folder") from None
@@ -123,16 +126,16 @@ def check_version(include):
 def make():
     """Returns the builder that setuptools calls (setup.py)."""
     build = os.environ.get("OSTEON_BUILD")
-    include, libraries = build_tree(build) if build else installed()
+    include, libraries, command = build_tree(build) if build else installed()
     check_version(include)
     declarations = preprocess(include)
     names, prototypes = slots(declarations)
     callbacks = CALLBACKS.strip().split("\n") + prototypes
     table = PLUGIN % " ".join(f".{name} = osteon_py_{name}," for name in names)
     builder = FFI()
-    builder.cdef(declarations + constants(include) + "void free(void *memory);\n"
+    builder.cdef(declarations + constants(include) + "static char *const OSTEON_PY_COMMAND;\n"
                  + "\n".join('extern "Python" ' + line for line in callbacks))
-    builder.set_source("osteon._osteon", HEADERS + "#include <stdlib.h>\n"
+    builder.set_source("osteon._osteon", HEADERS + f"#define OSTEON_PY_COMMAND {json.dumps(command)}\n"
                        + "\n".join("static " + line for line in callbacks) + table, libraries=["osteon"], include_dirs=[include],
                        library_dirs=[libraries], extra_compile_args=["-std=c11"],
                        # the path of the library is recorded unless the loader finds it anyway

@@ -6,7 +6,8 @@
     event, world          poses, events, paths, the world and its step
     session               record, read and replay sessions
     hashing, differences  digests, and the differences between two grids
-    plugin, checking      a Python function as a backend, and its comparison with the reference
+    plugin                a Python function as a backend
+    cases, checking       a Python function compared with the reference, case by case
     pictures, phantom     pictures as arrays, generated bones and tools
 
 Arrays are indexed [z, y, x]; everything else (dims, spacing, origin, points) is in the order x, y, z, in LPS.
@@ -24,12 +25,15 @@ True
 from osteon import phantom, session
 from osteon._c import lib as _lib, text as _text
 from osteon.backend import Backend, Bone, BoneInfo, Tool, backends, devices
+from osteon.cases import Case, EventCase, campaign_cases, tie_cases
+from osteon.checking import CaseResult, CheckResult, Finding, Operand, check
 from osteon.errors import (CancelledError, DifferError, FileError, InputError, InternalError, OsteonError,
                            OutOfMemoryError, RangeError, Status, UnavailableError, UsageError)
 from osteon.event import DEFAULT_CLASSES, DensityClass, Event, Map, Pose, Report
 from osteon.grid import Geometry, Volume
 from osteon.hashing import digest, sha256
 from osteon.mesh import Mesh, ToolGeometry, ToolVolume
+from osteon.plugin import FunctionBackend
 from osteon.pictures import render, slices, write_png
 from osteon.units import PM_PER_MM, mm_text, pm, pm3, to_mm
 from osteon.world import RPM_OF_DEVICE, RPM_ON, TICK, Glenoid, Path, Step, Totals, World
@@ -38,10 +42,10 @@ __version__ = _text(_lib.ost_version())
 ARITHMETIC_VERSION = int(_lib.OST_ARITHMETIC_VERSION)
 
 __all__ = [
-    "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "CancelledError", "DEFAULT_CLASSES", "DensityClass",
-    "DifferError", "Event", "FileError", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
-    "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
+    "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "CancelledError", "Case", "CaseResult", "CheckResult", "DEFAULT_CLASSES", "DensityClass",
+    "DifferError", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
+    "Operand", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
-    "Volume", "World", "backends", "devices", "digest", "mm_text", "phantom", "pm", "pm3", "render", "session",
-    "sha256", "slices", "to_mm", "write_png",
+    "Volume", "World", "backends", "campaign_cases", "check", "devices", "digest", "mm_text", "phantom", "pm", "pm3", "render", "session",
+    "sha256", "slices", "tie_cases", "to_mm", "write_png",
 ]

@@ -12,9 +12,10 @@ Lifetimes: bones and tools refer to their backend, which is closed after them. B
 Threads: the C library allows one thread at a time to use a backend and its objects; different backends may be used by
 different threads at the same time. A lock in each backend ensures this, and cffi releases the GIL during a call.
 """
+import contextlib
 import os
 import weakref
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Union
+from typing import Any, ContextManager, Dict, Iterable, List, NamedTuple, Optional, Union
 
 import numpy as np
 
@@ -100,6 +101,10 @@ class Backend(Owned):
         for item in sorted(self._objects, key=lambda item: getattr(item, "_closes_first", 1)):
             item.close()
         super().close()
+
+    def _preparing(self) -> ContextManager[Any]:
+        """Returns a context in which a world is made."""
+        return contextlib.nullcontext()
 
     def _adopt(self, item: Owned) -> None:
         self._objects.add(item)
@@ -485,8 +490,10 @@ class Bone(Owned):
     def _event(self, function: Any, tool: "Tool", event: Any) -> Report:
         if not isinstance(event, Event):
             event = Event.of([event] if isinstance(event, Pose) else event, self.geometry, tool.geometry)
+        if event.bone != self.geometry or event.tool != tool.geometry:
+            raise UsageError("the maps of the event were computed for another bone or tool")
         report = ffi.gc(ffi.new("ost_removal_report *"), lib.ost_removal_report_free)
-        c_event, keep = event._c(self.geometry)
+        c_event, keep = event._c()
         with self._lock.held:
             call(function, self._c, tool._c, c_event, report)
         del keep

@@ -12,8 +12,9 @@
       CancelledError       a progress function cancelled the operation
       InternalError        a defect in osteon itself
 """
+import threading
 from enum import IntEnum
-from typing import Dict, Type
+from typing import Any, Dict, Optional, Type
 
 from osteon._osteon import ffi, lib
 
@@ -112,7 +113,25 @@ _CLASSES: Dict[int, Type[OsteonError]] = {
                                         UnavailableError, CancelledError, InternalError)}
 
 
-def error_of(status: int, err: "ffi.CData") -> OsteonError:
-    """Returns the exception for a status and the ost_error that the call filled in."""
+class _Pending(threading.local):
+    """The exception of a Python function that the library called, until the call of the library ends."""
+
+    error: Optional[BaseException] = None
+
+
+pending = _Pending()
+
+
+def error_of(status: int, err: Any) -> BaseException:
+    """Returns the exception for a status and the ost_error that the call filled in.
+
+    If a Python function that the library called raised an exception, this exception is the cause. An interrupt is
+    returned itself.
+    """
     text = ffi.string(err.text).decode("utf-8", "replace") or ffi.string(lib.ost_status_text(status)).decode()
-    return _CLASSES.get(status, InternalError)(text)
+    cause, pending.error = pending.error, None
+    if cause is not None and not isinstance(cause, Exception):
+        return cause
+    error = _CLASSES.get(status, InternalError)(text)
+    error.__cause__ = cause
+    return error

@@ -89,6 +89,13 @@ def _wide(value: Any) -> int:
     return (value.high << 64) + value.low
 
 
+def _narrow(value: int) -> Any:
+    """Returns an int as the members of an ost_int128."""
+    if not -(1 << 127) <= value < 1 << 127:
+        raise UsageError(f"{value}: does not fit 128 bits")
+    return {"low": value & (1 << 64) - 1, "high": value >> 64}
+
+
 class Map:
     """The integer map from bone voxels to tool coordinates at one pose (AR-MAP).
 
@@ -104,13 +111,16 @@ class Map:
         Integers of up to 126 bits.
     step : ndarray of int32, shape (3, 3)
         step[b, a] = column[b][a] / divisor, rounded half to even (AR-MAP-3).
+    box : (lo, hi) or None
+        At this pose, no voxel outside lo <= (x, y, z) < hi can be inside the tool's grid; None if this is not known.
     """
 
     FRACTION = int(lib.OST_MAP_FRACTION)
     BLOCK = int(lib.OST_MAP_BLOCK)
 
-    def __init__(self, c_map: Any) -> None:
+    def __init__(self, c_map: Any, box: Optional[Tuple[Vector, Vector]] = None) -> None:
         self._c = c_map  # an ost_map
+        self.box = box
         self.origin = tuple(_wide(v) for v in c_map.origin)
         self.column = tuple(tuple(_wide(v) for v in row) for row in c_map.column)
         self.divisor = _wide(c_map.divisor)
@@ -122,6 +132,23 @@ class Map:
         out = ffi.new("ost_map *")
         call(lib.ost_map_make, pose._c(), bone._c(), tool._c(), out)
         return cls(out)
+
+    @classmethod
+    def of_integers(cls, origin: Sequence[int], column: Sequence[Sequence[int]], divisor: int,
+                    step: Any) -> "Map":
+        """Makes a map from its integers, such as those of another map."""
+        out = ffi.new("ost_map *")
+        for a in range(3):
+            out.origin[a] = _narrow(origin[a])
+            for b in range(3):
+                out.column[b][a] = _narrow(column[b][a])
+                out.step[b][a] = int(step[b][a])
+        out.divisor = _narrow(divisor)
+        return cls(out)
+
+    def moved(self, by: Sequence[int]) -> "Map":
+        """Returns a map whose origin[a] is greater by by[a]."""
+        return Map.of_integers([self.origin[a] + by[a] for a in range(3)], self.column, self.divisor, self.step)
 
     @property
     def affine(self) -> np.ndarray:
@@ -172,30 +199,31 @@ class Event:
     ----------
     maps : list of Map
         One map per pose.
+    bone, tool : Geometry, ToolGeometry
+        The grids for which the maps were computed.
     classes : tuple of DensityClass
         A voxel belongs to the last class whose border is at most its density, otherwise to class 0.
-    poses : list of Pose
-        The poses; empty if only the maps are known, as in a function that World.step calls.
     """
 
     maps: List[Map]
+    bone: Geometry
+    tool: ToolGeometry
     classes: Tuple[DensityClass, ...] = DEFAULT_CLASSES
-    poses: Sequence[Pose] = ()
 
     @classmethod
     def of(cls, poses: Iterable[Pose], bone: Geometry, tool: ToolGeometry,
            classes: Iterable[Tuple[str, int]] = DEFAULT_CLASSES) -> "Event":
         """Makes an event from poses, without a sweep between them."""
-        found = list(poses)
-        return cls([Map.of(pose, bone, tool) for pose in found], tuple(DensityClass(*c) for c in classes), found)
+        return cls([Map.of(pose, bone, tool) for pose in poses], bone, tool,
+                   tuple(DensityClass(*c) for c in classes))
 
-    def _c(self, bone: Geometry) -> Tuple[Any, Any]:
+    def _c(self) -> Tuple[Any, Any]:
         """Returns an ost_removal_event whose boxes contain the complete bone, and the memory to which it refers."""
         maps = ffi.new("ost_map[]", len(self.maps))
         boxes = ffi.new("ost_voxel_box[]", len(self.maps))
         for i, each in enumerate(self.maps):
             maps[i] = each._c[0]
-            boxes[i].hi = list(bone.dims)
+            boxes[i].hi = list(self.bone.dims)
         classes = classes_to(self.classes)
         return ffi.new("ost_removal_event *", {"pose_count": len(self.maps), "maps": maps, "boxes": boxes,
                                                "classes": classes}), (maps, boxes, classes)

@@ -271,7 +271,7 @@ class World(Owned):
         bone.backend._adopt(self)
         self.bone, self.tools = bone, tools
         self.sweep, self.removal_period_ns = sweep, removal_period_ns
-        with self._lock.held:
+        with self._lock.held, bone.backend._preparing():
             for number, tool in enumerate(tools):
                 call(lib.ost_world_add_tool, self._c, f"tool {number}".encode(), tool._c, ffi.NULL)
             call(lib.ost_world_reserve, self._c)  # so that no tick allocates in the C library
