@@ -147,7 +147,7 @@ static ost_status run_clean(const scene *s, const plan_case *c, const char *path
 
 const char *sensitivity_class_name(int class)
 {
-    return class < PATTERNS ? pattern_name((pattern)class) : class == PATTERNS ? "report-only" : "none";
+    return class < PATTERNS ? ost_pattern_name((pattern)class) : class == PATTERNS ? "report-only" : "none";
 }
 
 static void classify(const deviation *how, const scene *s, const trace *ref, compare_range in_ref, const trace *got,

@@ -26,7 +26,7 @@
 #define OST_VALIDATION_SENSITIVITY_H
 
 #include "validation/dense/deviation.h"
-#include "validation/locate/pattern.h"
+#include "difference/pattern.h"
 #include "validation/plan.h"
 
 typedef struct sensitivity_counts {

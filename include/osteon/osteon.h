@@ -15,13 +15,14 @@
  *   force.h     force feedback and safety layer      metrics.h    the outcome of an operation
  *   render.h    voxels drawn as points               live.h       the state of a running operation for viewers
  *   motor.h     the motor that turns a tool          segment.h    a CT divided into bones
- *   anatomy.h   spheres and landmarks of a scapula
+ *   anatomy.h   spheres and landmarks of a scapula   difference.h the class of the difference of two grids
  */
 #ifndef OSTEON_H
 #define OSTEON_H
 
 #include <osteon/anatomy.h>
 #include <osteon/backend.h>
+#include <osteon/difference.h>
 #include <osteon/digest.h>
 #include <osteon/event.h>
 #include <osteon/force.h>

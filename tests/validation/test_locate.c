@@ -56,9 +56,9 @@ static pattern_view view_of(const pair *p)
 static void looks_like(const pattern_view *v, pattern expected, const char *what)
 {
     pattern_list list;
-    pattern_find(v, &list);
+    ost_pattern_find(v, &list);
     if (list.of_all != expected)
-        fail_msg("%s: %s, not %s", what, pattern_name(list.of_all), pattern_name(expected));
+        fail_msg("%s: %s, not %s", what, ost_pattern_name(list.of_all), ost_pattern_name(expected));
     if (expected != PATTERN_UNCLASSIFIED)
         assert_true(list.holds[expected] && list.text[expected][0]);
 }
@@ -69,7 +69,7 @@ static void by_hand(void **state)
     pair *p = made();
     pattern_view v = view_of(p);
     pattern_list none;
-    pattern_find(&v, &none);
+    ost_pattern_find(&v, &none);
     assert_int_equal(none.of_all, PATTERN_UNCLASSIFIED);
     for (int i = 0; i < PATTERNS; i++)
         assert_false(none.holds[i]);
@@ -302,7 +302,7 @@ static void by_mistake(void **state)
             finding f;
             compare_difference d;
             const char *class = class_of(&how, &s, &ref, &f, &d), *name = deviation_describe(rows[r].kind)->name,
-                       *expected = pattern_name(rows[r].expected);
+                       *expected = ost_pattern_name(rows[r].expected);
             if (!class)
                 continue;
             const bool is = strcmp(class, expected) == 0;

@@ -75,8 +75,8 @@ void finding_make(const scene *s, const trace *ref, compare_range in_ref, const 
     }
     const pattern_view view = grids_view(&g, s, d->words_too);
     pattern_list list;
-    pattern_find(&view, &list);
-    out->class = pattern_name(list.of_all);
+    ost_pattern_find(&view, &list);
+    out->class = ost_pattern_name(list.of_all);
     snprintf(out->text, sizeof out->text, "%s%s", has_tick ? "of the tick at the same pose: " : "",
              list.of_all == PATTERN_UNCLASSIFIED ? "none of the known shapes" : list.text[list.of_all]);
     operands_of(s, ref, in_ref, d, d->stage == TRACE_TICK ? g.before : NULL, &out->operands);

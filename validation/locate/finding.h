@@ -9,7 +9,7 @@
 #define OST_VALIDATION_FINDING_H
 
 #include "validation/locate/operands.h"
-#include "validation/locate/pattern.h"
+#include "difference/pattern.h"
 
 enum { MINIMISED_TEXT = 256 };
 

@@ -8,6 +8,8 @@
 #include "core/integer.h"
 #include "validation/resample.h"
 
+_Static_assert((int)PATTERN_WEIGHT_ONE == (int)RESAMPLE_ONE, "the view has the weights of AR-CUB");
+
 int16_t grids_voxel(const trace_block_view *b, size_t i)
 {
     int16_t wide;

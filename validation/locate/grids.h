@@ -11,7 +11,7 @@
 #define OST_VALIDATION_GRIDS_H
 
 #include "validation/compare.h"
-#include "validation/locate/pattern.h"
+#include "difference/pattern.h"
 #include "validation/scene.h"
 
 typedef struct grids {

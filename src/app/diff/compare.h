@@ -15,7 +15,7 @@
 #define OST_APP_DIFF_COMPARE_H
 
 #include "app/input/load.h"
-#include "validation/locate/pattern.h"
+#include "difference/pattern.h"
 
 typedef enum diff_kind {
     DIFF_REMOVED, /* solid in A only */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Finds the pattern that all differences together form. The code applies the rules by which the validation classifies
- * differences (validation/locate/pattern.h), and further rules that need only the files.
+ * differences (difference/pattern.h), and further rules that need only the files.
  *
  *   geometry        dims, spacing or origin differ
  *   only-removed    voxels were only removed, as by reaming
@@ -57,12 +57,12 @@ void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *
     geometry(a, b, r);
     if (r->same_dims && !r->different)
         return;
-    pattern_find(&view, &found);
+    ost_pattern_find(&view, &found);
     if (found.of_all != PATTERN_UNCLASSIFIED || r->same_dims)
-        r->class = pattern_name(found.of_all);
+        r->class = ost_pattern_name(found.of_all);
     for (int p = 0; p < PATTERNS; p++)
         if (found.holds[p])
-            add(r, pattern_name((pattern)p), "%s", found.text[p]);
+            add(r, ost_pattern_name((pattern)p), "%s", found.text[p]);
     if (r->same_dims && r->count[DIFF_REMOVED] == r->different)
         add(r, "only-removed", "B is A with voxels removed, nothing else");
     if (r->same_dims && r->count[DIFF_ADDED] == r->different)

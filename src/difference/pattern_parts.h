@@ -6,10 +6,10 @@
  *   pattern.c        D, values, the list     pattern_place.c   positions
  *   pattern_chunk.c  chunks, tails           pattern_shape.c   rows, surface, neighbours
  */
-#ifndef OST_VALIDATION_PATTERN_PARTS_H
-#define OST_VALIDATION_PATTERN_PARTS_H
+#ifndef OST_DIFFERENCE_PATTERN_PARTS_H
+#define OST_DIFFERENCE_PATTERN_PARTS_H
 
-#include "validation/locate/pattern.h"
+#include "difference/pattern.h"
 
 /* Smallest number of voxels for which a pattern is significant. */
 enum { PATTERN_TELLING = 8 };
@@ -26,16 +26,19 @@ typedef struct pattern_scan {
 /* Returns true if the pattern holds, and then writes the evidence to text. */
 typedef bool pattern_rule(const pattern_scan *s, char *text);
 
-pattern_rule pattern_axis_swap, pattern_shift, pattern_row_pitch;                                  /* pattern_place.c */
-pattern_rule pattern_stale_chunk, pattern_lost_tail, pattern_lost_chunk;                           /* pattern_chunk.c */
+/* pattern_place.c */
+pattern_rule ost_pattern_axis_swap, ost_pattern_shift, ost_pattern_row_pitch;
+/* pattern_chunk.c */
+pattern_rule ost_pattern_stale_chunk, ost_pattern_lost_tail, ost_pattern_lost_chunk;
 /* pattern_shape.c */
-pattern_rule pattern_column_parity, pattern_tool_class, pattern_boundary_layer, pattern_carried_rows, pattern_speckle;
+pattern_rule ost_pattern_column_parity, ost_pattern_tool_class, ost_pattern_boundary_layer, ost_pattern_carried_rows,
+    ost_pattern_speckle;
 
 /* Writes the evidence to text. Always returns true. */
-bool pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
+bool ost_pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
 /* Returns a density in the form in which the stage stores it. */
-int16_t pattern_stored(const pattern_view *v, int16_t density);
+int16_t ost_pattern_stored(const pattern_view *v, int16_t density);
 
 static inline bool pattern_same_dims(ost_dims a, ost_dims b)
 {

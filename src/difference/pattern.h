@@ -31,8 +31,8 @@
  * `osteon diff` and the campaign use the same rules. The campaign has more inputs, such as the bone before the
  * event, and can therefore distinguish more patterns.
  */
-#ifndef OST_VALIDATION_PATTERN_H
-#define OST_VALIDATION_PATTERN_H
+#ifndef OST_DIFFERENCE_PATTERN_H
+#define OST_DIFFERENCE_PATTERN_H
 
 #include <osteon/grid.h>
 
@@ -55,7 +55,7 @@ typedef enum pattern {
     PATTERNS
 } pattern;
 
-const char *pattern_name(pattern p);
+const char *ost_pattern_name(pattern p);
 
 /* The relation between a grid and `in`, the input from which the stage made the grid. */
 typedef enum pattern_input {
@@ -67,6 +67,8 @@ typedef enum pattern_input {
     PATTERN_BEFORE       /* `in` is the bone before the event */
 } pattern_input;
 
+enum { PATTERN_WEIGHT_ONE = 1 << 15 }; /* the sum of the two weights of an axis */
+
 typedef struct pattern_view {
     const int16_t *a, *b;
     ost_dims dims, dims_b;    /* if the two dims differ, only axis-swap is checked */
@@ -77,8 +79,8 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    /* For each axis, the weight of the voxel after the source voxel, in units of 2^-15. A voxel with the weight 0 is
-       not read. */
+    /* For each axis, the weight of the voxel after the source voxel, in units of 1 / PATTERN_WEIGHT_ONE. A
+       voxel with the weight 0 is not read. */
     const int32_t *weight[3];
     /* For each voxel, the number of samples after the voxel's last sample in the batch, or -1 if the voxel has no
        sample. NULL if unknown. */
@@ -94,6 +96,6 @@ typedef struct pattern_list {
 } pattern_list;
 
 /* Checks all patterns. At least one voxel or the dims must differ. */
-void pattern_find(const pattern_view *view, pattern_list *out);
+void ost_pattern_find(const pattern_view *view, pattern_list *out);
 
 #endif

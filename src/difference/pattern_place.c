@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The rules of pattern.h for values at a wrong position. A rule finds where the reference has these values. */
-#include "validation/locate/pattern_parts.h"
+#include "difference/pattern_parts.h"
 
-#include "validation/resample.h"
+#include "core/integer.h"
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
@@ -27,7 +27,7 @@ static bool resample_as(const pattern_view *v, const int32_t p[3], const reading
         for (int axis = 0; axis < 3; axis++) {
             const int next = corner >> axis & 1, w = v->weight[axis] ? v->weight[axis][p[axis]] : 0;
             q[axis] = v->source[axis][p[axis]] + how->step[axis] + next;
-            weight *= next ? w : RESAMPLE_ONE - w;
+            weight *= next ? w : PATTERN_WEIGHT_ONE - w;
         }
         if (weight == 0)
             continue;
@@ -53,7 +53,7 @@ static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy,
     const int64_t q[3] = {p[0] + dx, p[1] + dy, p[2] + dz};
     if (!pattern_inside(d, q[0], q[1], q[2]))
         return false;
-    *out = pattern_stored(v, (input ? v->in : v->a)[pattern_at(d, q[0], q[1], q[2])]);
+    *out = ost_pattern_stored(v, (input ? v->in : v->a)[pattern_at(d, q[0], q[1], q[2])]);
     return true;
 }
 
@@ -119,7 +119,7 @@ static bool misread(const pattern_scan *s, const int order[3], int64_t row)
     return true;
 }
 
-bool pattern_axis_swap(const pattern_scan *s, char *text)
+bool ost_pattern_axis_swap(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     const int32_t da[3] = {v->dims.x, v->dims.y, v->dims.z}, db[3] = {v->dims_b.x, v->dims_b.y, v->dims_b.z};
@@ -133,15 +133,15 @@ bool pattern_axis_swap(const pattern_scan *s, char *text)
                 fits &= da[how.from[axis]] == db[axis];
             }
             if (fits && (p || f) && arranged(v, &how))
-                return pattern_describe(text, "B's axes x, y, z are A's %s%c, %s%c, %s%c", how.flip[0] ? "-" : "",
-                                        "xyz"[how.from[0]], how.flip[1] ? "-" : "", "xyz"[how.from[1]],
-                                        how.flip[2] ? "-" : "", "xyz"[how.from[2]]);
+                return ost_pattern_describe(text, "B's axes x, y, z are A's %s%c, %s%c, %s%c", how.flip[0] ? "-" : "",
+                                            "xyz"[how.from[0]], how.flip[1] ? "-" : "", "xyz"[how.from[1]],
+                                            how.flip[2] ? "-" : "", "xyz"[how.from[2]]);
         }
     if (!pattern_same_dims(v->dims, v->dims_b) || s->count < PATTERN_TELLING || !s->several || v->tool)
         return false;
     for (int p = 1; p < 6; p++)
         if (misread(s, permutations[p], 0))
-            return pattern_describe(
+            return ost_pattern_describe(
                 text,
                 "every voxel that differs is what lies there if memory is read with its axes in the order %c, %c, %c",
                 "xyz"[permutations[p][0]], "xyz"[permutations[p][1]], "xyz"[permutations[p][2]]);
@@ -180,7 +180,7 @@ static bool resampled(const pattern_scan *s, int way)
     return true;
 }
 
-bool pattern_shift(const pattern_scan *s, char *text)
+bool ost_pattern_shift(const pattern_scan *s, char *text)
 {
     enum { REACH = 3 };
     const pattern_view *v = s->v;
@@ -189,26 +189,27 @@ bool pattern_shift(const pattern_scan *s, char *text)
             for (int x = -REACH; x <= REACH; x++) {
                 const arrangement how = {.from = {0, 1, 2}, .shift = {-x, -y, -z}};
                 if ((x || y || z) && arranged(v, &how))
-                    return pattern_describe(text, "B is A moved by (%d, %d, %d) voxels", x, y, z);
+                    return ost_pattern_describe(text, "B is A moved by (%d, %d, %d) voxels", x, y, z);
             }
     if (s->count < PATTERN_TELLING || !s->several || v->tool)
         return false;
     for (int axis = 0; axis < 3; axis++)
         for (int way = -1; way <= 1; way += 2)
             if (stepped(s, axis == 0 ? way : 0, axis == 1 ? way : 0, axis == 2 ? way : 0))
-                return pattern_describe(text, "every voxel that differs is its %sneighbour's at %s%c",
-                                        v->input == PATTERN_SOURCE ? "source's " : "", way < 0 ? "-" : "+",
-                                        "xyz"[axis]);
+                return ost_pattern_describe(text, "every voxel that differs is its %sneighbour's at %s%c",
+                                            v->input == PATTERN_SOURCE ? "source's " : "", way < 0 ? "-" : "+",
+                                            "xyz"[axis]);
     for (int way = -1; way <= 1 && v->input == PATTERN_SOURCE; way += 2)
         if (resampled(s, way))
-            return pattern_describe(text, "every voxel that differs was taken from a source voxel one %s on some axis",
-                                    way < 0 ? "lower" : "higher");
+            return ost_pattern_describe(text,
+                                        "every voxel that differs was taken from a source voxel one %s on some axis",
+                                        way < 0 ? "lower" : "higher");
     return false;
 }
 
 /* Checks the rule row-pitch. Tests rows that are one voxel shorter or longer, or aligned like rows of images and
    allocations. */
-bool pattern_row_pitch(const pattern_scan *s, char *text)
+bool ost_pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };
     const pattern_view *v = s->v;
@@ -218,7 +219,7 @@ bool pattern_row_pitch(const pattern_scan *s, char *text)
     for (int32_t row = n - 1; row <= n + PADDING; row++)
         if (row > 0 && row != n && (row == n - 1 || row == n + 1 || row % ALIGNED == 0) &&
             misread(s, permutations[0], row))
-            return pattern_describe(
+            return ost_pattern_describe(
                 text, "every voxel that differs is what lies there if rows in memory have %d voxels; they have %d", row,
                 n);
     return false;

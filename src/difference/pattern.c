@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "validation/locate/pattern_parts.h"
+#include "difference/pattern_parts.h"
 
 #include <stdlib.h>
 
-const char *pattern_name(pattern p)
+const char *ost_pattern_name(pattern p)
 {
     static const char *const names[PATTERNS] = {"byte-order",   "axis-swap",     "shift",       "row-pitch",
                                                 "offset",       "threshold",     "stale-chunk", "lost-tail",
@@ -44,11 +44,12 @@ static bool byte_order(const pattern_scan *s, char *text)
     bool telling = false;
     PATTERN_EACH(s, p, i) {
         const uint16_t right = (uint16_t)(v->input == PATTERN_THRESHOLDED ? v->in[i] : v->a[i]);
-        if (v->b[i] != pattern_stored(v, (int16_t)(uint16_t)(right << 8 | right >> 8)))
+        if (v->b[i] != ost_pattern_stored(v, (int16_t)(uint16_t)(right << 8 | right >> 8)))
             return false;
         telling |= v->b[i] != 0;
     }
-    return telling && pattern_describe(text, "every voxel that differs is the right one with its two bytes swapped");
+    return telling &&
+           ost_pattern_describe(text, "every voxel that differs is the right one with its two bytes swapped");
 }
 
 static bool offset(const pattern_scan *s, char *text)
@@ -61,7 +62,7 @@ static bool offset(const pattern_scan *s, char *text)
         if (v->b[i] - v->a[i] != by || v->a[i] < v->solid_a || v->b[i] < v->solid_b)
             return false;
     return s->count >= PATTERN_TELLING &&
-           pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
+           ost_pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
 /* Checks the densities of each chunk in the grid before and after the threshold was applied. */
@@ -77,7 +78,7 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
         most = v->in[i] > most ? v->in[i] : most;
     }
     if (unchanged)
-        return pattern_describe(text, "every voxel that differs kept a density below the threshold %d", v->solid_a);
+        return ost_pattern_describe(text, "every voxel that differs kept a density below the threshold %d", v->solid_a);
     if (!gone)
         return false;
     for (int32_t z = s->lo[2] / n * n; z < s->hi[2]; z += n)
@@ -97,13 +98,14 @@ static bool threshold_of_chunks(const pattern_scan *s, char *text)
                 other |= differs && some_more;
             }
     if (other && most == v->solid_a)
-        return pattern_describe(text,
-                                "in every chunk that differs, all of density %d, the threshold itself, are missing and "
-                                "nothing denser: > in place of >=",
-                                most);
-    return other &&
-           pattern_describe(text, "in every chunk that differs, all of density %d to %d are missing and nothing denser",
-                            v->solid_a, most);
+        return ost_pattern_describe(text,
+                                    "in every chunk that differs, all of density %d, the threshold itself, are missing "
+                                    "and nothing denser: > in place of >=",
+                                    most);
+    return other && ost_pattern_describe(text,
+                                         "in every chunk that differs, all of density %d to %d are missing and nothing "
+                                         "denser",
+                                         v->solid_a, most);
 }
 
 static bool threshold(const pattern_scan *s, char *text)
@@ -126,28 +128,28 @@ static bool threshold(const pattern_scan *s, char *text)
         appeared = b && !a && v->b[i] > appeared ? v->b[i] : appeared;
     }
     if (removed && gone < unchanged && unchanged != INT32_MAX)
-        return pattern_describe(text, "B lacks exactly what is less dense than %d", gone + 1);
+        return ost_pattern_describe(text, "B lacks exactly what is less dense than %d", gone + 1);
     return added && appeared < old && old != INT32_MAX &&
-           pattern_describe(text, "A lacks exactly what is less dense than %d", appeared + 1);
+           ost_pattern_describe(text, "A lacks exactly what is less dense than %d", appeared + 1);
 }
 
-void pattern_find(const pattern_view *view, pattern_list *out)
+void ost_pattern_find(const pattern_view *view, pattern_list *out)
 {
     static pattern_rule *const rules[PATTERN_UNCLASSIFIED] = {
         [PATTERN_BYTE_ORDER] = byte_order,
-        [PATTERN_AXIS_SWAP] = pattern_axis_swap,
-        [PATTERN_SHIFT] = pattern_shift,
-        [PATTERN_ROW_PITCH] = pattern_row_pitch,
+        [PATTERN_AXIS_SWAP] = ost_pattern_axis_swap,
+        [PATTERN_SHIFT] = ost_pattern_shift,
+        [PATTERN_ROW_PITCH] = ost_pattern_row_pitch,
         [PATTERN_OFFSET] = offset,
         [PATTERN_THRESHOLD] = threshold,
-        [PATTERN_STALE_CHUNK] = pattern_stale_chunk,
-        [PATTERN_LOST_TAIL] = pattern_lost_tail,
-        [PATTERN_LOST_CHUNK] = pattern_lost_chunk,
-        [PATTERN_COLUMN_PARITY] = pattern_column_parity,
-        [PATTERN_TOOL_CLASS] = pattern_tool_class,
-        [PATTERN_BOUNDARY_LAYER] = pattern_boundary_layer,
-        [PATTERN_CARRIED_ROWS] = pattern_carried_rows,
-        [PATTERN_SPECKLE] = pattern_speckle,
+        [PATTERN_STALE_CHUNK] = ost_pattern_stale_chunk,
+        [PATTERN_LOST_TAIL] = ost_pattern_lost_tail,
+        [PATTERN_LOST_CHUNK] = ost_pattern_lost_chunk,
+        [PATTERN_COLUMN_PARITY] = ost_pattern_column_parity,
+        [PATTERN_TOOL_CLASS] = ost_pattern_tool_class,
+        [PATTERN_BOUNDARY_LAYER] = ost_pattern_boundary_layer,
+        [PATTERN_CARRIED_ROWS] = ost_pattern_carried_rows,
+        [PATTERN_SPECKLE] = ost_pattern_speckle,
     };
     pattern_scan s = {.v = view};
     *out = (pattern_list){.of_all = PATTERN_UNCLASSIFIED};

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "validation/locate/pattern_parts.h"
+#include "difference/pattern_parts.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 
-bool pattern_describe(char *text, const char *format, ...)
+bool ost_pattern_describe(char *text, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -13,7 +13,7 @@ bool pattern_describe(char *text, const char *format, ...)
     return true;
 }
 
-int16_t pattern_stored(const pattern_view *v, int16_t density)
+int16_t ost_pattern_stored(const pattern_view *v, int16_t density)
 {
     return v->input == PATTERN_THRESHOLDED && density < v->solid_a ? 0 : density;
 }

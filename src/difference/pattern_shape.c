@@ -2,7 +2,7 @@
 /* The rules of pattern.h for rows, for the surface, and for neighbouring voxels. */
 #include <osteon/mesh.h>
 
-#include "validation/locate/pattern_parts.h"
+#include "difference/pattern_parts.h"
 
 /* Returns the end of the complete run of solid voxels in g that begins at x. Returns x if no run begins there or if
    the run continues beyond `end`. */
@@ -34,7 +34,7 @@ static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32
     return least[end] ? least[end] - 1 : 0;
 }
 
-bool pattern_column_parity(const pattern_scan *s, char *text)
+bool ost_pattern_column_parity(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     int64_t runs = 0, rows = 0;
@@ -59,11 +59,11 @@ bool pattern_column_parity(const pattern_scan *s, char *text)
             rows += runs > before;
         }
     return s->count >= 2 * runs &&
-           pattern_describe(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s",
-                            (long long)rows, rows == 1 ? "" : "s");
+           ost_pattern_describe(text, "whole runs of voxels along x, between crossings of the surface, in %lld row%s",
+                                (long long)rows, rows == 1 ? "" : "s");
 }
 
-bool pattern_tool_class(const pattern_scan *s, char *text)
+bool ost_pattern_tool_class(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     if (!v->tool)
@@ -71,7 +71,7 @@ bool pattern_tool_class(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         if (v->a[i] < v->solid_a || v->b[i] < v->solid_b)
             return false;
-    return pattern_describe(text, "every voxel that differs is solid in both: one has it cutting, the other not");
+    return ost_pattern_describe(text, "every voxel that differs is solid in both: one has it cutting, the other not");
 }
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
@@ -107,7 +107,7 @@ static bool on_surface(const pattern_view *v, const int32_t p[3], int64_t i, boo
     return surface;
 }
 
-bool pattern_boundary_layer(const pattern_scan *s, char *text)
+bool ost_pattern_boundary_layer(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     const bool cut = v->input == PATTERN_BEFORE;
@@ -138,7 +138,7 @@ bool pattern_boundary_layer(const pattern_scan *s, char *text)
             }
     if (2 * known < s->count || (!cut && solid >= PATTERN_TELLING && 4 * surface > 3 * solid))
         return false;
-    return pattern_describe(text, cut ? "every difference lies on the border of what is cut, one voxel deep"
+    return ost_pattern_describe(text, cut ? "every difference lies on the border of what is cut, one voxel deep"
                                       : "every difference lies on A's surface, one voxel deep");
 }
 
@@ -161,7 +161,7 @@ static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)
     return !differs || (known && (either || one));
 }
 
-bool pattern_carried_rows(const pattern_scan *s, char *text)
+bool ost_pattern_carried_rows(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     int64_t differing = 0;
@@ -172,10 +172,10 @@ bool pattern_carried_rows(const pattern_scan *s, char *text)
             if (!is_carried(v, pattern_at(v->dims, 0, y, z), &differing))
                 return false;
     return differing >= PATTERN_TELLING &&
-           pattern_describe(text, "every row that differs is what the row before it and its own make together");
+           ost_pattern_describe(text, "every row that differs is what the row before it and its own make together");
 }
 
-bool pattern_speckle(const pattern_scan *s, char *text)
+bool ost_pattern_speckle(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     int64_t alone = 0;
@@ -189,7 +189,7 @@ bool pattern_speckle(const pattern_scan *s, char *text)
         alone += !company;
     }
     return alone * 2 > s->count &&
-           pattern_describe(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone,
-                            (long long)s->count, s->count == 1 ? " has" : "s have");
+           ost_pattern_describe(text, "%lld of %lld voxel%s no neighbour that differs", (long long)alone,
+                                (long long)s->count, s->count == 1 ? " has" : "s have");
 }
 

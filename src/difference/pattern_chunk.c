@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
-#include "validation/locate/pattern_parts.h"
+#include "difference/pattern_parts.h"
 
 /* Number of work-items in a work-group. At most this many samples are lost at the end of a batch. */
 enum { GROUP = 256 };
@@ -52,27 +52,27 @@ static chunk_sums sum_chunks(const pattern_view *v)
     return n;
 }
 
-bool pattern_stale_chunk(const pattern_scan *s, char *text)
+bool ost_pattern_stale_chunk(const pattern_scan *s, char *text)
 {
     if (s->v->input != PATTERN_BEFORE || s->v->reported_too)
         return false;
     const chunk_sums n = sum_chunks(s->v);
     return n.undone == n.differ &&
-           pattern_describe(text, "%lld chunk%s as before the event, though the report counts what was cut there",
-                            (long long)n.differ, n.differ == 1 ? " is" : "s are");
+           ost_pattern_describe(text, "%lld chunk%s as before the event, though the report counts what was cut there",
+                                (long long)n.differ, n.differ == 1 ? " is" : "s are");
 }
 
-bool pattern_lost_chunk(const pattern_scan *s, char *text)
+bool ost_pattern_lost_chunk(const pattern_scan *s, char *text)
 {
     if (s->v->tool || s->count < PATTERN_TELLING)
         return false;
     const chunk_sums n = sum_chunks(s->v);
     const char *every = n.differ == 1 ? " " : "s ";
     if (n.undone == n.differ && s->v->input == PATTERN_BEFORE && s->v->reported_too)
-        return pattern_describe(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ,
-                                every);
-    return n.one_sided == n.differ && pattern_describe(text, "%lld whole chunk%ssolid on one side only",
-                                                       (long long)n.differ, n.differ == 1 ? " is " : "s are ");
+        return ost_pattern_describe(text, "%lld whole chunk%sleft out: neither cut nor reported", (long long)n.differ,
+                                    every);
+    return n.one_sided == n.differ && ost_pattern_describe(text, "%lld whole chunk%ssolid on one side only",
+                                                           (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
 /* Checks the rule lost-tail for samples: only the last samples of batches are missing. */
@@ -86,11 +86,11 @@ static bool lost_samples(const pattern_scan *s, char *text)
         most = behind > most ? behind : most;
     }
     return s->count > 1 &&
-           pattern_describe(text, "every voxel that differs has its last sample among the last %d of a batch",
-                            most + 1);
+           ost_pattern_describe(text, "every voxel that differs has its last sample among the last %d of a batch",
+                                most + 1);
 }
 
-bool pattern_lost_tail(const pattern_scan *s, char *text)
+bool ost_pattern_lost_tail(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;
     if (v->tool)
@@ -98,8 +98,8 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
     if (v->input == PATTERN_BEFORE) {
         const chunk_sums n = sum_chunks(v);
         return v->reported_too && n.undone == n.differ && n.hit > n.differ && n.hit_after == 0 &&
-               pattern_describe(text, "the last %lld of %lld chunks that are hit: neither cut nor reported",
-                                (long long)n.differ, (long long)n.hit);
+               ost_pattern_describe(text, "the last %lld of %lld chunks that are hit: neither cut nor reported",
+                                    (long long)n.differ, (long long)n.hit);
     }
     if (v->behind && lost_samples(s, text))
         return true;
@@ -110,13 +110,13 @@ bool pattern_lost_tail(const pattern_scan *s, char *text)
     PATTERN_EACH(s, p, i)
         last_layer &= v->b[i] == 0;
     if (last_layer)
-        return pattern_describe(text, "all that differs lies in the last layer, z = %d, and is 0", s->lo[2]);
+        return ost_pattern_describe(text, "all that differs lies in the last layer, z = %d, and is 0", s->lo[2]);
     for (int64_t i = s->first; i < all; i++)
         if (v->a[i] != 0 && v->b[i] != 0)
             return false;
     for (int64_t i = 0; i < s->first && !head; i++)
         head = v->a[i] != 0;
-    return head && pattern_describe(text, "nothing is there from voxel %lld of %lld on, in the order of memory",
-                                    (long long)s->first, (long long)all);
+    return head && ost_pattern_describe(text, "nothing is there from voxel %lld of %lld on, in the order of memory",
+                                        (long long)s->first, (long long)all);
 }
 
