@@ -27,6 +27,7 @@ from osteon._c import lib as _lib, text as _text
 from osteon.backend import Backend, Bone, BoneInfo, Tool, backends, devices
 from osteon.cases import Case, EventCase, campaign_cases, tie_cases
 from osteon.checking import CaseResult, CheckResult, Finding, Operand, check
+from osteon.differences import Differences, diff
 from osteon.errors import (CancelledError, DifferError, FileError, InputError, InternalError, OsteonError,
                            OutOfMemoryError, RangeError, Status, UnavailableError, UsageError)
 from osteon.event import DEFAULT_CLASSES, DensityClass, Event, Map, Pose, Report
@@ -43,9 +44,9 @@ ARITHMETIC_VERSION = int(_lib.OST_ARITHMETIC_VERSION)
 
 __all__ = [
     "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "CancelledError", "Case", "CaseResult", "CheckResult", "DEFAULT_CLASSES", "DensityClass",
-    "DifferError", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
+    "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
     "Operand", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
-    "Volume", "World", "backends", "campaign_cases", "check", "devices", "digest", "mm_text", "phantom", "pm", "pm3", "render", "session",
+    "Volume", "World", "backends", "campaign_cases", "check", "devices", "diff", "digest", "mm_text", "phantom", "pm", "pm3", "render", "session",
     "sha256", "slices", "tie_cases", "to_mm", "write_png",
 ]

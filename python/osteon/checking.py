@@ -18,6 +18,7 @@ import numpy as np
 from osteon._c import lib
 from osteon.backend import Backend, Bone
 from osteon.cases import Case, EventCase, default_cases
+from osteon.differences import classify
 from osteon.errors import DifferError, OsteonError
 from osteon.event import Event, Map, Report
 from osteon.grid import Geometry, Volume
@@ -426,6 +427,10 @@ def describe(finding: Finding, case: Optional[EventCase], before: np.ndarray, ex
     """Adds the operands and the margin of the first voxel to a finding, and the class of the difference."""
     if case is None or finding.voxel is None:
         return
+    grid = case.bone.geometry
+    finding.pattern = classify(Volume(expected, grid), Volume(got_bone.voxels(), grid), threshold_a=case.threshold,
+                               threshold_b=case.threshold, chunk_size=case.chunk_size, before=Volume(before, grid),
+                               report_differs=True)[0] or ""  # the report is derived from the voxels
     operands = [operand_of(each, number, finding.voxel, case.tool) for number, each in enumerate(case.maps)]
     wanted = lib.OST_TOOL_CUTTING if finding.expected == 0 and finding.before != 0 else None
     operands.sort(key=lambda o: (o.tool_class != wanted if wanted else o.u is None, o.pose))
@@ -543,26 +548,30 @@ class _Minimiser:
         at = np.nonzero(self.case.bone.voxels)
         if not len(at[0]):
             return
-        low = [int(a.min()) // Map.BLOCK * Map.BLOCK for a in at]
-        high = [int(a.max()) + 1 for a in at]
-        x, y, z = low[::-1]
-        g = self.case.bone.geometry
-        voxels = np.ascontiguousarray(self.case.bone.voxels[low[0]:high[0], low[1]:high[1], low[2]:high[2]])
-        geometry = Geometry(tuple(voxels.shape[::-1]), g.spacing_pm,
-                            tuple(g.origin_pm[a] + (x, y, z)[a] * g.spacing_pm[a] for a in range(3)))
-        maps = [each.moved([sum((x, y, z)[b] * each.column[b][a] for b in range(3)) for a in range(3)])
-                for each in self.case.maps]
-        self._accept(self._replace(bone=Volume(voxels, geometry), maps=maps))
+        g, high = self.case.bone.geometry, [int(a.max()) + 1 for a in at]
+        first = [int(a.min()) // Map.BLOCK * Map.BLOCK for a in at]
+        # A function with floats may round differently after the origin has moved; then only the ends are cropped.
+        for low in ([first, [0, 0, 0]] if any(first) else [first]):
+            x, y, z = low[::-1]
+            voxels = np.ascontiguousarray(self.case.bone.voxels[low[0]:high[0], low[1]:high[1], low[2]:high[2]])
+            geometry = Geometry(tuple(voxels.shape[::-1]), g.spacing_pm,
+                                tuple(g.origin_pm[a] + (x, y, z)[a] * g.spacing_pm[a] for a in range(3)))
+            maps = [each.moved([sum((x, y, z)[b] * each.column[b][a] for b in range(3)) for a in range(3)])
+                    for each in self.case.maps]
+            if self._accept(self._replace(bone=Volume(voxels, geometry), maps=maps)):
+                return
 
     def _crop_tool(self) -> None:
         at = np.nonzero(self.case.tool.voxels)
         if not len(at[0]):
             return
-        low, high = [int(a.min()) for a in at], [int(a.max()) + 1 for a in at]
-        x, y, z = low[::-1]
-        t = self.case.tool.geometry
-        voxels = np.ascontiguousarray(self.case.tool.voxels[low[0]:high[0], low[1]:high[1], low[2]:high[2]])
-        geometry = ToolGeometry(tuple(voxels.shape[::-1]), t.voxel_pm,
-                                tuple(t.corner_pm[a] + (x, y, z)[a] * t.voxel_pm for a in range(3)))
-        maps = [each.moved([-(x, y, z)[a] * ONE * each.divisor for a in range(3)]) for each in self.case.maps]
-        self._accept(self._replace(tool=ToolVolume(voxels, geometry), maps=maps))
+        t, high = self.case.tool.geometry, [int(a.max()) + 1 for a in at]
+        first = [int(a.min()) for a in at]
+        for low in ([first, [0, 0, 0]] if any(first) else [first]):
+            x, y, z = low[::-1]
+            voxels = np.ascontiguousarray(self.case.tool.voxels[low[0]:high[0], low[1]:high[1], low[2]:high[2]])
+            geometry = ToolGeometry(tuple(voxels.shape[::-1]), t.voxel_pm,
+                                    tuple(t.corner_pm[a] + (x, y, z)[a] * t.voxel_pm for a in range(3)))
+            maps = [each.moved([-(x, y, z)[a] * ONE * each.divisor for a in range(3)]) for each in self.case.maps]
+            if self._accept(self._replace(tool=ToolVolume(voxels, geometry), maps=maps)):
+                return

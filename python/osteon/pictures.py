@@ -66,6 +66,8 @@ def render(data: Any, before: Any = None, *, direction: Iterable[float] = (0, 0,
     ndarray
         uint8, shape (height, width, 3).
     """
+    if min(size) < 1:
+        raise UsageError(f"size {tuple(size)}: expected at least 1 pixel")
     volume, level, tool = _scene(data, threshold)
     options = ffi.new("ost_view_options *", {
         "direction": [float(v) for v in direction], "up": [float(v) for v in up], "threshold": level,
