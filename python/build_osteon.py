@@ -71,9 +71,9 @@ def build_tree(folder):
 
 def installed():
     """Returns the include folder, the library folder and the command of an installed osteon."""
-    tool = os.environ.get("PKG_CONFIG", "pkg-config")
+    tool = shlex.split(os.environ.get("PKG_CONFIG", "pkg-config"))
     try:
-        include, libraries, prefix = (run(tool, f"--variable={name}", "osteon").strip()
+        include, libraries, prefix = (run(*tool, f"--variable={name}", "osteon").strip()
                                       for name in ("includedir", "libdir", "exec_prefix"))
         return include, libraries, os.path.join(prefix, "bin", "osteon")
     except (OSError, subprocess.CalledProcessError):
@@ -91,6 +91,15 @@ def preprocess(include, *options):
         # cffi's types bool, size_t, int16_t etc. need no declaration; INT64_C is a macro of stdint.h
         return run(*compiler, "-E", "-P", "-nostdinc", "-undef", "-DINT64_C(x)=x", "-DINT32_C(x)=x", "-I", empty,
                    "-I", include, *options, "-", text=HEADERS)
+
+
+def declarations_of(include):
+    """Returns the types and functions of the headers, in the form that cffi reads.
+
+    cffi 1.15 generates invalid C for parameters such as `const double columns[3][3]`. They are declared without const,
+    which C allows for the call.
+    """
+    return re.sub(r"\bconst (\w+ \w+\[\d+\]\[\d+\])", r"\1", preprocess(include))
 
 
 def constants(include):
@@ -128,7 +137,7 @@ def make():
     build = os.environ.get("OSTEON_BUILD")
     include, libraries, command = build_tree(build) if build else installed()
     check_version(include)
-    declarations = preprocess(include)
+    declarations = declarations_of(include)
     names, prototypes = slots(declarations)
     callbacks = CALLBACKS.strip().split("\n") + prototypes
     table = PLUGIN % " ".join(f".{name} = osteon_py_{name}," for name in names)

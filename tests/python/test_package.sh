@@ -1,10 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds the Python package in python/ against the library of this build folder, as `pip install` does, and runs its
-# tests. Nothing is written to the source tree, and no package index is needed. PYTHON3 selects the interpreter.
+# Builds the Python package in python/ against the library of this build folder, as a user does, and runs its tests.
+# Nothing is written to the source tree, and no package index is needed. PYTHON3 selects the interpreter.
 #
-#   python/ --copy--> tests/python/package --pip install --target--> tests/python/site --> pytest tests/python
+#   python/ --copy--> package --sdist--> osteon-*.tar.gz --pip wheel--> osteon-*.whl --pip install--> site --> pytest
 #
 # Covers: REQ-PYTHON
 set -u
@@ -32,7 +32,7 @@ if tuple(int(n) for n in setuptools.__version__.split(".")[:2]) < (70, 1): impor
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' ||
     skip "no Python.h (python3-dev, for $python)"
 
-rm -rf "$work/package" "$work/site"
+rm -rf "$work/package" "$work/dist" "$work/site"
 mkdir -p "$work" && cp -R "$source_folder/python" "$work/package" && chmod -R u+w "$work/package" || exit 99
 PYTHONDONTWRITEBYTECODE=1
 PIP_DISABLE_PIP_VERSION_CHECK=1
@@ -40,11 +40,20 @@ OSTEON_BUILD=$build
 OSTEON_SOURCE=$source_folder
 OSTEON=${OSTEON:-$build/osteon}
 export PYTHONDONTWRITEBYTECODE PIP_DISABLE_PIP_VERSION_CHECK OSTEON_BUILD OSTEON_SOURCE OSTEON
-if ! "$python" -W ignore -m pip install -q --no-index --no-deps --no-build-isolation --target "$work/site" \
-    "$work/package" >"$work/pip.log" 2>&1; then
-    tail -n 40 "$work/pip.log"
-    echo "FAIL: pip could not build the package"
-    exit 1
-fi
+# build NAME COMMAND...: runs the command, and shows the end of its output after a failure
+build() {
+    log=$work/$1.log
+    shift
+    "$@" >"$log" 2>&1 || {
+        tail -n 40 "$log"
+        echo "FAIL: $*"
+        exit 1
+    }
+}
+cd "$work/package" || exit 99
+build sdist "$python" -W ignore -c "from setuptools import build_meta; build_meta.build_sdist('$work/dist')"
+cd "$work" || exit 99
+build wheel "$python" -W ignore -m pip wheel -q --no-index --no-deps --no-build-isolation -w dist dist/osteon-*.tar.gz
+build install "$python" -W ignore -m pip install -q --no-index --no-deps --target site dist/osteon-*.whl
 PYTHONPATH=$work/site "$python" -W ignore -m pytest -q -p no:cacheprovider --rootdir "$source_folder/tests/python" \
     "$source_folder/tests/python" "$@"
