@@ -2,12 +2,13 @@
 """osteon: bit-exact voxel reaming.
 
     units, grid, mesh     lengths in picometres, volumes [z, y, x], tool grids, meshes
-    backend               Backend, Bone, Tool: voxels in the memory of a backend
+    backend, bone, tool   voxels in the memory of a backend
     event, world          poses, events, paths, the world and its step
     session               record, read and replay sessions
     hashing, differences  digests, and the differences between two grids
     plugin                a Python function as a backend
-    cases, checking       a Python function compared with the reference, case by case
+    cases, checking       a Python function compared with the reference, case by case; findings, locating and
+                          minimising are its parts
     pictures, phantom     pictures as arrays, generated bones and tools
 
 Arrays are indexed [z, y, x]; everything else (dims, spacing, origin, points) is in the order x, y, z, in LPS.
@@ -24,18 +25,21 @@ True
 """
 from osteon import phantom, session
 from osteon._c import lib as _lib, text as _text
-from osteon.backend import Backend, Bone, BoneInfo, Tool, backends, devices
+from osteon.backend import Backend, backends, devices
+from osteon.bone import Bone, BoneInfo
 from osteon.cases import Case, EventCase, campaign_cases, tie_cases
-from osteon.checking import CaseResult, CheckResult, Finding, Operand, check
+from osteon.checking import check
 from osteon.differences import Differences, diff
 from osteon.errors import (CancelledError, DifferError, FileError, InputError, InternalError, OsteonError,
                            OutOfMemoryError, RangeError, Status, UnavailableError, UsageError)
 from osteon.event import DEFAULT_CLASSES, DensityClass, Event, Map, Pose, Report
+from osteon.findings import CaseResult, CheckResult, Finding, Operand
 from osteon.grid import Geometry, Volume
 from osteon.hashing import digest, sha256
 from osteon.mesh import Mesh, ToolGeometry, ToolVolume
-from osteon.plugin import FunctionBackend
 from osteon.pictures import render, slices, write_png
+from osteon.plugin import FunctionBackend
+from osteon.tool import Tool
 from osteon.units import PM_PER_MM, mm_text, pm, pm3, to_mm
 from osteon.world import RPM_OF_DEVICE, RPM_ON, TICK, Glenoid, Path, Step, Totals, World
 

@@ -19,7 +19,7 @@ from typing import Any, Callable, Dict, Optional
 from osteon._osteon import ffi, lib
 from osteon.errors import UsageError, error_of
 
-__all__ = ["Lock", "Owned", "call", "ffi", "lib", "meta_of", "meta_to", "path_bytes", "progress_handle", "text"]
+__all__ = ["Lock", "Owned", "call", "call_with_progress", "ffi", "lib", "meta_of", "meta_to", "path_bytes", "progress_handle", "text"]
 
 if lib.ost_version_number() != lib.OST_VERSION:
     raise ImportError(f"the package osteon was built for libosteon {lib.OST_VERSION_MAJOR}.{lib.OST_VERSION_MINOR}."
@@ -161,3 +161,13 @@ def progress_handle(function: Optional[Callable[[str, float], Any]], options: An
     options.progress = lib.osteon_py_progress
     options.progress_user = handle
     return progress, handle
+
+
+def call_with_progress(keep: Any, function: Callable[..., int], *arguments: Any) -> None:
+    """Calls a function with a progress callback, and raises the exception that the callback raised."""
+    try:
+        call(function, *arguments)
+    except Exception:
+        if keep is not None and keep[0].error is not None:
+            raise keep[0].error from None
+        raise

@@ -19,11 +19,13 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 import numpy as np
 
 from osteon._c import call, ffi, lib, text
-from osteon.backend import Backend, Bone, Tool, volume_of
+from osteon.backend import Backend
+from osteon.bone import Bone, volume_of
 from osteon.errors import InputError, OsteonError, UnavailableError, UsageError
 from osteon.event import DEFAULT_CLASSES, DensityClass, Event, Map, Pose
 from osteon.grid import Geometry, Volume, pointer
 from osteon.mesh import Snapped, ToolGeometry, ToolVolume
+from osteon.tool import Tool
 from osteon.world import Path
 
 __all__ = ["Case", "EventCase", "campaign_cases", "command", "default_cases", "tie_cases"]

@@ -14,11 +14,12 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from osteon._c import call, ffi, lib, text
-from osteon.backend import Bone, Tool, volume_of
+from osteon.bone import Bone, volume_of
 from osteon.errors import UsageError
 from osteon.grid import Geometry, Volume
 from osteon.mesh import ToolVolume
-from osteon.units import Vector, mm_text
+from osteon.tool import Tool
+from osteon.units import Vector, mm_text, vector
 
 __all__ = ["ChunkDifference", "Differences", "KINDS", "Pattern", "VoxelDifference", "classify", "diff"]
 
@@ -181,9 +182,9 @@ def diff(a: Any, b: Any, *, chunk_size: int = 32, limit: int = 10) -> Difference
     exact = ga.spacing_pm == gb.spacing_pm, ga.origin_pm == gb.origin_pm
     same_spacing, same_origin = exact
     if tool_a is None:
-        greater = tuple(max(s) for s in zip(ga.spacing_pm, gb.spacing_pm))
+        greater = vector(max(s) for s in zip(ga.spacing_pm, gb.spacing_pm))
         # the farthest voxel centre on each axis
-        far = tuple(max(abs(o), abs(o + s * (n - 1))) for o, s, n in zip(ga.origin_pm, greater, ga.dims))
+        far = vector(max(abs(o), abs(o + s * (n - 1))) for o, s, n in zip(ga.origin_pm, greater, ga.dims))
         same_spacing = _within(ga.spacing_pm, gb.spacing_pm, greater)
         same_origin = _within(ga.origin_pm, gb.origin_pm, far)
     out = Differences(ga.dims == gb.dims, same_spacing, same_origin,
@@ -207,8 +208,8 @@ def diff(a: Any, b: Any, *, chunk_size: int = 32, limit: int = 10) -> Difference
     return out
 
 
-def _mm(vector: Vector) -> str:
-    return "(" + ", ".join(mm_text(v) for v in vector) + ")"
+def _mm(values: Vector) -> str:
+    return "(" + ", ".join(mm_text(v) for v in values) + ")"
 
 
 def _count(a: np.ndarray, b: np.ndarray, threshold_a: int, threshold_b: int, chunk_size: int, limit: int,

@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterable, Optional, Tuple, Union
 
 import numpy as np
 
-from osteon._c import call, ffi, lib, meta_of, meta_to, path_bytes, progress_handle
+from osteon._c import call, call_with_progress, ffi, lib, meta_of, meta_to, path_bytes, progress_handle
 from osteon.errors import RangeError, UsageError
 from osteon.units import Length, Vector, c_pm3, of_pm3, pm3, to_mm
 
@@ -326,13 +326,3 @@ def member_of(value: Any, kind: Any) -> Any:
     if kind.kind == "array":
         return [member_of(item, kind.item) for item in value]
     return report_of(value) if kind.kind == "struct" else value
-
-
-def call_with_progress(keep: Any, function: Callable[..., int], *arguments: Any) -> None:
-    """Calls a function with a progress callback, and raises the exception that the callback raised."""
-    try:
-        call(function, *arguments)
-    except Exception:
-        if keep is not None and keep[0].error is not None:
-            raise keep[0].error from None
-        raise

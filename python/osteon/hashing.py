@@ -6,10 +6,11 @@ Threads: the functions share no state.
 from typing import Any
 
 from osteon._c import call, ffi, lib
-from osteon.backend import Bone, Tool
+from osteon.bone import Bone
 from osteon.errors import UsageError
 from osteon.grid import Volume, pointer
 from osteon.mesh import ToolVolume
+from osteon.tool import Tool
 
 __all__ = ["digest", "sha256"]
 

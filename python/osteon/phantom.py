@@ -5,9 +5,9 @@ Threads: the functions share no state.
 """
 from typing import Any, Optional
 
-from osteon._c import call, ffi, lib, progress_handle, text
+from osteon._c import call, call_with_progress, ffi, lib, progress_handle, text
 from osteon.errors import UsageError
-from osteon.grid import Progress, Volume, call_with_progress
+from osteon.grid import Progress, Volume
 from osteon.mesh import Mesh
 from osteon.units import Length, c_pm3, pm, pm3
 

@@ -11,10 +11,12 @@ from typing import Any, Iterable, Optional, Tuple
 import numpy as np
 
 from osteon._c import call, ffi, lib, path_bytes
-from osteon.backend import Bone, Tool, volume_of
+from osteon.bone import Bone, volume_of
 from osteon.errors import UsageError
 from osteon.grid import Geometry, Volume, array_of, pointer
 from osteon.mesh import ToolVolume
+from osteon.tool import Tool
+from osteon.units import vector
 
 __all__ = ["render", "slices", "write_png"]
 
@@ -31,7 +33,7 @@ def _scene(data: Any, threshold: Optional[int]) -> Tuple[Volume, int, bool]:
         data = data.download()
     if isinstance(data, ToolVolume):
         g = data.geometry
-        origin = tuple(c + g.voxel_pm // 2 for c in g.corner_pm)
+        origin = vector(c + g.voxel_pm // 2 for c in g.corner_pm)
         return Volume(data.voxels.astype(np.int16), Geometry(g.dims, (g.voxel_pm,) * 3, origin)), 1, True
     if threshold is None and isinstance(data, Bone):
         threshold = data.threshold

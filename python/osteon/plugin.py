@@ -216,7 +216,7 @@ def chunk_numbers(bone: Any, at: Any) -> np.ndarray:
     return x + cx * (y + cy * z)
 
 
-def _slices(bone: Any, z0: int, count: int, voxels: Any) -> np.ndarray:
+def _slices(bone: Any, count: int, voxels: Any) -> np.ndarray:
     shape = (count,) + bone.geometry.shape[1:]
     size = count * shape[1] * shape[2]
     return array_of(ffi.cast("int16_t *", voxels), size, np.int16, shape)
@@ -225,14 +225,14 @@ def _slices(bone: Any, z0: int, count: int, voxels: Any) -> np.ndarray:
 @_slot
 def _bone_upload(bone: Any, z0: int, count: int, voxels: Any) -> None:
     b = _object(bone)
-    source = _slices(b, z0, count, voxels)
+    source = _slices(b, count, voxels)
     b.voxels[z0:z0 + count] = np.where(source >= b.threshold, source, 0)
 
 
 @_slot
 def _bone_download(bone: Any, z0: int, count: int, voxels: Any) -> None:
     b = _object(bone)
-    _slices(b, z0, count, voxels)[...] = b.voxels[z0:z0 + count]
+    _slices(b, count, voxels)[...] = b.voxels[z0:z0 + count]
 
 
 # ------------------------------------------------------------------ tools

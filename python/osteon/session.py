@@ -105,7 +105,7 @@ def read(path: Any) -> Session:
     session = ffi.gc(out[0], lib.ost_session_close)
     summary = report_of(lib.ost_session_summary_of(session))
     ticks = np.zeros(int(summary["ticks"]), SESSION_TICK)
-    rows = ffi.cast("ost_session_tick *", ffi.from_buffer(ticks, require_writable=True)) if len(ticks) else None
+    rows: Any = ffi.cast("ost_session_tick *", ffi.from_buffer(ticks, require_writable=True)) if len(ticks) else None
     notes: List[Tuple[int, str]] = []
     record_, more, count, end = ffi.new("ost_record *"), ffi.new("bool *"), 0, None
     while True:

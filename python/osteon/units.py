@@ -76,12 +76,18 @@ def mm_text(length_pm: int) -> str:
     return ffi.string(lib.ost_pm_format(int(length_pm), out)).decode()
 
 
-def c_pm3(vector: Any) -> Any:
-    """Returns an ost_pm3 as a dict that cffi assigns to a struct."""
-    x, y, z = vector
-    return {"x": int(x), "y": int(y), "z": int(z)}
+def vector(values: Iterable[Any]) -> Vector:
+    """Returns three values as a tuple of int."""
+    x, y, z = values
+    return int(x), int(y), int(z)
 
 
-def of_pm3(vector: Any) -> Vector:
+def c_pm3(values: Iterable[Any]) -> Any:
+    """Returns a vector as a dict that cffi assigns to an ost_pm3 or an ost_dims."""
+    x, y, z = vector(values)
+    return {"x": x, "y": y, "z": z}
+
+
+def of_pm3(c_vector: Any) -> Vector:
     """Returns an ost_pm3 as a tuple."""
-    return vector.x, vector.y, vector.z
+    return c_vector.x, c_vector.y, c_vector.z

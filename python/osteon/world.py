@@ -13,12 +13,13 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Op
 import numpy as np
 
 from osteon._c import Owned, call, ffi, lib, meta_to, path_bytes, text
-from osteon.backend import Bone, Tool
+from osteon.bone import Bone
 from osteon.errors import UsageError, error_of
 from osteon.event import DensityClass, Pose, Report, classes_of, classes_to
 from osteon.grid import array_of, report_of
 from osteon.mesh import ToolGeometry
-from osteon.units import Length, Vector, c_pm3, of_pm3, pm3
+from osteon.tool import Tool
+from osteon.units import Length, Vector, c_pm3, of_pm3, pm3, vector
 
 __all__ = ["Glenoid", "Path", "RPM_OF_DEVICE", "RPM_ON", "Step", "TICK", "Totals", "World"]
 
@@ -189,7 +190,8 @@ class Path:
 
     def poses(self) -> List[Pose]:
         """Returns the poses of the ticks."""
-        return [Pose(tuple(int(v) for v in t["t_pm"]), tuple(int(v) for v in t["q30"])) for t in self.ticks]
+        return [Pose(vector(t), (w, x, y, z)) for t, (w, x, y, z) in
+                zip(self.ticks["t_pm"].tolist(), self.ticks["q30"].tolist())]
 
     @classmethod
     def _of_c(cls, memory: Any) -> "Path":
