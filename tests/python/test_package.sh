@@ -19,6 +19,9 @@ skip() {
 }
 
 [ -z "${OST_SAN_CFLAGS:-}" ] || skip "a build with sanitizers, which Python cannot load"
+for library in ASSIMP NIFTI PNG; do
+    grep -q "^#define HAVE_$library 1" "$build/config.h" || skip "built without $library"
+done
 [ -e "$build/.libs/libosteon.so" ] || skip "a build without a shared library"
 command -v "$python" >/dev/null || skip "no $python"
 for name in cffi numpy pytest setuptools pip; do
