@@ -14,7 +14,7 @@ the child; the lock then raises an error.
 import os
 import threading
 import weakref
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 from osteon._osteon import ffi, lib
 from osteon.errors import UsageError, error_of
@@ -53,7 +53,24 @@ class Lock:
 
     def __init__(self) -> None:
         self.held: Any = threading.RLock()
+        self.waiting: List[Any] = []  # objects that are freed after the present call
         Lock._all.add(self)
+
+    def free(self, free: Callable[[Any], None], pointer: Any, keep: Any) -> None:
+        """Frees an object, and those that could not be freed before.
+
+        During a call of the library, a Python function that the library calls may drop the last reference of an object
+        of the same backend. This object is freed later, because the C library makes one call at a time.
+        """
+        if isinstance(self.held, _Forked):
+            return  # the child of a fork leaves the objects of its parent as they are
+        self.waiting.append((free, pointer, keep))
+        if self.held._is_owned():
+            return
+        with self.held:
+            while self.waiting:
+                function, item, _ = self.waiting.pop(0)
+                function(item)
 
 
 def _after_fork() -> None:
@@ -62,12 +79,6 @@ def _after_fork() -> None:
 
 
 os.register_at_fork(after_in_child=_after_fork)
-
-
-def _free(lock: Lock, free: Callable[[Any], None], pointer: Any, keep: Any) -> None:
-    if not isinstance(lock.held, _Forked):  # the child of a fork leaves the objects of its parent as they are
-        with lock.held:
-            free(pointer)
 
 
 class Owned:
@@ -89,7 +100,7 @@ class Owned:
         self._pointer = pointer
         self._lock = lock
         # The finalizer refers to `keep`, so that a backend is closed after its objects are freed, also at exit.
-        self._finalizer = weakref.finalize(self, _free, lock, free, pointer, keep)
+        self._finalizer = weakref.finalize(self, lock.free, free, pointer, keep)
 
     @property
     def _c(self) -> Any:

@@ -343,7 +343,7 @@ class FunctionBackend(Backend):
     function : callable
         function(bone, tool, event), a RemoveFunction. It changes the int16 array bone [z, y, x] in place: every
         removed voxel becomes 0. tool is a uint8 array [z, y, x], and event is an Event. The function returns the
-        number of touched voxels, or None if it does not count them.
+        number of touched voxels, or None if it does not count them; reports then contain 0 touched voxels.
     inner : str
         The backend of all other stages.
 
@@ -362,6 +362,9 @@ class FunctionBackend(Backend):
     def __init__(self, function: RemoveFunction, inner: str = "cpu") -> None:
         if not callable(function):
             raise UsageError(f"{type(function).__name__}: expected a function(bone, tool, event)")
+        if "," in _osteon.__file__:
+            raise UsageError(f"{_osteon.__file__}: the name of a plugin must not contain a comma; install the package "
+                             "in another folder")
         self._instance = _Instance(function, Backend(inner))
         with _lock:
             key = str(next(_numbers))

@@ -103,6 +103,23 @@ def test_objects_are_freed_in_order(inputs):
             use()
 
 
+def test_objects_are_freed_after_a_call(backend, inputs):
+    """A progress function closes a bone of the backend that is importing; the bone is freed after the import."""
+    bones = [backend.read_bone(inputs / "ct.nrrd") for _ in range(2)]
+    waiting = []
+
+    def close(stage, share):
+        while bones:
+            bones.pop().close()
+        waiting.append(len(backend._lock.waiting))
+
+    digest = backend.read_bone(inputs / "ct.nrrd", progress=close).digest()
+    assert waiting[0] == 2
+    with backend.read_bone(inputs / "ct.nrrd") as bone:
+        assert bone.digest() == digest
+    assert not backend._lock.waiting
+
+
 def test_objects_may_outlive_main():
     code = ("import osteon\nb = osteon.Backend()\nx = b.bone(osteon.phantom.ct('glenoid'))\n"
             "w = osteon.World(x, [b.voxelize(osteon.phantom.tool('peg'))])\nprint(x.info.active_voxels > 0)")

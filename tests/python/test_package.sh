@@ -58,5 +58,5 @@ build sdist "$python" -W ignore -c "from setuptools import build_meta; build_met
 cd "$work" || exit 99
 build wheel "$python" -W ignore -m pip wheel -q --no-index --no-deps --no-build-isolation -w dist dist/osteon-*.tar.gz
 build install "$python" -W ignore -m pip install -q --no-index --no-deps --target site dist/osteon-*.whl
-PYTHONPATH=$work/site "$python" -W ignore -m pytest -q -p no:cacheprovider --rootdir "$source_folder/tests/python" \
+PYTHONPATH=$work/site${PYTHONPATH:+:$PYTHONPATH} "$python" -W ignore -m pytest -q -p no:cacheprovider --rootdir "$source_folder/tests/python" \
     "$source_folder/tests/python" "$@"
