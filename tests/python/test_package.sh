@@ -11,7 +11,7 @@ set -u
 build=$(pwd)
 source_folder=$(cd "${srcdir:-.}" && pwd)
 python=${PYTHON3:-python3}
-work=$build/tests/python
+work=$build/tests/python/work
 
 skip() {
     echo "SKIP: $*"
@@ -35,7 +35,8 @@ if tuple(int(n) for n in setuptools.__version__.split(".")[:2]) < (70, 1): impor
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' ||
     skip "no Python.h (python3-dev, for $python)"
 
-rm -rf "$work/package" "$work/dist" "$work/site"
+rm -rf "$work"
+trap 'rm -rf "$work"' EXIT
 mkdir -p "$work" && cp -R "$source_folder/python" "$work/package" && chmod -R u+w "$work/package" || exit 99
 PYTHONDONTWRITEBYTECODE=1
 PIP_DISABLE_PIP_VERSION_CHECK=1
@@ -43,6 +44,7 @@ OSTEON_BUILD=$build
 OSTEON_SOURCE=$source_folder
 OSTEON=${OSTEON:-$build/osteon}
 export PYTHONDONTWRITEBYTECODE PIP_DISABLE_PIP_VERSION_CHECK OSTEON_BUILD OSTEON_SOURCE OSTEON
+
 # build NAME COMMAND...: runs the command, and shows the end of its output after a failure
 build() {
     log=$work/$1.log
@@ -53,10 +55,13 @@ build() {
         exit 1
     }
 }
+
 cd "$work/package" || exit 99
 build sdist "$python" -W ignore -c "from setuptools import build_meta; build_meta.build_sdist('$work/dist')"
 cd "$work" || exit 99
 build wheel "$python" -W ignore -m pip wheel -q --no-index --no-deps --no-build-isolation -w dist dist/osteon-*.tar.gz
 build install "$python" -W ignore -m pip install -q --no-index --no-deps --target site dist/osteon-*.whl
-PYTHONPATH=$work/site${PYTHONPATH:+:$PYTHONPATH} "$python" -W ignore -m pytest -q -p no:cacheprovider --rootdir "$source_folder/tests/python" \
+PYTHONPATH=$work/site${PYTHONPATH:+:$PYTHONPATH}
+export PYTHONPATH
+"$python" -W ignore -m pytest -q -p no:cacheprovider --basetemp "$work/tmp" --rootdir "$source_folder/tests/python" \
     "$source_folder/tests/python" "$@"
