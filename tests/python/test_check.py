@@ -72,6 +72,30 @@ def test_cases_of_the_campaign_find_a_lost_layer():
     assert findings[0].minimised is not None and findings[0].minimised.bone.voxels.size <= 16 * 16 * 16
 
 
+def test_the_position_is_that_of_the_command(tmp_path, command):
+    """The grids of a wrong function, compared by `osteon compare` as a dump: the same voxel, operand and margin."""
+    wrong = removal(lost_layers=1)
+    case, = osteon.campaign_cases("poses/4")
+    folder = tmp_path / "dump" / "poses-4"
+    folder.mkdir(parents=True)
+    (tmp_path / "dump" / "dump.json").write_text('{"osteon_dump": 1, "only": "poses/4"}')
+    with osteon.FunctionBackend(wrong, "ref") as backend:
+        bone = backend.bone(case.bone, threshold=case.threshold, chunk_size=case.chunk_size)
+        bone.voxels().tofile(folder / "chunks.raw")
+        world = osteon.World(bone, [backend.tool(tool) for tool in case.tools], sweep=case.sweep,
+                             removal_period_ns=case.removal_period_ns)
+        for number, _ in enumerate(world.steps(case.path)):
+            bone.voxels().tofile(folder / f"tick-{number}.raw")
+    told, = command.json("compare", tmp_path / "dump", status=1)["cases"]
+    found, = osteon.check(wrong, case).findings
+    assert (told["stage"], told["item"]) == ("tick", found.tick) and told["different_voxels"] == found.different
+    assert (told["voxel"], told["chunk"]) == (list(found.voxel), list(found.chunk))
+    assert (told["reference"], told["got"]) == (found.expected, found.got)
+    operand = next(o["value"] for o in told["operands"] if o["name"] == "pose 1 of 1")
+    assert f"point {found.operands[0].u} / 2^20" in operand
+    assert f"tool voxel {found.operands[0].tool_voxel}, cutting; {found.margin} / 2^20" in operand
+
+
 def test_too_much_removed():
     tool = np.ones((2, 2, 2), np.uint8)
     tool[0] = 2

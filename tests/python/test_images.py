@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images of SimpleITK and nibabel: the same voxels and the same geometry as the library reads from the file."""
 import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -61,13 +62,26 @@ def test_nibabel(tmp_path, volume, inputs):
         osteon.Volume.from_nibabel(oblique)
 
 
-def test_images_become_bones(backend, volume):
+def test_arrays_become_bones(backend, volume):
     plain = backend.bone(volume, cubic_mm="0.5").digest()
-    if pytest.importorskip("SimpleITK"):
-        assert backend.bone(volume.to_sitk(), cubic_mm="0.5").digest() == plain
     assert backend.bone(volume.voxels, geometry=volume.geometry, cubic_mm="0.5").digest() == plain
     with pytest.raises(osteon.UsageError, match="geometry"):
         backend.bone(volume.voxels)
+
+
+@pytest.mark.parametrize("package, convert", [("SimpleITK", "to_sitk"), ("nibabel", "to_nibabel")])
+def test_images_become_bones(backend, volume, package, convert):
+    pytest.importorskip(package)
+    image = getattr(volume, convert)()
+    assert backend.bone(image, cubic_mm="0.5").digest() == backend.bone(volume, cubic_mm="0.5").digest()
+
+
+def test_missing_packages(volume, monkeypatch):
+    for name, convert in (("SimpleITK", volume.to_sitk), ("nibabel", volume.to_nibabel),
+                          ("trimesh", osteon.phantom.tool("peg").to_trimesh)):
+        monkeypatch.setitem(sys.modules, name, None)  # an import of this name fails
+        with pytest.raises(osteon.UnavailableError, match=f"pip install {name}"):
+            convert()
 
 
 def test_trimesh(backend, inputs):
