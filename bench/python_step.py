@@ -7,6 +7,7 @@
 The path reams a generated glenoid. The overhead of a call is the time of a tick in which the tool is far from the bone,
 so that the library does almost nothing; the time within the library is part of it. The time of a tick in the command is
 run_ms / ticks of `osteon ream`, which executes the same ticks without Python. Prints the best of REPEATS (default 5).
+The last line is one run of the same path in real time, a thousand ticks a second.
 """
 import json
 import os
@@ -47,6 +48,21 @@ def by_run(world, path):
     world.run(path)
 
 
+def in_real_time(world, path):
+    """Executes a tick at each millisecond. Returns the times of the calls in microseconds, and the late ticks."""
+    times, late, begin = [], 0, time.perf_counter()
+    for number, tick in enumerate(path.ticks):
+        due = begin + number * 1e-3
+        wait = due - time.perf_counter()
+        if wait > 0:
+            time.sleep(wait)
+        start = time.perf_counter()
+        late += start > due + 1e-3
+        world.step(tick)
+        times.append((time.perf_counter() - start) * 1e6)
+    return sorted(times), late
+
+
 def main():
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     ct = osteon.phantom.ct("glenoid")
@@ -77,6 +93,9 @@ def main():
             away, cutting = best(repeats, world(far_path), run), best(repeats, world(near_path), run)
             print(f"{name:24}{away:14.2f}{cutting:18.2f}{1e6 / cutting:10.0f}")
         print(f"{'the command, per tick':24}{'':14}{in_command:18.2f}{1e6 / in_command:10.0f}")
+        times, late = in_real_time(*world(near)())
+        print(f"1 kHz: a call takes {times[len(times) // 2]:.0f} us median, {times[len(times) * 99 // 100]:.0f} us at "
+              f"99 %, {times[-1]:.0f} us at most; {late} of {len(times)} ticks began more than 1 ms late")
 
 
 if __name__ == "__main__":
