@@ -3,7 +3,8 @@
 # OST_ISA(VAR, flags, intrinsics): whether the compiler builds and links code
 # of an instruction set.  Sets VAR_CFLAGS, the conditional BUILD_VAR, and
 # HAVE_VAR_BUILD in config.h (0 or 1).  Only files that are named after the
-# instruction set are compiled with these flags.
+# instruction set are compiled with these flags.  ISA_ALL_CPPFLAGS sets each
+# HAVE_VAR_BUILD to 1, for kernels in portable C (tests/simd/portable).
 AC_DEFUN([OST_ISA], [
   AC_CACHE_CHECK([whether $CC builds $1 code], [ost_cv_isa_$1], [
     ost_save_CFLAGS=$CFLAGS
@@ -16,7 +17,7 @@ AC_DEFUN([OST_ISA], [
   AS_IF([test "x$ost_cv_isa_$1" = xyes], [$1_CFLAGS="$2"; ost_isa_value=1
     ost_summary_isa="$ost_summary_isa $1"])
   AC_SUBST([$1_CFLAGS])
-  AC_DEFINE_UNQUOTED([HAVE_$1_BUILD], [$ost_isa_value], [1 if $1 code is built.])
+  OST_ISA_BUILT([$1], [$ost_isa_value])
   AM_CONDITIONAL([BUILD_$1], [test "x$ost_cv_isa_$1" = xyes])
 ])
 
@@ -54,8 +55,19 @@ AC_DEFUN([OST_ISA_OPTIMISATION], [
   AC_SUBST([ISA_OPT_CFLAGS])
 ])
 
+# OST_ISA_BUILT(VAR, value): defines HAVE_VAR_BUILD, unless it is defined on the command line.
+AC_DEFUN([OST_ISA_BUILT], [
+  AH_VERBATIM([HAVE_$1_BUILD], [/* 1 if $1 code is built. */
+#ifndef HAVE_$1_BUILD
+# undef HAVE_$1_BUILD
+#endif])
+  AC_DEFINE_UNQUOTED([HAVE_$1_BUILD], [$2])
+  ISA_ALL_CPPFLAGS="$ISA_ALL_CPPFLAGS -DHAVE_$1_BUILD=1"
+])
+
 AC_DEFUN([OST_ISAS], [
   AC_REQUIRE([OST_ISA_OPTIMISATION])
+  AC_SUBST([ISA_ALL_CPPFLAGS])
   ost_summary_isa="scalar"
   OST_ISA([AVX2], [-mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt],
     [__m256i a = _mm256_set1_epi8(1); return _mm256_movemask_epi8(a) + (int)_pext_u64(3, 1);])
@@ -71,7 +83,7 @@ AC_DEFUN([OST_ISAS], [
 #include <arm_neon.h>
 int32x4_t x;]])], [ost_neon=yes; ost_summary_isa="$ost_summary_isa NEON"], [ost_neon=no])
   AC_MSG_RESULT([$ost_neon])
-  AC_DEFINE_UNQUOTED([HAVE_NEON_BUILD], [`test "x$ost_neon" = xyes && echo 1 || echo 0`], [1 if NEON code is built.])
+  OST_ISA_BUILT([NEON], [`test "x$ost_neon" = xyes && echo 1 || echo 0`])
   AM_CONDITIONAL([BUILD_NEON], [test "x$ost_neon" = xyes])
 ])
 

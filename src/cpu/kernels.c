@@ -4,7 +4,7 @@
 #include "cpu/kernels.h"
 
 #include "cpu/voxelize/voxelize.h"
-#if defined __x86_64__
+#if HAVE_AVX2_BUILD || HAVE_AVX512_BUILD
 #include "cpu/x86/voxelize_x86.h"
 #endif
 

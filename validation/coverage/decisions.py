@@ -26,10 +26,11 @@ import sys
 
 SCOPE = ("src/core/", "src/cpu/", "src/cl/kernels/")
 # Code that determines no voxel value: texts, files, the list and the options of backends, clocks, matrices of floats.
-APART = ("src/core/backend.c", "src/core/clock.h", "src/core/decimal.c", "src/core/file.c", "src/core/isa.c", "src/core/length.c",
-         "src/core/memory_stream.c", "src/core/mesh.c", "src/core/mesh_facts.c", "src/core/meta.c", "src/core/path.c", "src/core/pose.c",
-         "src/core/pose_doubles.c", "src/core/printable.c", "src/core/report.c",
-         "src/core/shortest.c", "src/core/status.c", "src/core/unsupported.c", "src/cpu/cpu.c", "src/cpu/kernels.c", "src/cpu/ref/ref.c")
+APART = ("src/core/backend.c", "src/core/clock.h", "src/core/decimal.c", "src/core/file.c", "src/core/isa.c",
+         "src/core/isa_choose.c", "src/core/length.c", "src/core/memory_stream.c", "src/core/mesh.c",
+         "src/core/mesh_facts.c", "src/core/meta.c", "src/core/path.c", "src/core/pose.c", "src/core/pose_doubles.c",
+         "src/core/printable.c", "src/core/report.c", "src/core/shortest.c", "src/core/status.c",
+         "src/core/unsupported.c", "src/cpu/cpu.c", "src/cpu/kernels.c", "src/cpu/ref/ref.c")
 KERNELS = "src/cl/kernels/"
 HEAD = ["file", "function", "condition", "what", "reason"]
 
