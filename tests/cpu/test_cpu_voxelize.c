@@ -129,11 +129,15 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 
 /* ---------------------------------------------------------------- meshes */
 
-/* Returns the number of random meshes to test. With OST_TEST_LONG=1 this is n, without it a third of n. */
+#ifndef OST_TEST_SHARE
+#define OST_TEST_SHARE 3 /* tests/simd/portable tests a smaller share */
+#endif
+
+/* Returns the number of random meshes to test: n with OST_TEST_LONG=1, and a share of n without it. */
 static int rounds(int n)
 {
     const char *given = getenv("OST_TEST_LONG");
-    return given && strcmp(given, "1") == 0 ? n : n / 3;
+    return given && strcmp(given, "1") == 0 ? n : n / OST_TEST_SHARE;
 }
 
 static ost_dims random_dims(test_rng *rng)

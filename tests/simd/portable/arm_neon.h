@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Replaces the compiler's header in the portable kernels: NEON intrinsics in portable C, from SIMDe.
+ * See immintrin.h.
+ */
+#ifndef OST_TESTS_SIMD_PORTABLE_ARM_NEON_H
+#define OST_TESTS_SIMD_PORTABLE_ARM_NEON_H
+#pragma GCC system_header
+
+#define SIMDE_NO_NATIVE
+#define SIMDE_NO_CHECK_IMMEDIATE_CONSTANT
+#define SIMDE_ENABLE_NATIVE_ALIASES
+#include <simde/arm/neon.h>
+
+/* SIMDe's name is a macro, which takes the commas of a compound literal for those of its arguments. */
+#undef vcltq_f64
+#define vcltq_f64 simde_vcltq_f64
+
+#undef vdivq_f64 /* later versions of SIMDe define it */
+static inline float64x2_t vdivq_f64(float64x2_t a, float64x2_t b)
+{
+    return a / b;
+}
+
+#endif
