@@ -80,6 +80,10 @@ static inline const uint64_t *words(const intrinsic_input *in)
     X(_mm512_madd_epi16, 0xe8917c86da451ec2, __m512i, _mm512_madd_epi16(A8, B8))                                       \
     X(_mm512_mask_sub_epi16, 0xe3dee8a43a5173dc, __m512i, _mm512_mask_sub_epi16(A8, M32, B8, A8))                      \
     X(_mm512_shuffle_i64x2, 0x67a3db3c8574eef6, __m512i, _mm512_shuffle_i64x2(A8, B8, 0x6c))                           \
+    X(_cvtmask64_u64, 0xc8ceede4839549fd, uint64_t, _cvtmask64_u64(M64))                                               \
+    X(_mm512_mulhi_epu16, 0xfb436309bf9f52e0, __m512i, _mm512_mulhi_epu16(A8, B8))                                     \
+    X(_mm512_alignr_epi32, 0x01a2cd89fe47d41b, __m512i, _mm512_alignr_epi32(A8, B8, 5))                                \
+    X(_mm512_mask_loadu_epi8, 0xeb7496ac4c5f5a6b, __m512i, _mm512_mask_loadu_epi8(B8, M64, in->a + 1))                 \
     X(_mm512_lzcnt_epi64, 0x345ae32975ecd7b9, __m512i, _mm512_lzcnt_epi64(_mm512_srlv_epi64(A8, B8)))                  \
     X(_mm512_cvtepu8_epi32, 0xbd33def8e3f4a985, __m512i, _mm512_cvtepu8_epi32(A2))                                     \
     X(_mm512_cvtepi32_epi8, 0x7be4fde3269e20f7, __m128i, _mm512_cvtepi32_epi8(A8))                                     \

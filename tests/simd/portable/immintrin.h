@@ -43,9 +43,11 @@ typedef simde__mmask64 __mmask64;
 
 /* Later versions of SIMDe define some of these. */
 #undef _bzhi_u32
+#undef _cvtmask64_u64
 #undef _cvtu64_mask64
 #undef _mm256_cmpgt_epi32_mask
 #undef _mm256_mask_cmplt_epu32_mask
+#undef _mm512_alignr_epi32
 #undef _mm512_cmplt_epi32_mask
 #undef _mm512_cmplt_epu32_mask
 #undef _mm512_cmplt_epu64_mask
@@ -70,6 +72,7 @@ typedef simde__mmask64 __mmask64;
 #undef _mm512_mask_i32gather_epi32
 #undef _mm512_mask_i64gather_epi32
 #undef _mm512_mask_i64gather_epi64
+#undef _mm512_mask_loadu_epi8
 #undef _mm512_mask_reduce_max_epi32
 #undef _mm512_mask_reduce_min_epi32
 #undef _mm512_mask_store_epi32
@@ -81,6 +84,7 @@ typedef simde__mmask64 __mmask64;
 #undef _mm512_maskz_loadu_epi16
 #undef _mm512_maskz_loadu_epi32
 #undef _mm512_maskz_loadu_epi64
+#undef _mm512_mulhi_epu16
 #undef _mm512_reduce_add_epi32
 #undef _mm512_reduce_add_epi64
 #undef _mm512_reduce_max_epu64
@@ -379,6 +383,35 @@ OST_PORTABLE __m512i _mm512_shuffle_i64x2(__m512i a, __m512i b, int control)
     return r;
 }
 
+OST_PORTABLE __m512i _mm512_alignr_epi32(__m512i high, __m512i low, int count)
+{
+    uint32_t both[32];
+    memcpy(both, &low, sizeof low);
+    memcpy(both + 16, &high, sizeof high);
+    memcpy(&low, both + (count & 15), sizeof low);
+    return low;
+}
+
+OST_PORTABLE __m512i _mm512_mulhi_epu16(__m512i a, __m512i b)
+{
+    OST_LANES(uint16_t, 32, x, a);
+    OST_LANES(uint16_t, 32, y, b);
+    for (int i = 0; i < 32; i++)
+        x[i] = (uint16_t)((uint32_t)x[i] * y[i] >> 16);
+    memcpy(&a, x, sizeof a);
+    return a;
+}
+
+OST_PORTABLE __m512i _mm512_mask_loadu_epi8(__m512i other, __mmask64 k, const void *from)
+{
+    OST_LANES(uint8_t, 64, out, other);
+    for (int i = 0; i < 64; i++)
+        if (k >> i & 1)
+            out[i] = ((const uint8_t *)from)[i];
+    memcpy(&other, out, sizeof other);
+    return other;
+}
+
 OST_PORTABLE void _mm512_mask_cvtepi32_storeu_epi16(void *to, __mmask16 k, __m512i a)
 {
     const __m256i narrow = _mm512_cvtepi32_epi16(a);
@@ -416,6 +449,7 @@ OST_PORTABLE __m512 _mm512_roundscale_ps(__m512 a, int mode)
 #define _mm512_mask_cmp_ps_mask(k, a, b, predicate) ((__mmask16)((k) & simde_mm512_cmp_ps_mask(a, b, predicate)))
 #define _mm512_stream_si512(to, a) simde_mm512_store_si512(to, a)
 #define _mm512_cvtsi512_si32(a) simde_mm_cvtsi128_si32(simde_mm512_castsi512_si128(a))
+#define _cvtmask64_u64(k) ((uint64_t)(k))
 #define _cvtu64_mask64(a) ((__mmask64)(a))
 #define _store_mask32(to, k) ((void)(*(to) = (k)))
 
