@@ -197,7 +197,8 @@ static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count
     return false;
 }
 
-/* Returns the mesh as which a tool is drawn, or NULL if it is drawn as voxels: with flat faces, as in the thesis. */
+/* Returns the mesh that is drawn for a tool, or NULL if the tool is drawn as voxels. With flat faces, as in the thesis,
+   every tool is drawn as voxels. */
 static const ost_smooth_mesh *mesh_of(const ost_viewer *viewer, int tool)
 {
     const ost_smooth_mesh *mesh = &viewer->tool_mesh[tool];

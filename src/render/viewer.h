@@ -38,7 +38,7 @@ typedef struct ost_viewer {
     ost_isa isa;
     int threads;
     ost_style style;
-    bool antialiased;    /* set before the first frame for smooth edges with OST_STYLE_SMOOTH */
+    bool antialiased;    /* if true, edges are smoothed with OST_STYLE_SMOOTH; must be set before the first frame */
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
     ost_frame frame;     /* the last frame that was drawn, with the size of the camera's picture */
     ost_live_state state;
@@ -78,19 +78,19 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
 void ost_viewer_use_card(ost_viewer *viewer);
 
 /*
- * Selects OpenGL with the triangle meshes of visible faces (ost_gl_mesh). The mesher makes the meshes; it is borrowed,
- * and only this viewer may use it from now on, except while no frame is drawn. Meshes an empty chunk first, so that an
- * unsuitable backend is reported here: returns OST_ERR_UNAVAILABLE for a backend without meshes, and under the
- * conditions of ost_gl_open.
+ * Selects OpenGL with triangle meshes of the visible faces (ost_gl_mesh). `mesher` is the backend that makes the
+ * meshes. It is borrowed, and must not be used elsewhere while a frame is drawn. The function meshes an empty chunk to
+ * test the backend. Returns OST_ERR_UNAVAILABLE if the backend cannot make meshes, and under the conditions of
+ * ost_gl_open.
  */
 ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err);
 
 /* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
- * Sets the meshes of the last tool's parts, which OST_STYLE_SMOOTH then draws instead of the tool's voxels. The meshes
- * are in the frame of the tool. A tool without triangles, or with more than OST_SMOOTH_TRIANGLES_MAX, is drawn as
- * voxels.
+ * Sets the meshes of the parts of the tool that was added last. With OST_STYLE_SMOOTH, they are drawn instead of the
+ * tool's voxels. The meshes are in the frame of the tool. If they have no triangle, or more than
+ * OST_SMOOTH_TRIANGLES_MAX, the tool is drawn as voxels.
  */
 ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*
@@ -118,9 +118,9 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
    camera must have passed ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 /*
- * Draws the bone and the tool for one eye of a headset. The camera's axis meets the picture at `middle`, in pixels from
- * its left and top edges. The picture stays in OpenGL (ost_gl_copy). Overlays and the ghost are not drawn. Returns
- * OST_ERR_UNAVAILABLE if OpenGL does not draw, and OST_ERR_RANGE under the conditions of ost_gl_draw.
+ * Draws the bone and the tool for one eye of a headset. `middle` is the point of the picture on the camera's axis, in
+ * pixels from the left and top edges. The picture stays in OpenGL (ost_gl_copy). Overlays and the ghost are not drawn.
+ * Returns OST_ERR_UNAVAILABLE if OpenGL does not draw, and OST_ERR_RANGE under the conditions of ost_gl_draw.
  */
 ost_status ost_viewer_draw_eye(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
 

@@ -99,21 +99,21 @@ void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
 
 /*
- * Sets the backend that makes the meshes of the variant ost_gl_mesh, and borrows it. ost_gl_draw then calls the
- * backend on a thread of its own while the caller waits, so no other thread may use the backend during a draw.
+ * Sets the backend that makes the meshes of the variant ost_gl_mesh. The backend is borrowed. ost_gl_draw calls it on
+ * the worker's thread, so no other thread may use the backend during a call of ost_gl_draw.
  */
 void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher);
 
 /*
- * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the last call, and a
- * smooth mesh that has not been drawn before. Returns OST_ERR_RANGE under the same conditions as
+ * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the last call, and the
+ * smooth meshes that have not been uploaded yet. Returns OST_ERR_RANGE under the same conditions as
  * ost_frame_draw_things. Returns OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
  */
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
                        ost_style style, ost_error *err);
 /*
- * The objects of EGL that a library needs to use the renderer's context, as pointers of EGL's types. They are valid
- * until ost_gl_close.
+ * The EGL objects that another library needs to use the renderer's context. The pointers have EGL's types and are valid
+ * until ost_gl_close is called.
  */
 typedef struct ost_gl_egl {
     void *display, *config, *context;
@@ -125,8 +125,8 @@ typedef ost_status ost_gl_function(void *user, ost_error *err);
 ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_error *err);
 
 /*
- * Copies the colours of the last picture to a texture of this context and of the same size, without reading them back.
- * The rows are in OpenGL's order: the picture's top row becomes the texture's last row.
+ * Copies the colours of the last picture to a texture of this context, without reading them back. The texture must have
+ * the picture's size. The rows are in OpenGL's order: the picture's top row becomes the texture's last row.
  */
 ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err);
 

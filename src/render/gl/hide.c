@@ -45,8 +45,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden. A cube is hidden if everything that is drawn in its
- * pixels is nearer to the eye. The vector `o` points from the eye to the cube's centre. The slopes are derived in
+ * Returns true if a cube with edges of `side` voxels is hidden. A cube is hidden if every pixel that it may cover shows
+ * something nearer to the eye. The vector `o` points from the eye to the cube's centre. The slopes are derived in
  * splat_scalar.c.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)

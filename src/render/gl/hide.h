@@ -6,11 +6,11 @@
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
  *   cells of these that were not drawn yet --drawn--> depth
  *
- * The cells that were visible in the last frame are drawn first, because these cells probably hide the others. If they
- * hide few cells, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover
- * are filled by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A voxel's
- * depth is the squared distance of its centre. A cell's nearest depth is therefore the depth of its voxel centre
- * nearest to the eye, with a margin for rounding.
+ * The cells that were visible in the last frame are drawn first, because they probably hide the other cells. If they do
+ * not, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover are filled
+ * by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A voxel's depth is
+ * the squared distance of its centre. A cell's nearest depth is therefore the depth of its voxel centre nearest to the
+ * eye, with a margin for rounding.
  *
  * Cells are tested rather than blocks of 32^3 voxels, because bone is thin: often the box around a cell is hidden
  * although the box around the complete block is not.

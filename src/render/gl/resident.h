@@ -32,7 +32,7 @@ typedef struct ost_gl_run {
 
 typedef struct ost_gl_resident {
     /*
-     * surface of this entry; the pointer is compared and never dereferenced, because the versions identify the contents
+     * surface of this entry; the pointer is only compared, never dereferenced; versions identify the contents
      */
     const ost_surface *surface;
     uint64_t last;              /* number of the last frame that used this entry */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shares the renderer's context with a library that shows its pictures, for example OpenXR. */
+/* Shares the renderer's context with a library that displays the pictures, for example OpenXR. */
 #include "render/gl/insides.h"
 
 ost_gl_egl ost_gl_egl_get(const ost_gl *gl)
@@ -28,7 +28,7 @@ static ost_status copy_here(void *user, ost_error *err)
     glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, c->texture, 0);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, t->picture);
     glDisable(GL_SCISSOR_TEST);
-    /* The picture contains display values, which are copied unchanged also to a texture in sRGB. */
+    /* The picture contains display values. They are copied unchanged, even to a texture in sRGB. */
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBlitFramebuffer(0, 0, t->width, t->height, 0, t->height, t->width, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);

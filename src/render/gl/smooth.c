@@ -5,7 +5,7 @@
 
 #include "render/gl/pass.h"
 
-/* Returns the buffer of a mesh. The buffer that was made first is replaced if all are in use. */
+/* Returns the buffer of a mesh. If all buffers are in use, the oldest one is replaced. */
 static GLuint buffer_of(ost_gl *gl, const ost_smooth_mesh *mesh)
 {
     for (int i = 0; i < OST_GL_SMOOTH; i++)

@@ -4,7 +4,7 @@
  *
  *   G-buffer   depth; colour, face and depth along forward, or normal and colour as in the thesis
  *   tiles      the farthest depth in each tile of 8 x 8 pixels of the G-buffer (hide.h)
- *   picture    colour, with the face in its last channel; depth along forward
+ *   picture    colour, with the face in the last channel; depth along forward
  *
  * Row 0 is the picture's top row, also in shaders.
  */

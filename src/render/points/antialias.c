@@ -13,10 +13,11 @@ enum { RUN = OST_ANTIALIAS_RUN, WORD = OST_CELL_WIDTH };
 _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row of a cell");
 
 /*
- * Returns the share, in 256ths, by which the nearer end of a run changes a pixel with `before` and `after` further
- * sides of the run on either side. The line goes from half a pixel at the end, x = 0, to zero at the middle, and the
- * share is the area under the line between x = k and k + 1. The line ends within the pixel in the middle, which each
- * end changes by half a triangle.
+ * Returns the weight of the neighbour, in 256ths, in a pixel that has `before` and `after` further sides of the run on
+ * its two sides. The weight is due to the nearer end of the run. From this end, at x = 0, to the middle of the run, the
+ * height of the line falls from half a pixel to zero. The weight of the pixel that is k sides away from this end is the
+ * area under the line between x = k and k + 1. In the pixel in the middle, each of the two lines ends, and each
+ * contributes half of a triangle.
  */
 static uint8_t share_of(int before, int after)
 {
@@ -90,7 +91,8 @@ static int bit_of(const ost_antialias *a, const uint16_t *sides, int x, int y)
     return sides[word_of(a, x >> 4, y)] >> (x & 15) & 1;
 }
 
-/* Sets [*from, *to) to the next run of cells of a row, in cells. Returns false if there is none. */
+/* Finds the next run of cells in a row. Sets *from and *to to the half-open range of the run. Returns false if there is
+   no further run. */
 static bool next_run(const ost_cells *cells, int row, int *from, int *to)
 {
     return ost_bits_run(ost_cells_row(cells, row), cells->words, from, to);
@@ -106,7 +108,7 @@ void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int str
             const uint32_t *here = colour + (size_t)y * (size_t)stride + WORD * from;
             const size_t at = word_of(a, from, y);
             a->find(here, y + 1 < a->height ? here + stride : here, to - from, a->below + at, a->right + at);
-            if (to > last) { /* the picture may end within the cell, and has no pixel to the right of the last one */
+            if (to > last) { /* the picture may end within the last cell, and the last pixel has no right neighbour */
                 a->below[word_of(a, last, y)] &= (uint16_t)((1u << in_last) - 1);
                 a->right[word_of(a, last, y)] &= (uint16_t)((1u << (in_last - 1)) - 1);
             }
@@ -123,14 +125,18 @@ void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row)
         }
 }
 
-/* The part of a run around a side. A bend is 1 or -1 if, at this end, the edge goes on in the first or the second of
-   the two rows or columns that the side separates; it is 0 if it ends, goes on in both, or is out of reach. */
+/*
+ * The run to which a side belongs. A side separates two rows or two columns. A bend describes an end of the run: it is
+ * 1 if the edge continues in the first of the two rows or columns, -1 if it continues in the second, and 0 if it
+ * continues in neither or in both, or if the end is out of reach.
+ */
 typedef struct edge {
-    int before, after; /* further sides of the run, at most RUN */
+    int before, after; /* number of further sides of the run in each direction, at most RUN */
     int bend_before, bend_after;
 } edge;
 
-/* Returns the share of the second pixel's colour in the first pixel, or of the first pixel's colour in the second. */
+/* Returns the weight of the second pixel's colour in the first pixel or, if `of_second` is false, the weight of the
+   first pixel's colour in the second pixel. */
 static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 {
     const int sign = of_second ? 1 : -1;
@@ -143,7 +149,7 @@ static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 static edge edge_below(const ost_antialias *a, int x, int y)
 {
     const uint16_t *w = &a->below[word_of(a, x >> 4, y)];
-    /* bit 16 is the side itself, and bits 0 and 32 are the last that are searched */
+    /* bit 16 is the side itself; bits 0 and 32 are the last bits that are searched */
     const uint64_t around = ((uint64_t)w[-1] | (uint64_t)w[0] << 16 | (uint64_t)w[1] << 32) >> (x & 15);
     const uint32_t ahead = ~(uint32_t)(around >> 17) & 0xffff, behind = ~(uint32_t)around & 0xffff;
     edge e = {.before = behind ? __builtin_clz(behind) - 16 : RUN + 1, .after = ahead ? __builtin_ctz(ahead) : RUN + 1};
@@ -175,7 +181,7 @@ static edge edge_right(const ost_antialias *a, int x, int y)
     return e;
 }
 
-/* Returns the colour of a pixel with shares, in 256ths, of the colours of two others. */
+/* Mixes the colour of a pixel with the colours of two other pixels, whose weights are in 256ths. */
 static uint32_t mixed(uint32_t colour, uint32_t first, uint32_t share_1, uint32_t second, uint32_t share_2)
 {
     const uint32_t rest = 256 - share_1 - share_2;
@@ -184,8 +190,8 @@ static uint32_t mixed(uint32_t colour, uint32_t first, uint32_t share_1, uint32_
     return ((odd + 0x800080) >> 8 & 0xff00ff) | ((green + 0x8000) >> 8 & 0xff00);
 }
 
-/* Returns the colour of a pixel that differs from a neighbour. Of rows and columns, only those are mixed in which a
-   neighbour has the greater share. */
+/* Returns the smoothed colour of a pixel that differs from a neighbour. Only the neighbours in the column or only those
+   in the row are mixed in, depending on which of the four neighbours has the greatest weight. */
 static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride, int x, int y)
 {
     uint32_t above = 0, under = 0, left = 0, right = 0;
@@ -204,8 +210,8 @@ static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride,
                           : mixed(*at, left ? at[-1] : 0, left, right ? at[1] : 0, right);
 }
 
-/* Returns true if a side of the pixels of row y in one of the cells c to c + 3 is an edge. Also reads the words of
-   cells beyond the end of the row, which are those of the next row. */
+/* Returns true if at least one pixel of row y in the cells c to c + 3 has an edge. Beyond the end of the row, reads
+   words of the next row. */
 static bool any_of_four(const uint16_t *below, const uint16_t *right, int words)
 {
     uint64_t under, above, across;

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Smooths the edges of a picture: morphological antialiasing (Reshetov 2009), with edges found by colour and a limited
- * search along an edge (Jimenez et al. 2012).
+ * Smooths the edges of a picture by morphological antialiasing (Reshetov 2009). Edges are found by colour, and the
+ * search along an edge is limited (Jimenez et al. 2012).
  *
  *   colours --differences of neighbours--> one bit for each side between two pixels
  *           --runs of bits, bends at both ends--> share of the neighbour in a pixel --> smooth colours
  *
- * Between two rows, an edge is a run of sides in which the upper and the lower pixel differ. At an end where the edge
- * goes on in the upper or lower row, the drawn stair is half a pixel away from the line that it approximates:
+ * A side lies between two neighbouring pixels. Between two rows, an edge is a run of sides whose upper and lower pixels
+ * differ. If the edge continues in the upper or the lower row at an end of the run, the run is one step of a slanted
+ * line. At this end, the step is half a pixel away from the line:
  *
  *   . . . . . . # # #          `line`: from half a pixel above the run's left end to its middle. The pixels # that the
  *   . . . . # # # # #          line cuts get the share of the colour below that lies below the line.
  *   # # # # # # # # #
  *
- * The same is done for the sides between two columns. All values are integers, and a pixel depends only on the pixels
- * within OST_ANTIALIAS_REACH of it in its row and column and in the neighbouring ones. The result is therefore
- * bit-identical for every instruction set and number of threads, and if a part of a picture changes, only this part and
- * its surroundings must be computed again.
+ * Sides between two columns are processed in the same way. All values are integers, so the result is bit-identical for
+ * every instruction set and number of threads. A pixel depends only on pixels at most OST_ANTIALIAS_REACH away, in its
+ * row and column and in the neighbouring rows and columns. If a part of a picture changes, only this part and its
+ * surroundings must therefore be computed again.
  */
 #ifndef OST_RENDER_ANTIALIAS_H
 #define OST_RENDER_ANTIALIAS_H
@@ -36,17 +37,17 @@ _Static_assert(OST_ANTIALIAS_CELLS_ACROSS * OST_CELL_WIDTH >= OST_ANTIALIAS_REAC
                OST_ANTIALIAS_CELLS_DOWN * OST_CELL_HEIGHT >= OST_ANTIALIAS_REACH, "a changed pixel is in reach");
 
 /*
- * Compares the pixels of `row` with those of the next row and with their right neighbours, for `cells` cells. Bit i of
- * below[c] and right[c] is set if pixel OST_CELL_WIDTH * c + i differs in one of the three channels. One more pixel of
- * `row` is read.
+ * Compares the pixels of `row` with the pixels below them and with their right neighbours, in `cells` cells. Bit i of
+ * below[c] or right[c] is set if pixel OST_CELL_WIDTH * c + i and this neighbour form an edge. Also reads the pixel
+ * after the last cell.
  */
 typedef void ost_antialias_find(const uint32_t *row, const uint32_t *next, int cells, uint16_t *below, uint16_t *right);
 ost_antialias_find ost_antialias_find_scalar, ost_antialias_find_avx2;
 
 /* The sides between the pixels of a picture. */
 typedef struct ost_antialias {
-    /* owned; one word for each row of a cell, with a word of zeros before and after each row, and such rows before and
-       after the picture */
+    /* owned; one word for each row of a cell; there are a word of zeros before and after each row, and rows of zeros
+       before and after the picture */
     uint16_t *below, *right;
     uint8_t share[OST_ANTIALIAS_RUN + 1][OST_ANTIALIAS_RUN + 1]; /* see share_of */
     int words, width, height;
@@ -58,15 +59,15 @@ bool ost_antialias_init(ost_antialias *a, int width, int height, ost_isa isa);
 void ost_antialias_free(ost_antialias *a); /* accepts zero-initialized memory */
 
 /*
- * Finds the edges in the cells of a row of cells. Rows of colours begin at multiples of `stride`, which is a multiple
- * of OST_CELL_WIDTH; one pixel after the last row is read. Rows of cells may be processed by different threads.
+ * Finds the edges in the given cells of row `row`. Rows of colours begin at multiples of `stride`, which is a multiple
+ * of OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of cells.
  */
 void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int stride, const ost_cells *cells, int row);
-/* Sets the cells of a row of cells to have no edges. */
+/* Removes all edges in the given cells of row `row`. */
 void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row);
 /*
- * Writes the colours of the cells of a row of cells to `to`. The edges in reach of these cells must have been found
- * for the same colours.
+ * Writes the smoothed colours of the given cells of row `row` to `to`. The edges in reach of these cells must have been
+ * found in the same colours.
  */
 void ost_antialias_smooth(const ost_antialias *a, const uint32_t *colour, uint32_t *to, int stride,
                           const ost_cells *cells, int row);

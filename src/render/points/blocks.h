@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Selects the blocks of a surface that are in the view of an eye, in order of increasing distance.
- * All renderers use this file.
+ * Selects the blocks of a surface that are in an eye's view frustum, and sorts them by increasing distance. All
+ * renderers call these functions.
  *
  *   blocks of the surface --frustum--> those that may be visible --by distance--> order
  */

@@ -134,7 +134,8 @@ ost_status ost_frame_store(ost_frame *frame, ost_error *err)
 
 ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
 {
-    const size_t count = (size_t)frame->planes.stride * (size_t)frame->height + 1; /* one is read after the last */
+    /* one pixel after the last one is read */
+    const size_t count = (size_t)frame->planes.stride * (size_t)frame->height + 1;
     uint32_t *colour = plane_alloc(count, sizeof *colour);
     if (!colour || !ost_antialias_init(&frame->antialias, frame->width, frame->height, isa) ||
         !ost_cells_init(&frame->smoothed, frame->width, frame->height)) {
@@ -147,7 +148,7 @@ ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
     return OST_OK;
 }
 
-/* Computes the colours of the frame from those that were drawn, in the cells of frame->smoothed. */
+/* Computes the smoothed colours of the frame from the drawn colours, in the cells of frame->smoothed. */
 static void smooth_edges(ost_frame *frame)
 {
     const uint32_t *from = frame->drawn.colour;
@@ -282,7 +283,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     return OST_OK;
 }
 
-/* Prepares the objects: those drawn as voxels become layers, and the others triangles. */
+/* Prepares the objects. An object that is drawn as voxels becomes a layer, and any other object becomes triangles. */
 static ost_status prepare_all(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
     const ost_pm spacing = things[0].surface->geometry.spacing.x;
@@ -332,7 +333,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
             ost_frame_draw_band(frame, i, base);
     }
     if (frame->antialias.below) {
-        /* what was drawn in this frame, put back, or on the sheet of the previous frame */
+        /* the cells that were drawn in this frame, restored, or changed on the sheet of the previous frame */
         ost_cells_clear(&frame->smoothed);
         ost_cells_join(&frame->smoothed, &frame->stale);
         ost_cells_join(&frame->smoothed, &frame->over);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a frame: draws surfaces as seen by a camera into planes (splat.h), and computes the frame's
- * colours from the planes.
+ * Draws a frame. Surfaces are drawn into planes as a camera sees them (splat.h). The frame's colours are computed from
+ * the planes.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
@@ -25,9 +25,9 @@
  * cover, the nearest voxel is the same as before. Ties between equal distances are broken by the
  * voxel's number, which has the same order as the voxels' positions.
  *
- * After a call of ost_frame_antialias, the objects are drawn into colours of their own, from which the colours of the
- * frame are computed with smooth edges (antialias.h), again only where something may have changed. Ghosts, lines and
- * letters are drawn on the smooth colours.
+ * After a call of ost_frame_antialias, the colours of the objects are drawn into a separate plane. The colours of the
+ * frame, with smooth edges (antialias.h), are computed from this plane, but only where something may have changed.
+ * Ghosts, lines and letters are drawn on the smoothed colours.
  *
  * The memory is reused from frame to frame: 9 bytes per pixel, 18 after ost_frame_store, and 4.25 more after
  * ost_frame_antialias.
@@ -110,8 +110,8 @@ typedef struct ost_frame {
     int width, height;
     /* owned; planes of the frame; they contain keys only after ost_frame_store_keys */
     ost_planes planes;
-    /* the planes into which objects are drawn: `planes`, but after ost_frame_antialias with colours of their own, which
-       are owned */
+    /* the planes into which objects are drawn: the same as `planes`, except that after ost_frame_antialias `colour` is
+       a separate, owned array */
     ost_planes drawn;
     ost_antialias antialias; /* owned; without memory before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
@@ -123,7 +123,8 @@ typedef struct ost_frame {
        previous frame */
     ost_cells stale;
     /*
-     * cells whose colours may differ from those in `stored`; drawing on the sheet of the frame adds cells to this set
+     * cells whose colours may differ from those in `stored`; code that draws on the frame's sheet adds cells to this
+     * set
      */
     ost_cells over;
     /* cells whose smooth colours were computed in this frame; without memory before ost_frame_antialias */
@@ -151,7 +152,7 @@ typedef struct ost_frame_thing {
     ost_eye eye;
     ost_paint paint;
     const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
-    /* borrowed; if not NULL, this mesh is drawn instead of the surface's voxels; the first object has none */
+    /* borrowed; if not NULL, this mesh is drawn instead of the surface's voxels; must be NULL for the first object */
     const ost_smooth_mesh *mesh;
 } ost_frame_thing;
 

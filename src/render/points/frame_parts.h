@@ -50,9 +50,10 @@ void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
  * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the cells that must be
- * copied from the stored planes. Returns the planes to draw into. The stored planes are first drawn completely in the
- * second of two frames with the same eye and light. This avoids the work while the eye moves. A frame with keys is
- * always drawn completely, because a change to a list also changes the numbers of the list's voxels.
+ * copied from the stored planes. Returns the planes to draw into. The stored planes are filled only in the second of
+ * two consecutive frames with the same eye and light, so they cost no time while the eye moves. If the frame has keys,
+ * all cells are drawn: a key contains the number of a voxel in its list, and a change to a list also changes the
+ * numbers of voxels that did not change.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between two frames, a tool removes a few dozen voxels of a block and none of the neighbouring
- * blocks. A shade depends on voxels at most OST_SHADING_REACH away, so most rows of points keep
- * their shades:
+ * Between two frames, a tool removes a few dozen voxels of a block and none of the neighbouring blocks. A shade depends
+ * only on voxels at most OST_SHADING_REACH away, so the shades of most rows of points do not change:
  *
  *   bits shown --faces--> rows whose list changed --------.
  *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades

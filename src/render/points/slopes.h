@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes shades from fields. Slopes are read point by point. They are then converted to shades,
- * sixteen points at a time if the registers are wide enough. The arithmetic uses floats. The
- * operations have a fixed order, and each one is rounded separately:
+ * Computes shades from fields. The slopes are read point by point and then converted to shades, sixteen points at a
+ * time if the registers are wide enough. The arithmetic uses floats. The operations have a fixed order, and each one is
+ * rounded separately:
  *
  *   fine, wide slope --their angle--> share t of the wide one
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
@@ -20,7 +20,7 @@
 #include "render/points/smooth.h"
 
 enum {
-    /* number of the row bit at which a line begins, because a row begins at x = -16 and a line at x = -8 */
+    /* index of the bit of a row at which a line begins: bit 0 of a row is at x = -16, and a line begins at x = -8 */
     OST_LINE_SHIFT = 8,
     /* the first entry of a field row is the sum for x = -1; this sum begins at entry 3 of a line (x = -5) */
     OST_LINE_SKIP = 3,

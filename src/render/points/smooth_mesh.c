@@ -10,7 +10,8 @@
 
 /* Cosine of 40 degrees. */
 #define CREASE 0.76604444311897803
-/* At a vertex with more triangles, every corner has the normal of its own triangle, so that the time is bounded. */
+/* maximum number of triangles at a vertex; if there are more, every corner has the normal of its own triangle, which
+   limits the time */
 enum { MEETING_MAX = 1024 };
 #define UNUSED UINT32_MAX
 
@@ -19,10 +20,11 @@ typedef struct part {
     const ost_mesh *mesh;
     double (*normal)[3]; /* owned; unit vectors; 0 for a triangle without area */
     double *area;        /* owned; twice the area */
-    uint32_t *place;     /* owned; number of each vertex' position; vertices with equal positions share one number */
+    /* owned; number of the position of each vertex; vertices with equal positions have the same number */
+    uint32_t *place;
     uint32_t *first;     /* owned; entries first[p] to first[p + 1] - 1 of `meets` are the triangles at position p */
     uint32_t *meets;     /* owned */
-    uint32_t *number;    /* owned; each position's number among those of the surface, or UNUSED */
+    uint32_t *number;    /* owned; number of each position in the surface, or UNUSED */
 } part;
 
 static void part_free(part *p)
@@ -77,7 +79,7 @@ static void list_meetings(part *p)
     for (size_t t = m->triangle_count; t-- > 0;)
         for (int c = 0; c < 3; c++)
             p->meets[--p->first[p->place[m->triangles[t][c]] + 1]] = (uint32_t)t;
-    /* The loop has moved each beginning to the entry of the next position. */
+    /* Entry p + 1 now contains the beginning of the list of position p. */
     memmove(p->first, p->first + 1, m->vertex_count * sizeof *p->first);
     p->first[m->vertex_count] = (uint32_t)(3 * m->triangle_count);
 }
@@ -142,7 +144,7 @@ static void corner_normal(const part *p, size_t triangle, uint32_t vertex, float
         out[a] = (float)sum[a];
 }
 
-/* Returns the number of a vertex' position in the surface. Appends the position at its first use. */
+/* Returns the number of the position of a vertex in the surface. Appends the position when it is first used. */
 static uint32_t position_of(const part *p, uint32_t vertex, const ost_tool_geometry *grid, ost_smooth_mesh *out)
 {
     const ost_pm3 *v = &p->mesh->vertices[vertex];

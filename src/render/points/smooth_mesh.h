@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The surface of a tool as triangles with a normal at each corner, for drawing the tool smoothly.
+ * The surface of a tool as triangles with a normal at each corner, which a renderer draws with smooth shading.
  *
  *   meshes of the tool's parts --faces at each vertex--> normals --tool's grid--> corners in voxels
  *
  * The normal of a triangle's corner is the mean of the normals of the triangles that meet at this vertex, weighted by
- * area. Only triangles whose normals are within 40 degrees of the corner's own triangle count, so the rim of a cylinder
- * remains sharp. Normals are computed in doubles by additions, multiplications, divisions and square roots, so they are
- * equal on all machines.
+ * area. Only triangles whose normals are within 40 degrees of the normal of the corner's own triangle count, so the rim
+ * of a cylinder remains sharp. Normals are computed in doubles, only by additions, multiplications, divisions and
+ * square roots. They are therefore bit-identical on all machines.
  */
 #ifndef OST_RENDER_SMOOTH_MESH_H
 #define OST_RENDER_SMOOTH_MESH_H
 
 #include <osteon/mesh.h>
 
-/* A mesh with more triangles takes too much of a frame's time; the voxels of the tool are drawn instead. */
+/* maximum number of triangles; drawing a larger mesh would take too much of a frame's time, so the tool's voxels are
+   drawn instead */
 enum { OST_SMOOTH_TRIANGLES_MAX = 1 << 17 };
 
 typedef struct ost_smooth_corner {
@@ -30,12 +31,12 @@ _Static_assert(sizeof(ost_smooth_triangle) == 72, "18 floats without padding");
 typedef struct ost_smooth_mesh {
     ost_smooth_triangle *triangle; /* owned */
     size_t count;
-    /* owned; the different positions of the corners, and the numbers of each triangle's positions, so that a position
-       is projected once for all triangles that meet there */
+    /* owned; the distinct positions of the corners, and the indices of the three positions of each triangle; a position
+       is projected only once for all triangles that meet there */
     float (*position)[3];
     size_t positions;
     uint32_t (*place)[3];
-    bool closed; /* true if the back of no triangle can be seen from outside */
+    bool closed; /* true if no triangle can be seen from behind by an eye outside the mesh */
     uint64_t hash; /* hash of the triangles, by which a renderer finds a mesh that it has uploaded */
 } ost_smooth_mesh;
 

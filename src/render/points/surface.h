@@ -27,7 +27,7 @@
  *
  *   occupied: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
  *
- * A surface must be used by only one thread at a time. Drawing a frame only reads it.
+ * Only one thread at a time may use a surface. Drawing a frame only reads the surface.
  */
 #ifndef OST_RENDER_SURFACE_H
 #define OST_RENDER_SURFACE_H

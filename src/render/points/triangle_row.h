@@ -112,7 +112,7 @@ static inline bool ost_row_any(ost_row_ints mask)
     return any != 0;
 }
 
-/* Between masks of bytes and of ints, the compiler converts lane by lane. */
+/* These functions use intrinsics, because compilers convert between masks of bytes and of ints lane by lane. */
 #ifdef __AVX2__
 static inline ost_row_ints ost_row_without_face(ost_row_bytes faces)
 {
@@ -136,14 +136,15 @@ static inline ost_row_bytes ost_row_byte_mask(ost_row_ints mask)
 }
 #endif
 
-/* The pixels from <= x < to of a row. The shares of corners 1 and 2 are b and c at `from`, and change from pixel to
-   pixel by the steps. */
+/* The pixels from <= x < to of a row. At `from`, the weights of corners 1 and 2 are b and c. From pixel to pixel, they
+   change by b_step and c_step. */
 typedef struct ost_row_span {
     int from, to;
     float b, b_step, c, c_step;
 } ost_row_span;
 
-/* Draws the part of a span in the pixels from x on, which are at `at` in the planes. Returns true if one changes. */
+/* Draws the part of a span that lies in one vector of pixels. The vector begins at column x of the picture and at index
+   `at` of the planes. Returns true if a pixel has changed. */
 static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle *f, const ost_row_span *s, int x,
                                 const ost_planes *planes, size_t at)
 {
@@ -154,7 +155,7 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     memcpy(&faces, planes->face + at, sizeof faces);
     const ost_row_ints number = ost_row_numbers(x - s->from),
                        inside = (number >= 0) & (number < s->to - s->from);
-    /* a lane outside the span has the values of corner 0 */
+    /* lanes outside the span get the values of corner 0 */
     const ost_row_floats along = __builtin_convertvector(number & inside, ost_row_floats);
     const ost_row_floats b = (ost_row_floats)((ost_row_ints)(s->b + along * s->b_step) & inside),
                          c = (ost_row_floats)((ost_row_ints)(s->c + along * s->c_step) & inside);
@@ -174,14 +175,17 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     return true;
 }
 
-/* The side of a triangle that is opposite to a corner. Its value is 0 on the side and positive inside, and the three
-   values of a pixel have the same sum, twice the area. Values are below 2^60. */
+/*
+ * A linear function of the position that belongs to one side of a triangle. Its value is 0 on the side and positive
+ * inside the triangle. At every pixel, the sum of the values of the three sides is twice the triangle's area. Values
+ * are below 2^60.
+ */
 typedef struct ost_row_side {
-    int64_t value;        /* at the middle of the triangle's first pixel in a row */
+    int64_t value;        /* value at the middle of the triangle's first pixel in a row */
     int64_t across, down; /* change from pixel to pixel, and from row to row */
 } ost_row_side;
 
-/* Returns the side opposite to corner `opposite`, in row y. */
+/* Returns the function of the side opposite to corner `opposite`, for row y. */
 static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int opposite, int y)
 {
     const int a = (opposite + 1) % 3, b = (opposite + 2) % 3;
@@ -192,15 +196,17 @@ static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int oppos
 }
 
 /*
- * Divides integers, rounding down. a >= 0 and b > 0. The division of doubles, which is faster, is exact for a < 2^52: a
- * quotient that is not an integer is at least 1 / b away from one, and is rounded by less than a / b 2^-53 < 1 / b.
+ * Returns floor(a / b) for a >= 0 and b > 0. A division of doubles is faster, and its result is correct for a < 2^52:
+ * if a / b is not an integer, it is at least 1 / b away from every integer, and the rounding error is less than a / b
+ * 2^-53 < 1 / b.
  */
 static inline int64_t ost_row_quotient(int64_t a, int64_t b)
 {
     return a < INT64_C(1) << 52 ? (int64_t)((double)a / (double)b) : a / b;
 }
 
-/* Narrows a half-open range of pixels, counted from the triangle's first one, to those on the inner side. */
+/* Reduces a half-open range of pixels to those on the inner side. Pixels are counted from the triangle's first
+   pixel. */
 static inline void ost_row_narrow(const ost_row_side *s, int *from, int *to)
 {
     if (s->value < 0) {

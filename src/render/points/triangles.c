@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Parts of a pixel, and the largest coordinate: 2^20 pixels. A product of two differences is below 2^60. */
+/* A pixel has PARTS parts per side. Coordinates are limited to 2^20 pixels, so a product of two differences is below
+   2^60. */
 enum { PARTS = OST_PIXEL_PARTS, COORDINATE_MAX = 1 << 28, CORNERS_MAX = 4 };
 
 /* A corner of a triangle, with its normal in the frame of the mesh. */
@@ -61,7 +62,8 @@ static corner between(const corner *a, const corner *b, const ost_eye *eye)
     return out;
 }
 
-/* Keeps the part of a triangle beyond the near plane. Returns its number of corners: 0, 3 or 4. */
+/* Clips a triangle to the space beyond the near plane. Returns the number of corners of the remaining part: 0, 3 or
+   4. */
 static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
 {
     int n = 0;
@@ -76,7 +78,8 @@ static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
     return n;
 }
 
-/* Finds the half-open range of pixels, within 0 to `size`, whose middles lie between three coordinates (256ths). */
+/* Finds the half-open range of pixels whose middles lie between the least and the greatest of three coordinates, which
+   are in 256ths of a pixel. The range lies within 0 to `size`. */
 static void middles(int32_t a, int32_t b, int32_t c, int size, int *from, int *to)
 {
     const int32_t least = a < b ? a < c ? a : c : b < c ? b : c, most = a > b ? a > c ? a : c : b > c ? b : c;
@@ -86,15 +89,15 @@ static void middles(int32_t a, int32_t b, int32_t c, int size, int *from, int *t
     *to = end < size ? end > 0 ? end : 0 : size;
 }
 
-/* Adds a triangle that lies beyond the near plane. Omits a triangle that covers no pixel, and one whose back is seen
-   although the mesh is closed. */
+/* Adds a triangle that lies beyond the near plane. A triangle is omitted if it covers no pixel, or if the mesh is
+   closed and the triangle faces away from the eye. */
 static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *const c[3], const float *const normal[3],
                 bool closed)
 {
     ost_flat_triangle *f = &t->triangle[t->count];
     const int64_t area = (int64_t)(c[1]->x - c[0]->x) * (c[2]->y - c[0]->y) -
                          (int64_t)(c[2]->x - c[0]->x) * (c[1]->y - c[0]->y);
-    /* seen from outside, the corners are counter-clockwise, which is a negative area because y points down */
+    /* from outside, the corners appear counter-clockwise; because y points down, their area is then negative */
     const bool front = area < 0;
     if (area == 0 || (closed && !front))
         return;

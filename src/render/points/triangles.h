@@ -5,8 +5,8 @@
  *   triangle --near plane, projection--> corners in 256ths of a pixel --a row's span of pixels--> depth, normal
  *                                                     nearer than the frame's depth --light--> colour
  *
- * Whether a triangle covers the middle of a pixel is decided by integers, so there is no gap between triangles that
- * share an edge. A pixel's depth and normal are computed by floats in a fixed order, without fused operations. The
+ * Integer arithmetic determines whether a triangle covers the middle of a pixel, so there is no gap between triangles
+ * that share an edge. A pixel's depth and normal are computed by floats in a fixed order, without fused operations. The
  * triangles of a pixel are drawn in the order of the mesh, and a pixel belongs to one band. The picture is therefore
  * bit-identical for every instruction set and number of threads.
  */
@@ -47,8 +47,8 @@ typedef struct ost_triangles {
     float gloss, scale;      /* `scale`: side of the mesh's voxels in units of the frame's depth */
 } ost_triangles;
 
-/* Draws the rows y0 <= y < y1 of a triangle where it is nearer than the planes. Adds the cells in which a pixel changes
-   to `over`. */
+/* Draws the rows y0 <= y < y1 of a triangle, in the pixels in which it is nearer than the planes. Adds the cells of
+   changed pixels to `over`. */
 typedef void ost_triangle_rows(const ost_triangles *t, const ost_flat_triangle *f, const ost_planes *planes, int y0,
                                int y1, const ost_cells *over);
 ost_triangle_rows ost_triangle_rows_scalar, ost_triangle_rows_avx2;
@@ -57,7 +57,7 @@ ost_triangle_rows *ost_triangle_rows_for(ost_isa isa);
 /* Projects the triangles of a mesh that may be visible. The memory is reused from frame to frame. */
 ost_status ost_triangles_project(ost_triangles *t, const ost_smooth_mesh *mesh, const ost_eye *eye, ost_paint paint,
                                  float scale, ost_error *err);
-/* Draws the rows y0 <= y < y1 of all triangles. Adds the cells in which a pixel changes to `over`. */
+/* Draws the rows y0 <= y < y1 of all triangles. Adds the cells of changed pixels to `over`. */
 void ost_triangles_draw(const ost_triangles *t, ost_triangle_rows *rows, const ost_planes *planes, int y0, int y1,
                         const ost_cells *over);
 void ost_triangles_free(ost_triangles *t);

@@ -12,8 +12,8 @@
  *
  * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone, less half a voxel.
  * Depths are exact up to 32 voxels. A voxel counts as outside if it is not bone and a cube of 2^3 voxels can move from
- * the grid's border to within two voxels of it. Pores in the bone therefore do not count as outside. Voxels beyond the
- * grid are unknown, so a cropped bone has no surface at the grid's border.
+ * the grid's border to within two voxels of it. Pores in the bone therefore do not count as outside. The voxels beyond
+ * the grid are not known, so a bone that was cropped has no surface at the grid's border.
  */
 #ifndef OST_RENDER_UNCUT_H
 #define OST_RENDER_UNCUT_H
