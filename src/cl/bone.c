@@ -111,7 +111,7 @@ ost_status ost_cl_bone_stats(const ost_bone *base, ost_bone_info *info, ost_erro
 }
 
 /*
- * Ensures that the pool has a capacity of at least `capacity` slots. If this fails, the pool is unchanged. If `raw` is
+ * Ensures that the pool has a capacity of at least `capacity` slots. On failure, the pool does not change. If `raw` is
  * true, the new slots are not set to zero, because the caller writes all slots completely.
  */
 static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *err)
@@ -139,7 +139,7 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
     if (status == OST_OK && bone->used) {
         b->entered[OST_CL_PATH_POOL_GROWN]++;
-        /* the old buffers are the sources of the copies, which must end before the release */
+        /* the copies read the old buffers, so they must end before these buffers are released */
         status = ost_cl_finish(b, err);
     }
     if (status != OST_OK) {

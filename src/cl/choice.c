@@ -20,7 +20,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* The maximum number of platforms, and of devices per platform. A driver that reports more is defective. */
+/* The maximum number of platforms, and of devices per platform. A driver that reports more than this is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
 /* Removes the blanks at both ends of a text and replaces control characters with '?'. */

@@ -35,7 +35,7 @@ struct ost_cl_face_program {
     cl_kernel kernel[KERNELS];
     size_t group[KERNELS];
     cl_mem clusters, padded, visible, rows, slices, active, sums, first, vertices;
-    size_t chunks, quads; /* numbers of chunks and of quads for which the buffers have space */
+    size_t chunks, quads; /* number of chunks and number of quads for which the buffers have space */
     uint32_t words[BATCH * CLUSTER];
 };
 typedef struct ost_cl_face_program faces;
@@ -169,7 +169,8 @@ static ost_status stage_done(cl_backend *b, ost_face_mesh *mesh, ost_face_stage 
     return status;
 }
 
-/* Writes the words of a cluster: the chunk, and the layer of each neighbour in the layout of kernels/face_mesh.cl. */
+/* Writes the words of a cluster, which are those of the chunk and of one layer of each neighbour, in the layout of
+   kernels/face_mesh.cl. */
 static void pack(const ost_face_cluster *cluster, uint32_t words[CLUSTER])
 {
     const uint32_t *const *n = cluster->neighbour;
@@ -195,7 +196,8 @@ static void pack(const ost_face_cluster *cluster, uint32_t words[CLUSTER])
     }
 }
 
-/* The steps up to the list of active voxels. Sets sums to the numbers of active voxels and faces of each chunk. */
+/* Executes the steps up to the list of active voxels. Sets sums[] to the numbers of active voxels and of faces of each
+   chunk. */
 static ost_status find_active(cl_backend *b, const ost_face_cluster *clusters, size_t chunks, ost_face_mesh *mesh,
                               uint32_t sums[2 * BATCH], int64_t *begin, ost_error *err)
 {
@@ -234,7 +236,7 @@ static ost_status mesh_batch(cl_backend *b, const ost_face_cluster *clusters, si
     if (status != OST_OK)
         return status;
     for (size_t i = 0; i < chunks; i++) {
-        /* A faulty device must not cause an access outside the buffers. */
+        /* This check ensures that wrong numbers from a faulty device cause no access outside the buffers. */
         if (sums[2 * i] > OST_FACE_VOXELS || sums[2 * i + 1] > OST_FACE_QUADS_MAX)
             return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' counts %u visible faces of a chunk",
                             b->device.name, (unsigned)sums[2 * i + 1]);
@@ -244,7 +246,8 @@ static ost_status mesh_batch(cl_backend *b, const ost_face_cluster *clusters, si
     }
     const size_t quads = begins[chunks] - begins[0];
     status = ost_face_mesh_reserve(mesh, mesh->count, begins[chunks], err);
-    if (status != OST_OK || quads == 0) /* ost_face_mesh_reserve may move first, so begins is not used below */
+    /* ost_face_mesh_reserve may reallocate the array to which `begins` points, so `begins` is not used below */
+    if (status != OST_OK || quads == 0)
         return status;
     status = reserve_quads(b, f, quads, err);
     if (status == OST_OK)

@@ -41,7 +41,8 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    if (ost_cl_spare_clear(b)) /* the function is called again, because the buffers stored for reuse occupied memory */
+    /* releasing the buffers stored for reuse may free enough memory, so the function is called again */
+    if (ost_cl_spare_clear(b))
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A bone's mirror: a copy of its voxels in host memory, from which the force reads single voxels in a tick.
+ * The mirror of a bone, which is a copy of its voxels in host memory. In a tick, the force computation reads single
+ * voxels from the mirror.
  *
  *   first sample   downloads all slices                                       allocates memory
  *   removal        its report names the chunks that it changed; they are      no transfer
@@ -22,7 +23,7 @@
 
 struct cl_mirror {
     ost_chunk_grid grid;
-    int32_t *changed; /* owned; the chunks that a removal has changed since the last update */
+    int32_t *changed; /* owned; the chunks that removals have changed since the last update */
     size_t count;
     bool *listed;     /* owned; for each chunk, true if `changed` contains it */
     uint32_t *words;  /* owned; occupancy of `at_once` chunks */

@@ -349,9 +349,9 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * Launches the removal kernel once without a block, for an event whose boxes overlap no block. A world runs such an
- * event when a tool is added. Some drivers build a kernel for a group size only when the kernel is first launched; with
- * this launch, they build the kernel before the operation.
+ * Launches the removal kernel once without a block. This happens in an event whose boxes overlap no block, which a
+ * world runs when a tool is added. Some drivers build a kernel for a group size only when the kernel is first launched;
+ * this launch makes them build it before the operation.
  */
 static ost_status warm(plan *p, ost_error *err)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of large buffers that were freed, which are reused for buffers of about the same size.
+ * A pool of large buffers that were freed and can be reused for buffers of about the same size.
  *
  * Buffers are reused because a new buffer takes time. A driver allocates a large buffer from the system, which maps the
  * buffer page by page at the first access. For a bone on a CPU, mapping took longer than filling the buffer. A buffer

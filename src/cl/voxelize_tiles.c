@@ -147,9 +147,9 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
 }
 
 /*
- * Chooses the size of tiles. A tile has as many rows, and a pass as many slices, as fit into the cache. There are at
- * least BANDS bands of slices if the grid has enough slices. Tiles and layers are then enlarged while the scratch
- * memory or the lists would be too large.
+ * Chooses the size of tiles. The numbers of rows of a tile and of slices of a pass are chosen such that both fit into
+ * the cache. There are at least BANDS bands of slices if the grid has enough slices. Tiles and layers are then enlarged
+ * while the scratch memory or the lists would be too large.
  */
 static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {

@@ -11,8 +11,8 @@
  *   ost_face_compact    -> active voxels without gaps, sums of the chunk an item: one row
  *   ost_face_quads      -> four vertices for each visible face           an item: one active voxel
  *
- * The prefix sum has two levels: ost_face_slices adds up the rows of a slice, and ost_face_compact adds the sums of the
- * slices before its own. Thus no kernel has a barrier, and no result depends on the size of a work group.
+ * The prefix sum has two levels: ost_face_slices sums the rows of a slice, and ost_face_compact adds the sums of the
+ * preceding slices. Therefore no kernel needs a barrier, and no result depends on the size of a work group.
  */
 #define SIDE 32
 #define PADDED 34
@@ -23,8 +23,8 @@
 #define CLUSTER_WORDS (1024 + 6 * 32)
 
 /*
- * A layer has a word for each value of the later of its two axes, and a bit for each value of the earlier one: y and z
- * for the neighbours along x, x and z along y, x and y along z.
+ * A layer lies across one axis and extends along the other two. The later of these two axes (z or y) selects the word
+ * of the layer, and the earlier one (x or y) selects the bit.
  */
 __kernel void ost_face_pad(__global const uint *clusters, __global short *padded)
 {
@@ -61,7 +61,7 @@ __kernel void ost_face_classify(__global const short *padded, __global uchar *vi
     visible[(size_t)chunk * VOXELS + i] = (uchar)mask;
 }
 
-/* rows: two words for each row, the numbers of active voxels and of visible faces. */
+/* rows: two words for each row, which are the number of active voxels and the number of visible faces */
 __kernel void ost_face_rows(__global const uchar *visible, __global uint *rows)
 {
     const uint i = (uint)get_global_id(0), chunk = (uint)get_global_id(2);
@@ -79,7 +79,8 @@ __kernel void ost_face_rows(__global const uchar *visible, __global uint *rows)
     to[1] = faces;
 }
 
-/* Replaces the numbers of each row by those of the rows before it in its slice. slices: the sums of each slice. */
+/* Replaces the numbers of each row by the sums of the numbers of all preceding rows of the slice. slices: the sums of
+   each slice. */
 __kernel void ost_face_slices(__global uint *rows, __global uint *slices)
 {
     const uint z = (uint)get_global_id(0), chunk = (uint)get_global_id(2);
@@ -100,8 +101,8 @@ __kernel void ost_face_slices(__global uint *rows, __global uint *slices)
 }
 
 /*
- * active: two words for each active voxel, its number | its visible faces << 15, and the index of its first quad in the
- * chunk. sums: the numbers of active voxels and of faces of each chunk.
+ * active: two words for each active voxel. The first word is its number | its visible faces << 15, and the second word
+ * is the index of its first quad in the chunk. sums: the numbers of active voxels and of faces of each chunk.
  */
 __kernel void ost_face_compact(__global const uchar *visible, __global const uint *rows, __global const uint *slices,
                                __global uint *active, __global uint *sums)
@@ -132,7 +133,7 @@ __kernel void ost_face_compact(__global const uchar *visible, __global const uin
     }
 }
 
-/* first: index of each chunk's first quad in the batch. The word of a corner is that of ost_face_corner. */
+/* first: index in the batch of each chunk's first quad. A corner has the format that ost_face_corner writes. */
 __kernel void ost_face_quads(__global const uint *active, __global const uint *sums, __global const uint *first,
                              __global uint *vertices)
 {

@@ -59,8 +59,8 @@ static __global const ost_cl_entry *ost_entries_of(__global const ost_cl_event *
 
 #if OST_FOR & 1
 /*
- * Returns the open voxels of row (j, k) that the tool hits at one pose. Adds the open voxels of the row that the tool
- * touches to *touch.
+ * Returns the open voxels of row (j, k) that are hit by the tool at one pose. Adds the open voxels of the row that are
+ * touched by the tool to *touch.
  */
 static uint ost_hits_of(const ost_cl_entry entry, __global const ost_cl_pose *pose, __global const uchar *cells,
                         const int dims[3], const int first[3], int j, int k, uint open, uint *touch)

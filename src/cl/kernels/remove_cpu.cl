@@ -90,8 +90,8 @@ static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ul
 }
 
 /*
- * Marks the voxels of a group that tool voxels of class c (1 or 2) cover. The parameter `bits` contains the covered
- * voxels of each row.
+ * In a group, marks the voxels that are covered by tool voxels of class c (1 or 2). The parameter `bits` contains the
+ * covered voxels of each row.
  */
 static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
 {
@@ -111,7 +111,7 @@ static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
         rows->touched |= 1u << group;
 }
 
-/* Marks all voxels of a cube of 4, 8 or 16 voxels per edge that tool voxels of class c cover entirely. */
+/* Marks all voxels of a cube of 4, 8 or 16 voxels per edge. The entire cube is covered by tool voxels of class c. */
 static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int edge)
 {
     const uint bits = ((1u << edge) - 1u) << x;
@@ -123,8 +123,8 @@ static void ost_mark_cube(ost_block_rows *rows, uint c, int x, int y, int z, int
 /* ------------------------------------------------------------- distances */
 
 /*
- * Returns the class of the tool voxels that cover the entire block. Returns 3 if the cell at the block's middle does
- * not determine this class.
+ * Returns the class of all tool voxels that cover the block, or 3 if the cell at the block's middle does not determine
+ * this class.
  */
 static uint ost_block_class(const ost_view *view, __global const uchar *cells)
 {
@@ -226,8 +226,8 @@ static void ost_open_window(ost_window *w, const ost_view *view, __global const 
 }
 
 /*
- * Returns the set of the voxels of a brick that tool voxels of the window's class cover. All coordinates relative to
- * the window must be in [0, 2^23).
+ * Returns the set of those voxels of a brick that are covered by tool voxels of the window's class. All coordinates
+ * relative to the window must be in [0, 2^23).
  */
 static ulong ost_lookup_window(const ost_view *view, const ost_window *w)
 {
@@ -292,7 +292,7 @@ static ulong ost_lookup(const ost_view *view, volatile __global const uchar *win
     return bits;
 }
 
-/* Returns the set of the voxels of a brick that are open and lie in the pose's box. */
+/* Returns the set of those voxels of a brick that are open and lie in the pose's box. */
 static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
 {
     const int four = y / 4 + 4 * z;
@@ -319,8 +319,8 @@ typedef struct ost_bricks {
 } ost_bricks;
 
 /*
- * Marks the voxels of the listed bricks that tool voxels of class c cover. `windows` contains the windows of this
- * class. All windows are loaded before the first one is used, because they are far apart in memory.
+ * In the listed bricks, marks the voxels that are covered by tool voxels of class c. `windows` contains the windows of
+ * this class. All windows are loaded before the first one is used, because they are far apart in memory.
  */
 static void ost_match_bricks(ost_block_rows *rows, const ost_view *view, __global const uchar *windows,
                              ost_bricks *bricks, int c)
