@@ -6,7 +6,7 @@
 
 typedef struct frame {
     ost_headset *h;
-    headset_swapchain *swapchain; /* of the eye that is drawn */
+    headset_swapchain *swapchain; /* swapchain of the eye that is being drawn */
     XrTime time;
     XrCompositionLayerProjectionView views[EYES];
     bool shown;                   /* true if both eyes were drawn */
@@ -117,8 +117,9 @@ static ost_status draw_eyes(frame *f, const ost_headset_calls *calls, ost_error 
 }
 
 /*
- * Counts the periods of the display that passed since the previous frame without a new frame. A runtime may request
- * frames less often than the display shows them if they take too long; the shortest period is the display's own.
+ * Counts the display periods since the previous frame in which no new frame was shown. If frames take too long, a
+ * runtime may request them at a lower rate and then reports a longer period. Therefore the shortest reported period is
+ * used as that of the display.
  */
 static void count_frame(ost_headset *h, const XrFrameState *state)
 {

@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/* The inputs of a type of controller that have the effect of each action, without the hand's path. */
+/* For one type of controller, the input that triggers each action. The paths are relative to the path of the hand. */
 typedef struct profile {
     const char *path, *button[HAND_BUTTONS]; /* NULL if the controller has no such button */
 } profile;
@@ -37,7 +37,8 @@ static XrResult make_action(headset_actions *a, XrActionType type, const char *n
     return xrCreateAction(a->set, &what, out);
 }
 
-/* A runtime may lack a profile; a session with no known controller has a hand that is never tracked. */
+/* The result is not checked, because a runtime may not support a profile. If it supports none of the profiles, the hand
+   is never tracked. */
 static void suggest(const ost_headset *h, const profile *p, const char *hand)
 {
     XrActionSuggestedBinding binding[1 + HAND_BUTTONS] = {{h->actions.grip, path_of(h, hand, "/input/grip/pose")}};

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A headset behind OpenXR: frames for two eyes, and the pose and the buttons of a controller.
+ * Accesses a headset through OpenXR: shows frames to both eyes, and reads the pose and the buttons of a controller.
  *
  *   runtime --views--> draw (called once per eye) --ost_gl_copy--> swapchain --> runtime --> display
  *      '------controller--> hand (called once per frame)
  *
- * The runtime and the renderer share the renderer's OpenGL context (XR_KHR_opengl_enable with XR_MNDX_egl_enable, which
- * Monado has). All poses are in the room's frame (room.h). All functions must be called by one thread at a time.
+ * The runtime uses the renderer's OpenGL context. This requires the extensions XR_KHR_opengl_enable and
+ * XR_MNDX_egl_enable, which Monado supports. All poses are in the room's frame (room.h). Only one thread at a time may
+ * call these functions.
  */
 #ifndef OST_HEADSET_H
 #define OST_HEADSET_H
@@ -51,14 +52,14 @@ typedef struct ost_headset_counts {
 } ost_headset_counts;
 
 /*
- * Finds the runtime and the headset. Takes little time and draws nothing. Returns OST_ERR_UNAVAILABLE with what is
- * missing and what to install.
+ * Finds the runtime and the headset, without starting a session. Returns OST_ERR_UNAVAILABLE if a component is missing;
+ * err names the component and what to install.
  */
 ost_status ost_headset_open(ost_headset **out, ost_error *err);
 /*
- * Begins a session, which shows the renderer's pictures. An eye has width x height pixels, or as many as the runtime
- * recommends if width is 0. The controller is the one of the left or the right hand. `gl` is borrowed until
- * ost_headset_end.
+ * Begins a session, which shows the renderer's pictures. The picture of an eye has width x height pixels; if width is
+ * 0, it has the size that the runtime recommends. `left` selects the controller of the left hand. `gl` is borrowed
+ * until ost_headset_end is called.
  */
 ost_status ost_headset_begin(ost_headset *headset, ost_gl *gl, int width, int height, bool left, ost_error *err);
 ost_headset_info ost_headset_info_get(const ost_headset *headset);

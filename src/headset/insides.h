@@ -41,7 +41,8 @@ struct ost_headset {
     ost_headset_counts counts;
 };
 
-/* Returns OST_OK, or an error that names the action that failed and the runtime's result. */
+/* Returns OST_OK if the result is a success. Otherwise returns an error that names the failed action and the runtime's
+   result. */
 ost_status headset_check(const ost_headset *h, XrResult result, const char *doing, ost_error *err);
 /* Handles the runtime's events: begins and ends the session when the runtime requests it. */
 ost_status headset_poll(ost_headset *h, ost_error *err);

@@ -16,7 +16,7 @@ bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_
         !(fov->right > fov->left) || !(fov->up > fov->down))
         return false;
     const double left = tan(fov->left), right = tan(fov->right), up = tan(fov->up), down = tan(fov->down);
-    /* Rounded down, so that the picture covers the angles. */
+    /* The focal length is rounded down, so that the picture covers the angles. */
     const double milli = floor(1000 * fmin(width / (right - left), height / (up - down)));
     if (!(milli >= 1000 && milli <= 1e8))
         return false;

@@ -2,7 +2,7 @@
 /*
  * Computes the camera of one eye of a headset.
  *
- *   The picture of an eye is not symmetric: the forward axis meets it off its centre.
+ *   The picture of an eye is not symmetric: the forward axis does not pass through its centre.
  *
  *        left   axis  right             tan(angle) = pixels from the axis / focal length
  *      |--------|-----------|
@@ -21,7 +21,7 @@ typedef struct ost_headset_fov {
 typedef struct ost_headset_projection {
     int32_t focal_milli;  /* focal length in thousandths of a pixel, as in ost_camera */
     double middle[2];     /* position of the axis, in pixels from the left and top edges */
-    ost_headset_fov fov;  /* angles of the edges of the picture, at least those that were requested */
+    ost_headset_fov fov;  /* angles of the edges of the picture; they include the requested angles */
 } ost_headset_projection;
 
 /*

@@ -32,7 +32,7 @@ ost_status ost_room_pose(const ost_room *room, const double at_m[3], const doubl
     for (int a = 0; a < 3; a++)
         at[a] = room->at[a] + 1000 * turned[1 + a];
     product(r, q, both);
-    /* A runtime computes in floats; a pose has a stricter limit of the quaternion's length. */
+    /* A runtime computes in floats, but the length of a pose's quaternion must be closer to 1, so it is normalized. */
     for (int i = 0; i < 4; i++)
         length += both[i] * both[i];
     length = sqrt(length);

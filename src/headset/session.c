@@ -10,7 +10,7 @@ enum { EXTENSIONS_MAX = 256, FORMATS_MAX = 64, SRGB8_ALPHA8 = 0x8c43, RGBA8 = 0x
 
 /* ------------------------------------------------------------- open, close */
 
-/* Checks that the runtime shares OpenGL contexts that were made by EGL. */
+/* Checks that the runtime can use an OpenGL context that was created through EGL. */
 static ost_status check_extensions(ost_error *err)
 {
     static XrExtensionProperties there[EXTENSIONS_MAX];
@@ -97,7 +97,8 @@ ost_status ost_headset_open(ost_headset **out, ost_error *err)
     ost_headset *h = calloc(1, sizeof *h);
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a headset");
-    /* The loader prints several lines for each failure; the error that is returned replaces them. */
+    /* By default, the loader prints several lines for each failure. They are suppressed, because the returned error
+       contains the reason. */
     setenv("XR_LOADER_DEBUG", "none", 0);
     ost_status status = check_extensions(err);
     if (status == OST_OK)
@@ -134,7 +135,7 @@ ost_headset_counts ost_headset_counts_get(const ost_headset *h)
 
 /* ------------------------------------------------------------------ session */
 
-/* The picture contains display values, so a texture in sRGB shows them unchanged. */
+/* The picture contains display values, which a texture in sRGB shows unchanged. */
 static ost_status choose_format(const ost_headset *h, int64_t *out, ost_error *err)
 {
     int64_t formats[FORMATS_MAX];
@@ -194,7 +195,7 @@ static ost_status make_session(void *user, ost_error *err)
     int64_t format;
     XrResult r = xrGetInstanceProcAddr(h->instance, "xrGetOpenGLGraphicsRequirementsKHR",
                                        (PFN_xrVoidFunction *)&requirements);
-    /* The call is required before a session is made. A context that is too old is refused by the next call. */
+    /* OpenXR requires this call before a session is created. The next call refuses a context that is too old. */
     if (XR_SUCCEEDED(r))
         r = requirements(h->instance, h->system, &needed);
     if (XR_SUCCEEDED(r))

@@ -11,7 +11,7 @@
 #include "window/changed.h"
 #include "window/x11.h"
 
-/* constants of the ABIs of libX11 and libxcb */
+/* constants from the binary interfaces of libX11 and libxcb */
 
 enum { Z_PIXMAP = 2, TRUE_COLOR = 4, VISUAL_ID_MASK = 1 };
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shows pixels in a window with the current OpenGL context. The pixels are a texture on a triangle
-   that covers the window. */
+/* Shows pixels in a window with the current OpenGL context, as a texture on a triangle that covers the window. */
 #ifndef OST_WINDOW_SHOWN_H
 #define OST_WINDOW_SHOWN_H
 

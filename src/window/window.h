@@ -7,8 +7,7 @@
  * Other modules draw the pictures. OpenGL, on a graphics card or in software, shows them on the
  * screen.
  *
- * There is at most one window. The program's main thread must open the window and must make all calls of these
- * functions.
+ * There is at most one window. All functions must be called on the program's main thread.
  */
 #ifndef OST_WINDOW_WINDOW_H
 #define OST_WINDOW_WINDOW_H
@@ -79,9 +78,9 @@ void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels of the picture to present. This is the size of the framebuffer, limited to the greatest
- * size that can be shown. The size is 0 x 0 while the window is not visible. *scale is the ratio of the display's
- * resolution to 96 pixels per inch.
+ * Returns the size in pixels that the next picture must have. This is the size of the framebuffer, limited to the
+ * greatest size that can be shown; while the window is not visible, the size is 0 x 0. *scale is the ratio of the
+ * display's resolution to 96 pixels per inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
