@@ -24,13 +24,13 @@ typedef struct app_state {
     bool json, quiet;
     const char *backend; /* value of --backend; default "cpu" */
     int64_t threads;     /* value of --threads; 0 if the option is not given */
-    /* true if a campaign started this process. If resources run out, the process then uses a separate exit status
-     * (validation/worker.h). */
+    /* true if a campaign started this process. The process then has a separate exit status for exhausted resources
+       (validation/worker.h). */
     bool worker;
     bool to_stdout;      /* true if the output file is standard output, so that no line of text may be printed there */
     json_t *result;      /* owned by the function main */
-    /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main. If the verb
-       does not record warnings, the pointer is NULL. */
+    /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main. NULL if the
+       verb does not record warnings. */
     json_t *warnings;
     /* True if `result` is complete although the verb returns an error; --json then prints the result before the error
      * message. */

@@ -4,9 +4,9 @@
  *
  *   --name VALUE   --name=VALUE   -n VALUE   --flag   --   operands anywhere
  *
- * A name must be complete, because an abbreviation could change its meaning when an option is added. A value may
- * begin with one '-' (-57.34). A value that begins with two '-' must follow '='. Every verb also has --backend,
- * --threads, --json, --quiet and --help.
+ * Names must not be abbreviated, because an abbreviation could change its meaning when an option is added. A value may
+ * begin with one '-', as in -57.34. If a value begins with two '-', it must be written after '='. Every verb also has
+ * --backend, --threads, --json, --quiet and --help.
  */
 #ifndef OST_APP_COMMON_OPTIONS_H
 #define OST_APP_COMMON_OPTIONS_H
@@ -60,7 +60,8 @@ typedef struct option {
 typedef struct operand {
     const char *name;
     const char **out;
-    /* message if the operand is missing: "no CT given"; NULL if the operand is optional, which only the last may be */
+    /* message if the operand is missing, such as "no CT given"; NULL if the operand is optional; only the last operand
+       may be optional */
     const char *missing;
 } operand;
 
@@ -69,7 +70,8 @@ typedef struct usage_text {
     const char *about;
     const operand *operands; /* the array ends with a NULL name; may be NULL */
     const option *options;   /* the array ends with a NULL name */
-    /* true if an operand may be "-" or a pipe; its data are then copied to a temporary file (core/file.h) */
+    /* true if an operand may be "-" or a pipe; the data of such an operand are copied to a temporary file
+       (core/file.h) */
     bool streams;
     const char *notes;       /* text about units and coordinate systems; may be NULL */
     const char *example;

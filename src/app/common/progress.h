@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints a progress line on standard error for work of more than a second: the stage, the completed
- * share and the remaining time, or the time so far if the share is not known.
+ * Prints a progress line on standard error if work takes more than a second. The line contains the stage, the completed
+ * share and the remaining time. If the share is not known, the line contains the elapsed time instead.
  *
  *   verb, callbacks of the library --progress_show--> stage, share --thread, ten times a second--> line
  *
- * A thread draws the line, so that the line also appears during a stage that reports no share. If standard error is
- * not a terminal or --quiet is given, nothing is printed and no thread exists.
+ * A separate thread draws the line, so that the line also appears during a stage that reports no share. If standard
+ * error is not a terminal or --quiet is given, nothing is printed and no thread exists.
  */
 #ifndef OST_APP_COMMON_PROGRESS_H
 #define OST_APP_COMMON_PROGRESS_H

@@ -63,8 +63,8 @@ static int write_all(int fd, const void *bytes, size_t size)
 /* --------------------------------------------------------------- programs */
 
 /*
- * Searches PATH for a program. This search is needed because posix_spawn does not report a missing program reliably:
- * where vfork is implemented as fork, starting the program seems to succeed.
+ * Searches PATH for a program. posix_spawn cannot be relied on to report a missing program: where vfork is implemented
+ * as fork, it reports success.
  */
 static bool find_program(const char *name, char path[NAME])
 {
@@ -119,8 +119,8 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 
 /*
  * Starts ffmpeg. ffmpeg writes to a descriptor that is already open, so that a symbolic link cannot redirect the
- * output. The descriptor is seekable, as .mp4 requires. The messages of ffmpeg are read only if it fails, because
- * they may contain arbitrary bytes of a file name.
+ * output. The descriptor is seekable, as the format .mp4 requires. ffmpeg's messages may contain arbitrary bytes of a
+ * file name, so they are read only if ffmpeg fails.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {

@@ -92,8 +92,8 @@ static void write_still(film *f, const job *j)
 }
 
 /*
- * Repeats the previous frame until the video has `index` frames. This fills the times at which no frame was passed
- * in.
+ * Repeats the previous frame until the video has `index` frames. This fills the intervals for which no frame was
+ * passed.
  */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {

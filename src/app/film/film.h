@@ -7,9 +7,8 @@
  *                            '-- queue full: dropped,       ffmpeg --> FILE.mp4, .mkv, .mov, .webm
  *                                and counted                sh -c COMMAND, which reads a .y4m from its standard input
  *
- * A video follows the times that the caller passes in. The previous frame is repeated for each
- * dropped frame and while nothing changes. The video has the size of the first frame; frames of
- * other sizes are scaled to fit.
+ * The caller passes the time of each frame. In the video, the previous frame takes the place of a dropped frame, and is
+ * repeated while nothing changes. The video has the size of the first frame; frames of other sizes are scaled to fit.
  *
  * No file is overwritten: a picture gets the next free name. A video file gets its name only when
  * it is complete.
@@ -24,7 +23,8 @@ enum { FILM_TEXT = 200 };
 typedef struct film_options {
     const char *target, *pipe; /* destination of the video; at most one of target and pipe is set */
     int64_t fps;
-    bool wait;                 /* true to wait for the writer if the queue is full, instead of dropping the frame */
+    /* if true, a caller waits for the writer while the queue is full; if false, the frame is dropped */
+    bool wait;
 } film_options;
 
 typedef struct film_report {
@@ -56,8 +56,8 @@ ost_status film_open(const film_options *options, film **out, ost_error *err);
  * pixels; the functions copy these values.
  */
 /*
- * Returns true if the video does not yet have a frame for the time t_ns. Times must ascend. The first time is the
- * beginning of the video.
+ * Returns true if the video has no frame for the time t_ns yet. Times must ascend. The first time is the beginning of
+ * the video.
  */
 bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);

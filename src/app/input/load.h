@@ -143,8 +143,8 @@ ost_status load_tool(const app_state *app, ost_backend *backend, const char *nam
 
 enum { LOAD_TOOL_PARTS = 2 };
 /*
- * Loads the meshes of a tool's parts in the frame of the tool, for drawing. *count is the number of meshes, which the
- * caller frees with ost_mesh_free; it is 0 for a tool grid, which has no mesh, and after an error.
+ * Loads the meshes of a tool's parts, in the frame of the tool, for drawing. Sets *count to the number of meshes; the
+ * caller frees each mesh with ost_mesh_free. *count is 0 after an error, and for a tool grid, which has no mesh.
  */
 ost_status load_tool_parts(const char *name, const tool_options *options, ost_mesh parts[LOAD_TOOL_PARTS], int *count,
                            ost_error *err);
@@ -152,7 +152,7 @@ ost_status load_tool_parts(const char *name, const tool_options *options, ost_me
 typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;
-    ost_volume volume;             /* voxels; the voxels of a tool are 0, 1 and 2 */
+    ost_volume volume;             /* voxels; a voxel of a tool has its class as value: 0, 1 or 2 */
     ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
     /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, 120 for any other volume. */
     int32_t threshold;

@@ -33,9 +33,9 @@ typedef struct target_options {
      .help = "side of the body (default: as in the file, else derived from the axis)"}
 
 /*
- * Finds the glenoid from the options. For options that are not given, the bone's header is used. The side may also
- * follow from the axis. Returns OST_ERR_USAGE if a value is not set, and OST_ERR_INPUT if the side, the axis and the
- * header contradict each other.
+ * Finds the glenoid's position, axis and side. Values that are not given by options are read from the bone's header. If
+ * neither source contains the side, it is derived from the axis. Returns OST_ERR_USAGE if a value is not set, and
+ * OST_ERR_INPUT if the side, the axis and the header contradict each other.
  */
 ost_status target_find(const app_state *app, const target_options *options, const ost_meta *meta, const char *bone,
                        ost_glenoid *out, ost_error *err);

@@ -16,8 +16,7 @@
 typedef struct start_checked {
     ost_glenoid glenoid;
     bool known;         /* true if the glenoid is known; otherwise no voxels are counted */
-    /* Before the operation: number of voxels on the near side of the face. After the operation: number of voxels
-     * removed on the near side. */
+    /* Number of voxels on the near side of the face. After the operation, the number of those that were removed. */
     int64_t near_side;
 } start_checked;
 

@@ -16,7 +16,7 @@
 typedef struct tool_shape {
     double tip_mm[3];     /* in the tool's frame */
     /* Kind of tool. A tool that is at least 16 mm wide is a reamer. A narrower tool that is at least twice as long as
-       wide is a drill. All other tools have a third kind. */
+       it is wide is a drill. All other tools are of a third kind. */
     ost_metrics_tool is;
 } tool_shape;
 

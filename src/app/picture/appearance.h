@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Adds the parts of a picture other than the bone and the tool: colours of the cut surface, a clip plane, the planned
- * implant as a ghost, and explanatory lines. `osteon render` sets these parts by options, and the window of `osteon
- * sim` by keys.
+ * Adds the parts of a picture other than the bone and the tool: the colours of the cut surface, a clip plane, the
+ * planned implant as a ghost, and explanatory lines. In `osteon render`, options control these parts; in the window of
+ * `osteon sim`, keys control them as well.
  *
  *   options --.
  *   keys -----+--> appearance --> viewer, and a legend over its frame

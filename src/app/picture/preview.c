@@ -37,9 +37,9 @@ static bool is_part(const preview_input *in, int16_t value)
 }
 
 /*
- * Finds the bounds of the parts. Also finds, on each axis, the slice with the most voxels of the first part; of equal
- * slices, the slice with the lowest index. If the input contains labels, the first part is the largest part. The caller
- * frees *slices, an array of counts.
+ * Finds the bounds of the parts. Also finds, on each axis, the slice with the most voxels of the first part; if several
+ * slices have the same number, the first of them. If the input contains labels, the first part is the largest part. The
+ * caller frees *slices, an array of counts.
  */
 static ost_status count_slices(const preview_input *in, extent *e, uint64_t **slices, ost_error *err)
 {

@@ -6,7 +6,7 @@
 #include "app/input/load.h"
 #include "render/viewer.h"
 
-/* `tool` was loaded by load_tool with the same name and options. */
+/* Adds `tool`, which load_tool must have loaded with the same name and options. */
 ost_status picture_add_tool(ost_viewer *viewer, const ost_tool *tool, const char *name, const tool_options *options,
                             ost_error *err);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Options of the view that `osteon render` and `osteon export` share, and the camera that follows from them. */
+/* The options of the view, which `osteon render` and `osteon export` share, and the camera that is computed from
+   them. */
 #ifndef OST_APP_PICTURE_VIEW_H
 #define OST_APP_PICTURE_VIEW_H
 

@@ -31,7 +31,7 @@ enum { SAVED_TICKS = 1024 };
 static void job_free(ream_job *j)
 {
     free(j->tick_ns);
-    /* If another function failed, the recorder is still open. The recorded ticks are then kept. */
+    /* the recorder is still open if another function failed; closing it saves the recorded ticks */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -59,7 +59,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, ream_j
 static ost_status load_all(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = backend_choose(app, &j->backend, err);
-    /* Tools are loaded first, because they are small. An error in a tool is then reported before the CT is read. */
+    /* Tools are loaded first, because they are small, so that an error in a tool is reported before the CT is read. */
     for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
         status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
         if (status == OST_OK) {

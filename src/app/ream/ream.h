@@ -64,8 +64,7 @@ void ream_record_note(const ream_job *j, size_t tick, const char *text);
 ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
 /*
- * Returns true if the device may have caused the failure. An error with any other cause would also occur on the
- * backend cpu.
+ * Returns true if the device may have caused the failure. If it did not, the same error would occur on the backend cpu.
  */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
 /*
@@ -76,7 +75,8 @@ ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_e
 /* Executes all ticks. */
 ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Reads everything that the report needs from the backend. Then writes the bone, so that a failure leaves no file. */
+/* Reads everything that the report needs from the backend before it writes the bone, so that a failure leaves no
+   file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
 /* Prints the result and stores it in the verb's JSON object. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);

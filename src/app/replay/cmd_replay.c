@@ -2,10 +2,10 @@
 /*
  * Implements `osteon replay`: replays a recorded session on any backend.
  *
- * The digest of every tick is compared with the recorded one; at the end, the counts and the bone's
- * digest are compared as well. With --verify, a difference is also located: the same ticks are run
- * on a second backend, the reference, up to the first tick that differs. A comparison of the two
- * bones then yields the chunk and the voxel. The result that agrees with the reference is correct.
+ * The digest of every tick is compared with the recorded digest. At the end, the counts and the bone's digest are
+ * compared as well. With --verify, a difference is also located: the same ticks are run on a second backend, the
+ * reference, up to the first tick that differs. A comparison of the two bones then yields the chunk and the voxel. The
+ * result that agrees with the reference is correct.
  */
 #include <string.h>
 
@@ -342,7 +342,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* The bone is written only if it does not differ and its verification is complete. */
+    /* The bone is written only if the verification is complete and has found no difference. */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         ost_digest file;

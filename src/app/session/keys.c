@@ -108,7 +108,7 @@ static void set_build(writer *w)
     snprintf(text, sizeof text, "gcc %s", __VERSION__);
 #endif
     set(w, "build", text);
-    /* If a process cannot read its own program file, the session lacks this key. */
+    /* if the process cannot read its own program file, the session does not contain this key */
     if (file_digest("/proc/self/exe", &digest, NULL) == OST_OK)
         set_digest(w, "build_sha256", &digest);
 }

@@ -50,8 +50,8 @@ double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
 }
 
 /*
- * Computes the angles of the outward direction, which is opposite to `inward`, in degrees as in the debrief: out[0]
- * toward posterior, out[1] toward superior.
+ * Computes the angles of the outward direction, which is opposite to `inward`. The angles are in degrees, as in the
+ * debrief: out[0] toward posterior, out[1] toward superior.
  */
 static void angles(const double inward[3], bool left, double out[2])
 {

@@ -14,7 +14,7 @@
 
 typedef struct sim_headset sim_headset;
 
-/* Finds the headset and sets s->headset. Called before all other preparations, because these take seconds. */
+/* Finds the headset and sets s->headset. Called first, because the other preparations take seconds. */
 ost_status sim_headset_open(const sim_args *args, simulation *s, ost_error *err);
 /* Must be called after the device is closed. */
 void sim_headset_close(sim_headset *headset); /* headset may be NULL */

@@ -32,8 +32,7 @@ typedef struct sim_hud_facts {
     /* Maximum depth below the native face at which the tool removed bone, and planned depth of the tool. The planned
        depth is 0 if no depth is planned. */
     double reached_mm, planned_mm;
-    /* Angles in degrees by which the tool's outward axis deviates from the planned axis: toward posterior, and toward
-     * superior. */
+    /* Deviation of the tool's outward axis from the planned axis, in degrees: toward posterior, and toward superior. */
     double back_deg, up_deg;
     bool touching, pedal;
     const char *fault;    /* fault of the device; NULL without a fault */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loads and opens everything that the first tick needs. Steps that take little time come first, so
-   that their errors are reported early. */
+/* Loads and opens everything that the first tick needs. Quick steps come first, so that their errors are reported
+   early. */
 #include "app/sim/sim.h"
 
 #include <stdlib.h>

@@ -58,7 +58,7 @@ struct sim_window {
     ost_mouse_input *mouse; /* NULL if another device is used */
     sim_handle now, home;
     sim_camera camera;
-    bool lifted; /* true if the window has moved the hand elsewhere and the device has not yet received the new pose */
+    bool lifted; /* true if the window has set a new pose of the hand that the device has not received yet */
     bool key_down[512]; /* true for each key that is down, indexed by key code */
     bool button[3];
     unsigned mods;
@@ -66,7 +66,8 @@ struct sim_window {
     bool help, quit, shoot, timings;
     char message[MESSAGE];
     double message_until;
-    int resets, astray; /* driver resets; consecutive frames that could not be drawn from the camera's position */
+    /* number of driver resets; number of consecutive frames that could not be drawn from the camera's position */
+    int resets, astray;
     uint64_t frames;
     rates rates;
     sim_hud_facts facts;

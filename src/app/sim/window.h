@@ -14,7 +14,7 @@
 
 typedef struct sim_window sim_window;
 
-/* Opens s->window. Called before all other preparations, because these take seconds. */
+/* Opens s->window. Called first, because the other preparations take seconds. */
 ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_window_close(sim_window *window); /* window may be NULL */
 

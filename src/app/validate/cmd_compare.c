@@ -45,7 +45,7 @@ static const case_result *result_at(const campaign *c, int i, int s)
 
 /*
  * Prints one line per stage with the number of differences, their causes, and the maximum margin. A margin is the
- * distance of a value from the border at which a decision changes.
+ * distance between a value and the border at which a decision changes.
  */
 static void print_margins(const app_state *app, const margins *m)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements `osteon reproduce`: makes the thesis' tables and figures again (reproduction/item.h).
+ * Implements `osteon reproduce`: reproduces the tables and figures of the thesis (reproduction/item.h).
  *
  *   items --run--> result --> files --.
  *   --merge DIR: files of other runs -+--> report.html
@@ -32,7 +32,7 @@ typedef struct reproduce_run {
     report_entry entry[ITEMS_MAX];
     result results[ITEMS_MAX];
     int measured;
-    char reason[OST_ERROR_TEXT]; /* reason for which the first item was not measured */
+    char reason[OST_ERROR_TEXT]; /* reason why the first item was not measured */
 } reproduce_run;
 
 /* --------------------------------------------------------------- arguments */
@@ -170,7 +170,7 @@ static ost_status finish_item(app_state *app, const reproduce_args *args, reprod
     return OST_OK;
 }
 
-/* Returns true if an item cannot be measured here, while the others can. */
+/* Returns true if the failure prevents only this item, not the others, from being measured on this machine. */
 static bool only_this_item(ost_status status)
 {
     return status == OST_ERR_UNAVAILABLE || status == OST_ERR_IO || status == OST_ERR_MEMORY ||
@@ -216,7 +216,7 @@ static ost_status measure(app_state *app, const reproduce_args *args, const bool
 
 /* ----------------------------------------------------------------- merging */
 
-/* Merges an item from all folders that contain it. The result stays without machines if there is none. */
+/* Merges an item from all folders that contain it. If there is no such folder, the result contains no machine. */
 static ost_status merge_item(const reproduce_args *args, const reproduction_item *item, result *out, ost_error *err)
 {
     ost_status status = OST_OK;
