@@ -92,8 +92,8 @@ typedef struct result_remark {
 typedef enum result_plot_kind { RESULT_PLOT_LINES, RESULT_PLOT_BARS } result_plot_kind;
 
 /*
- * Selects columns for a plot. Each column of `value` yields one series per machine and per text of the column
- * `group`, and a further series of the values that the thesis states.
+ * Selects columns for a plot. Each column of `value` yields one series for each machine and for each distinct text in
+ * the column `group`. A further series contains the values that the thesis states.
  */
 typedef struct result_plot {
     result_plot_kind kind;

@@ -209,7 +209,7 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
                               "ticks", (json_int_t)s.path.count);
         if (s.sample_count)
             json_object_set_new(o, "ct", ct_json(&s));
-        else if (s.path.count) /* there is no bone, so only the steps before the voxels are computed */
+        else if (s.path.count) /* there is no CT, so only the steps that precede the voxels are computed */
             json_object_set_new(o, "bone", grid_json(&s.rect));
         if (s.path.count)
             json_object_set_new(o, "world",

@@ -60,7 +60,7 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);
 
-/* Makes only the mistake `how`, in the scene with this number. */
+/* Injects only the mistake `how`, in the scene with the given number. */
 ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
 
 #endif

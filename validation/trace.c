@@ -109,7 +109,8 @@ struct trace_writer {
     char *path;
     uint8_t *buffer;
     size_t used, capacity;
-    size_t blocks_at; /* offset of the block count in the record; 0 while words are added */
+    /* offset of the block count in the record; 0 until the first block is added, that is, while words are added */
+    size_t blocks_at;
     uint64_t words, blocks;
     bool no_memory;
 };

@@ -75,8 +75,8 @@ typedef struct ost_volume_report {
     uint64_t clamped_values;   /* number of densities outside int16, which were saturated */
     ost_dicom_report dicom;
     uint64_t nan_values;       /* number of NaN values, which were replaced by -1024; the replacement is an option */
-    double pixel_mm[2];        /* pixel size that the first slice of a stack states, for information only; 0 if it
-                                * states none */
+    /* pixel size given in the first slice of a stack, for information only; 0 if the slice contains none */
+    double pixel_mm[2];
 } ost_volume_report;
 
 /*

@@ -409,7 +409,7 @@ static void what_is_done_to_a_scan_shows(void **state)
         case 6: /* truncate the text at any position */
             t.size = at + (size_t)rng_range(&rng, 0, (int64_t)length - 1);
             break;
-        case 7: /* write the same number differently */
+        case 7: /* write the number in a different but equivalent form */
             replace(&t, at, 0, "+");
             if (t.bytes[at + 1] == '-')
                 replace(&t, at, 2, "-0");

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests face meshes (core/face_mesh.h) against an oracle that examines every voxel of a volume and shares no code with
- * the backends. Random chunks of several densities, neighbours that exist or not, and chunks at the borders of a
- * volume. The words of all backends must be equal. The backend cl is tested if there is a device; its kernels are also
- * compiled as C.
+ * the backends. The test meshes random chunks of several densities, chunks with and without neighbours, and chunks at
+ * the borders of a volume. The vertices of all backends must be bit-identical. The backend cl is tested if there is a
+ * device; its kernels are also compiled as C.
  * Covers: REQ-FACE-MESH
  */
 #include <math.h>

@@ -378,8 +378,8 @@ static void far_corners(void **state)
     assert_true(covered > 10000);
 }
 
-/* A sphere is drawn at once by the scalar loop, and in bands of 8 rows by the loop of this processor's instruction set.
-   No pixel inside its outline is missing. */
+/* Draws a sphere in a single call with the scalar loop, and in bands of 8 rows with the loop for this processor's
+   instruction set. No pixel inside the sphere's outline may be missing. */
 static void a_sphere_is_a_smooth_disc(void **state)
 {
     (void)state;

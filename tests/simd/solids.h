@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tools and poses for the kernels of removal: small, thin, full, empty and noisy solids, at every ratio of
- * voxel sizes. The tables of the tools are in guarded memory.
+ * Tools and poses for testing the removal kernels: small, thin, full, empty and noisy solids, at every ratio of voxel
+ * sizes. The tables of the tools are in guarded memory.
  */
 #ifndef OST_TESTS_SIMD_SOLIDS_H
 #define OST_TESTS_SIMD_SOLIDS_H
