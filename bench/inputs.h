@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tools, grids and cuts that several measurements make in the same way. */
+/* Functions that several measurements share to make their tools, grids and cuts. */
 #ifndef OST_BENCH_INPUTS_H
 #define OST_BENCH_INPUTS_H
 

@@ -263,7 +263,7 @@ static ost_status add_view(show *s, bench_table *table, const view *v, int threa
 
 /* ------------------------------------------------------- lists and shades */
 
-/* The parts of a surface block that a row recomputes. */
+/* The parts of a surface block that are recomputed in a row of the benchmark. */
 typedef enum renewal { RENEW_LIST, RENEW_SHADES, RENEW_ALL, RENEWALS } renewal;
 
 static int32_t spoil(ost_surface *s, renewal what)

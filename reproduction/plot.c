@@ -47,8 +47,8 @@ static plot_axis linear_axis(double least, double most, bool zero)
     return axis;
 }
 
-/* Returns the tick of a logarithmic axis that is nearest to the value and not above it or, if `up` is set, not below
-   it. Ticks are powers of ten and, on a fine axis, 2 and 5 times powers of ten. */
+/* Rounds a value down or, if `up` is set, up to a tick of a logarithmic axis. Ticks are powers of ten and, on a fine
+   axis, 2 and 5 times powers of ten. */
 static double log_tick(double value, bool fine, bool up)
 {
     static const double mantissa[] = {1, 2, 5, 10};

@@ -86,7 +86,7 @@ ost_status points_state_restore(void *state, ost_error *err);
 ost_status points_state_result(void *state, method_set *set, ost_error *err);
 void points_state_work(void *state, method_work *out);
 
-/* Removes the voxels of the points [first, first + count) with the state's threads. */
+/* Removes the voxels to which the points [first, first + count) are mapped. Uses the state's threads. */
 void points_remove_range(points_state *s, const ost_voxel_box *box, const points_map *map, int32_t first,
                          int32_t count);
 

@@ -23,7 +23,7 @@ typedef struct session_writer {
     session_sink sink;
     uint64_t bytes, sequence, records;
     uint32_t identity;
-    bool cut_needed; /* true if a failed append may have left bytes */
+    bool cut_needed; /* true if a failed append may have left partial data at the end of the file */
 } session_writer;
 
 /* Writes both copies of the session's header. Returns 0 or an errno. */

@@ -29,7 +29,7 @@ ost_status ost_stack_read(const char *path, const ost_volume_options *options, c
 typedef struct ost_stack_facts {
     ost_dims dims; /* columns, rows, slices */
     char type[24], encoding[16];
-    double pixel_mm[2]; /* pixel size that the first slice states, in mm; 0 if it states none */
+    double pixel_mm[2]; /* pixel size given in the first slice, in mm; 0 if the slice contains none */
 } ost_stack_facts;
 
 /* Describes a stack without reading its pixels. */

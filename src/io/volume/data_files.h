@@ -27,7 +27,7 @@ typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DAT
 /* The file names as the header states them. The strings belong to the text of the header. */
 typedef struct ost_data_names {
     const char *value; /* NULL if the data follow the header */
-    long line;         /* line of the value in the header, for messages */
+    long line;         /* number of the header line that contains the value, for messages */
     const char *list;  /* for LIST: the file names, each terminated by NUL; otherwise NULL */
     size_t list_bytes;
 } ost_data_names;
