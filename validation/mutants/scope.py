@@ -9,8 +9,12 @@ FOLDERS = ["src/core", "src/cpu", "src/cl"]
 OUTSIDE = {
     "src/core/clock.h": "time stamps",
     "src/core/decimal.c": "numbers of text files",
+    "src/core/face_mesh.c": "meshes of visible faces, for pictures",
+    "src/core/face_mesh.h": "meshes of visible faces, for pictures",
     "src/core/file.c": "reading files",
     "src/core/file.h": "reading files",
+    "src/core/fit.c": "spheres and planes of landmarks",
+    "src/core/fit.h": "spheres and planes of landmarks",
     "src/core/length.c": "lengths of text files",
     "src/core/memory_stream.c": "streams into memory of texts",
     "src/core/memory_stream.h": "streams into memory of texts",
@@ -34,9 +38,14 @@ OUTSIDE = {
     "src/cl/embedded.h": "declarations",
     "src/cl/error.c": "text of messages",
     "src/cl/error.h": "text of messages",
+    "src/cl/face_mesh.c": "meshes of visible faces, for pictures",
     "src/cl/facts.c": "descriptions of devices",
     "src/cl/icd.c": "descriptions of drivers",
+    "src/cl/kernels/face_mesh.cl": "meshes of visible faces, for pictures",
     "src/cl/key.c": "the cache of built programs",
+    "src/cpu/face_mesh.c": "meshes of visible faces, for pictures",
+    "src/cpu/face_mesh.h": "meshes of visible faces, for pictures",
+    "src/cpu/ref/face_mesh.c": "meshes of visible faces, for pictures",
 }
 
 
