@@ -34,27 +34,99 @@ static bool solid(const ost_tool_volume *t, int x, int y, int z)
            t->voxels[(size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z)] != OST_TOOL_VOID;
 }
 
+static const int directions[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
+
+/* The voxels within REACH of the centre of a face, relative to the voxel inside the face, in the order of their sums. */
+typedef struct ball {
+    int count;
+    int8_t at[(2 * REACH + 2) * (2 * REACH + 2) * (2 * REACH + 2)][3];
+} ball;
+
+static void ball_of(const int e[3], ball *out)
+{
+    out->count = 0;
+    for (int z = -REACH; z <= REACH + 1; z++)
+        for (int y = -REACH; y <= REACH + 1; y++)
+            for (int x = -REACH; x <= REACH + 1; x++) {
+                /* The centre of the face lies half a voxel along e. */
+                const double d[3] = {x - 0.5 * e[0], y - 0.5 * e[1], z - 0.5 * e[2]};
+                if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > REACH * REACH)
+                    continue;
+                int8_t *at = out->at[out->count++];
+                at[0] = (int8_t)x;
+                at[1] = (int8_t)y;
+                at[2] = (int8_t)z;
+            }
+}
+
 /*
  * Computes the unit vector toward the solid side at the face between voxel v and its neighbour
  * in direction e.
  */
-static void inward_at(const ost_tool_volume *t, const int v[3], const int e[3], double out[3])
+static void inward_at(const ost_tool_volume *t, const int v[3], const int e[3], const ball *b, double out[3])
 {
     double g[3] = {-1e-6 * e[0], -1e-6 * e[1], -1e-6 * e[2]};
-    for (int z = -REACH; z <= REACH + 1; z++)
-        for (int y = -REACH; y <= REACH + 1; y++)
-            for (int x = -REACH; x <= REACH + 1; x++) {
-                /* d is relative to the centre of the face, which lies half a voxel along e. */
-                const double d[3] = {x - 0.5 * e[0], y - 0.5 * e[1], z - 0.5 * e[2]};
-                const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                if (square > REACH * REACH || !solid(t, v[0] + x, v[1] + y, v[2] + z))
-                    continue;
-                for (int a = 0; a < 3; a++)
-                    g[a] += d[a];
-            }
+    for (int i = 0; i < b->count; i++) {
+        const int8_t *at = b->at[i];
+        if (!solid(t, v[0] + at[0], v[1] + at[1], v[2] + at[2]))
+            continue;
+        for (int a = 0; a < 3; a++)
+            g[a] += at[a] - 0.5 * e[a];
+    }
     const double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     for (int a = 0; a < 3; a++)
         out[a] = g[a] / size;
+}
+
+/* A face of the surface: the voxel inside it, the number of its direction, and the inward normal there. */
+typedef struct face {
+    int32_t v[3];
+    uint8_t direction;
+    bool cutting;
+    double inward[3];
+} face;
+
+typedef struct faces {
+    size_t count, capacity;
+    face *face; /* owned */
+} faces;
+
+static bool find_faces(const ost_tool_volume *t, faces *out)
+{
+    const ost_dims d = t->geometry.dims;
+    size_t i = 0;
+    for (int z = 0; z < d.z; z++)
+        for (int y = 0; y < d.y; y++)
+            for (int x = 0; x < d.x; x++, i++)
+                for (int k = 0; k < 6 && t->voxels[i] != OST_TOOL_VOID; k++) {
+                    const int *e = directions[k];
+                    if (solid(t, x + e[0], y + e[1], z + e[2]))
+                        continue;
+                    if (out->count == out->capacity) {
+                        const size_t capacity = out->capacity ? 2 * out->capacity : 4096;
+                        face *grown = realloc(out->face, capacity * sizeof *grown);
+                        if (!grown)
+                            return false;
+                        out->face = grown;
+                        out->capacity = capacity;
+                    }
+                    out->face[out->count++] = (face){
+                        .v = {x, y, z}, .direction = (uint8_t)k, .cutting = t->voxels[i] == OST_TOOL_CUTTING};
+                }
+    return true;
+}
+
+/* Computes the normals of all faces. They do not depend on the size of the cells. */
+static void find_normals(const ost_tool_volume *t, const faces *f)
+{
+    ball balls[6];
+    for (int k = 0; k < 6; k++)
+        ball_of(directions[k], &balls[k]);
+#pragma omp parallel for schedule(static)
+    for (int64_t i = 0; i < (int64_t)f->count; i++) {
+        face *one = &f->face[i];
+        inward_at(t, one->v, directions[one->direction], &balls[one->direction], one->inward);
+    }
 }
 
 static int side_of(const double n[3])
@@ -71,10 +143,11 @@ typedef struct cells {
     sum *sums; /* owned; SIDES per cell */
 } cells;
 
-static void add_face(const ost_tool_volume *t, const int v[3], const int e[3], bool cutting, cells *c)
+static void add_face(const ost_tool_volume *t, const face *f, cells *c)
 {
-    double n[3];
-    inward_at(t, v, e, n);
+    const int32_t *const v = f->v;
+    const int *const e = directions[f->direction];
+    const double *const n = f->inward;
     const double s = (double)t->geometry.voxel * M_PER_PM;
     const double share = fabs(n[0] * e[0] + n[1] * e[1] + n[2] * e[2]), area = s * s * share;
     const ost_pm3 corner = t->geometry.corner;
@@ -82,26 +155,11 @@ static void add_face(const ost_tool_volume *t, const int v[3], const int e[3], b
     const int64_t cell = v[0] / c->size + (int64_t)c->dims.x * (v[1] / c->size + (int64_t)c->dims.y * (v[2] / c->size));
     sum *to = &c->sums[cell * SIDES + side_of(n)];
     to->area += area;
-    to->cutting += cutting ? area : 0;
+    to->cutting += f->cutting ? area : 0;
     for (int a = 0; a < 3; a++) {
         to->at[a] += area * (from[a] + (v[a] + 0.5 + 0.5 * e[a]) * s);
         to->inward[a] += area * n[a];
     }
-}
-
-static void add_faces(const ost_tool_volume *t, cells *c)
-{
-    static const int directions[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
-    const ost_dims d = t->geometry.dims;
-    size_t i = 0;
-    for (int z = 0; z < d.z; z++)
-        for (int y = 0; y < d.y; y++)
-            for (int x = 0; x < d.x; x++, i++)
-                for (int k = 0; k < 6 && t->voxels[i] != OST_TOOL_VOID; k++) {
-                    const int *e = directions[k], v[3] = {x, y, z};
-                    if (!solid(t, x + e[0], y + e[1], z + e[2]))
-                        add_face(t, v, e, t->voxels[i] == OST_TOOL_CUTTING, c);
-                }
 }
 
 static bool cells_open(const ost_tool_volume *t, int size, cells *c)
@@ -133,37 +191,56 @@ static size_t take(const cells *c, ost_shell_point *points, size_t capacity)
     return count;
 }
 
-ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err)
+static ost_status no_memory(ost_error *err)
 {
-    *out = (ost_shell){0};
+    return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
+}
+
+/* Merges the faces into at most OST_SHELL_MAX points. */
+static ost_status merge(const ost_tool_volume *tool, const faces *f, ost_shell_point *points, size_t *count,
+                        ost_error *err)
+{
     const ost_dims d = tool->geometry.dims;
     const int most = d.x > d.y ? (d.x > d.z ? d.x : d.z) : d.y > d.z ? d.y : d.z;
-    ost_shell_point *points = malloc(OST_SHELL_MAX * sizeof *points);
-    if (!points)
-        return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
     /*
      * The first cell size is estimated from the surface of the box. The size is then increased
      * until the points fit.
      */
-    const double faces = 2.0 * ((double)d.x * d.y + (double)d.y * d.z + (double)d.x * d.z);
-    for (int size = 1 + (int)sqrt(faces / OST_SHELL_MAX / 2); size <= 2 * most; size += 1 + size / 8) {
+    const double sides = 2.0 * ((double)d.x * d.y + (double)d.y * d.z + (double)d.x * d.z);
+    for (int size = 1 + (int)sqrt(sides / OST_SHELL_MAX / 2); size <= 2 * most; size += 1 + size / 8) {
         cells c;
-        if (!cells_open(tool, size, &c)) {
-            free(points);
-            return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool's shell");
-        }
-        add_faces(tool, &c);
-        const size_t count = take(&c, points, OST_SHELL_MAX);
+        if (!cells_open(tool, size, &c))
+            return no_memory(err);
+        for (size_t i = 0; i < f->count; i++)
+            add_face(tool, &f->face[i], &c);
+        *count = take(&c, points, OST_SHELL_MAX);
         free(c.sums);
-        if (count == 0)
+        if (*count == 0)
             break;
-        if (count <= OST_SHELL_MAX) {
-            *out = (ost_shell){count, points};
+        if (*count <= OST_SHELL_MAX)
             return OST_OK;
-        }
     }
-    free(points);
     return ost_fail(err, OST_ERR_INPUT, "a tool without a solid voxel has no surface");
+}
+
+ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err)
+{
+    faces f = {0};
+    *out = (ost_shell){0};
+    ost_shell_point *points = malloc(OST_SHELL_MAX * sizeof *points);
+    ost_status status = points && find_faces(tool, &f) ? OST_OK : no_memory(err);
+    if (status == OST_OK) {
+        find_normals(tool, &f);
+        status = merge(tool, &f, points, &out->count, err);
+    }
+    free(f.face);
+    if (status == OST_OK) {
+        out->points = points;
+        return OST_OK;
+    }
+    out->count = 0;
+    free(points);
+    return status;
 }
 
 void ost_shell_free(ost_shell *shell)
