@@ -36,7 +36,7 @@ static bool solid(const ost_tool_volume *t, int x, int y, int z)
 
 static const int directions[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* The voxels within REACH of the centre of a face, relative to the voxel inside the face, in the order of their sums. */
+/* The voxels within REACH of the centre of a face, relative to the voxel inside the face, in the order of summation. */
 typedef struct ball {
     int count;
     int8_t at[(2 * REACH + 2) * (2 * REACH + 2) * (2 * REACH + 2)][3];

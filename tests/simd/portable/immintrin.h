@@ -22,10 +22,13 @@
 
 #define OST_PORTABLE static inline __attribute__((always_inline))
 
+/* SIMDe 0.8 (Debian 13) defines __mmask64 as another type than simde__mmask64, so its name is replaced. */
 typedef simde__mmask8 __mmask8;
 typedef simde__mmask16 __mmask16;
-typedef simde__mmask32 __mmask32;
-typedef simde__mmask64 __mmask64;
+#undef __mmask32
+#undef __mmask64
+#define __mmask32 simde__mmask32
+#define __mmask64 simde__mmask64
 
 #undef _MM_FROUND_NO_EXC
 #define _MM_FROUND_NO_EXC SIMDE_MM_FROUND_NO_EXC
