@@ -51,8 +51,8 @@ static bool is_large(rect r)
     return (int64_t)(r.y1 - r.y0 + 1) * (r.z1 - r.z0 + 1) > FEW;
 }
 
-/* Counts the triangles of a piece for each tile. The array `counts` has one more element than there are tiles, which
-   counts the large triangles. */
+/* Counts the triangles of a piece for each tile. The last element of `counts`, after those of the tiles, counts the
+   large triangles. */
 static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
                         const uint32_t *keys, size_t *counts)
 {
