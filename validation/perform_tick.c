@@ -142,8 +142,8 @@ static void widen_range(performer *p, const ost_voxel_box *box)
     p->range.boxes_meet = true;
 }
 
-/* Records the poses of tick i's event, between `from` and the tick's pose. If p->maps is not NULL, also stores the
-   maps of these poses in it for the event. */
+/* Records the poses of the sweep from `from` to the pose of tick i. If p->maps is not NULL, also stores the map of each
+   pose in p->maps, with which the event is executed later. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
                                ost_error *err)
 {

@@ -195,8 +195,8 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
                                : scene_drive(s, d, 10, unit + unit / 2, 0.15, err);
     if (status == OST_OK)
         status = scene_add_full_tool(s, d, draw_between(d, s->cubic / 11, s->cubic / 9), err);
-    /* Poses on borders are added only without sweeps. The tool's voxels are small, so a sweep would have hundreds of
-       poses. */
+    /* Poses on borders are added only if sweeps are off, because the tool's voxels are small and a sweep would have
+       hundreds of poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
     /* the event has more hits than the number of voxels in a chunk, and some bone voxels remain */

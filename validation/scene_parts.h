@@ -15,7 +15,7 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err);
  */
 enum { SCENE_DRIFT = 2000005 };
 ost_status scene_ct_drifting(scene *s, draw *d, ost_dims dims, ost_error *err);
-/* Makes one sample per voxel of a volume, in the order of a file. */
+/* Makes one sample per voxel of a volume, in the order of the voxels in a file. */
 ost_status scene_ct_of_volume(scene *s, const ost_volume *volume, ost_error *err);
 
 /* Makes static event `number` of the thesis: a bone without empty voxels, one tool and one pose. */

@@ -20,7 +20,7 @@
  *
  * The mistakes are made in validation/dense and in no backend under test, so this measurement tests the
  * comparison. Mistakes that change no result in the first pass are repeated at every position in four more
- * scenes. Mistakes that change no result there either are reported.
+ * scenes. The report lists the mistakes that change no result in these scenes either.
  */
 #ifndef OST_VALIDATION_SENSITIVITY_H
 #define OST_VALIDATION_SENSITIVITY_H

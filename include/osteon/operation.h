@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An operation is a world whose tools are moved by a device, with recording.
+ * An operation is a world whose tools are moved by a device and whose ticks are recorded in a session.
  *
  *   ost_servo_run --sample--> pose check --> motor: rotation --> force: tool's pose --> ost_world_step --> digest
  *         ^                       |                                |                                        |

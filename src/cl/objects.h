@@ -82,7 +82,7 @@ ost_status ost_cl_grid_create(ost_backend *backend, const ost_geometry *geometry
    the store's holders. */
 ost_status ost_cl_grid_create_raw(ost_backend *backend, const ost_geometry *geometry, cl_store *store, ost_grid **out,
                                   ost_error *err);
-/* Ensures that the grid has a store of its own that contains all voxels of the grid. */
+/* Ensures that the grid shares its store with no other grid, and that the store contains all voxels of the grid. */
 ost_status ost_cl_grid_own(cl_grid *grid, ost_error *err);
 /* Launches ost_cubic_gather or ost_cubic_linear, which resamples the voxels in the buffer `from` and writes the results
    to the buffer `to`. */

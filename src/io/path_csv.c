@@ -46,7 +46,7 @@ enum { TIMES_MEDIAN = 10 };
 typedef struct reader {
     const char *path;
     int64_t line, bytes, t_ns; /* lines and bytes read so far; time of the last row */
-    int columns;       /* columns per row, 0 before the first row; with a header, the smallest number */
+    int columns;       /* columns that a row must have, or with a header, at least; 0 before the first row */
     uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* true if the last row had no pose */

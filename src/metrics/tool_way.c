@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Poses of tools while they removed bone.
+ * Computes the mean pose of a tool over the ticks in which it removed bone. The entry is the point in which the line
+ * through the tip along the axis meets the plane of the face, w = 0.
  *
  *   tip, axis of a tick        the axis is the tool's working direction, which
  *     \                        does not change when the tool rotates about it
- *      \_____ w = 0, the face:  the entry is the point tip - s axis in this plane
+ *      \_____ entry, w = 0
  *       \
  *        '  tip
  */

@@ -305,7 +305,8 @@ void ost_bar_near(const ost_bar *bar, ost_v3 centre, double radius, ost_bar_part
 
 double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, double width)
 {
-    /* ost_bar_distance is at least part->least, or greater than `far`. ost_blend then returns a. */
+    /* The distance to the bar is at least part->least or exceeds `far`. If a + width is below both bounds, the bar has
+       no influence, and the result of the blend is a. */
     if (a + width < part->least && a + width < far - MARGIN)
         return a;
     const ost_bar *bar = part->bar;

@@ -348,8 +348,8 @@ static void chunks_round(machine *m, test_rng *rng)
     for (int32_t k = 1; k < d.z; k++) /* makes some slices equal to the previous one */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
-    /* There is one slab, or there are two slabs that meet at a random slice. A slab stores its slices in one of
-       three ways: in order; as a list, with equal slices stored once; or as means of two slices. */
+    /* The volume is uploaded as one slab, or as two slabs that meet at a random slice. A slab stores its slices in
+       order, as a list in which equal slices are stored once, or as means of two slices. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
     const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* number of unused elements before the list of slices */

@@ -188,7 +188,7 @@ static void rows_far_apart_are_a_gap(void **state)
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 0.01, 0.02, 5.02, 10.021}, {[4] = true}},
         {"", {0}, 5, {0, 1, 2, 3, 4}, {0, 1, 2, 12, 22.001}, {[4] = true}},
         {"", {0}, 4, {0, 1, 2, 3}, {0, 20, 40, 60}, {false}},
-        /* Options set the limits: for time only, for time and space, or no limits. */
+        /* Options set a limit of time only, limits of both time and distance, or no limit. */
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},

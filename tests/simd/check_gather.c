@@ -32,7 +32,7 @@ static void make_map(check *c, int32_t *map, int count, int32_t first)
         case 0: /* consecutive elements, or always the same element */
             at += step > 6;
             break;
-        case 1: /* indices at a constant ratio, as in resampling */
+        case 1: /* indices with a constant fractional stride, as in resampling */
             at = first + (int32_t)((i + 1) * step / 1000);
             break;
         case 2:

@@ -9,7 +9,7 @@
  * digest] for each leaf that the tick changed. Two sites that exchange only these
  * digests can find the stage, the tick and the chunk that differ.
  *
- * The digest lines of a case contain the same digests without those of leaves, one line per record. They
+ * The digest lines of a case contain one line per record: the stage, the item and the digest of the body. They
  * are computed from a backend's own trace. The SHA-256 of these lines identifies all results of the backend
  * in this case:
  *

@@ -127,8 +127,8 @@ typedef struct totals {
     int found, drawn, small;
 } totals;
 
-/* Writes the details of a finding: its small case, operands and pictures. A finding with neither a small case nor a
-   picture has no details and is only in the table. */
+/* Writes the details of a finding: its reduced case, operands and pictures. A finding that has neither a reduced case
+   nor a picture appears only in the table. */
 static void detail(const page *p, int number, const json_t *one, size_t s, const json_t *r, totals *n)
 {
     static const char *const captions[PICTURE_ROLES] = {"Reference: axial, coronal, sagittal", "Backend", "Difference"};

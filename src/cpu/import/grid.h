@@ -80,9 +80,9 @@ static inline bool ost_cpu_view_linear(const cpu_view *view)
 }
 
 /*
- * Computes voxels of a view that has weights: the voxels [x0, x0 + width) of ny rows in each of nz slices. Writes row j
- * of slice k to the array to[4 k + j]. The bounds are width <= 64, ny <= 4 and nz <= 4. `x0` must be a multiple of 16,
- * and the taps must ascend. Elements of a row of `to` beyond width may be overwritten.
+ * Computes the voxels [x0, x0 + width) of ny rows in each of nz slices of a view that has weights. Row j of slice k is
+ * written to the array to[4 k + j]. Requires width <= 64, ny <= 4, nz <= 4, an x0 that is a multiple of 16, and taps in
+ * ascending order. Elements of a row of `to` beyond width may be overwritten.
  */
 void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t x0, int32_t width,
                          const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);

@@ -26,7 +26,7 @@ static inline __m512i ost_window_of(__m512i voxel, int32_t step)
     return _mm512_mulhi_epu16(_mm512_add_epi32(voxel, voxel), _mm512_set1_epi32(inverse / 2));
 }
 
-/* Returns the number of the window (window[0], window[1], window[2]). The windows of an axis are fewer than 2^15. */
+/* Returns the number of the window (window[0], window[1], window[2]). An axis has fewer than 2^15 windows. */
 static inline __m512i ost_window_number(const ost_windows *w, const __m512i window[3])
 {
     const __m512i row = _mm512_add_epi32(window[1], _mm512_madd_epi16(window[2], _mm512_set1_epi32(w->dims[1])));

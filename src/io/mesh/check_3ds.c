@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks 3DS files: nested chunks, each with uint16 kind and uint32 size (including these six bytes).
+ * Checks 3DS files, and hides the chunks that are not needed. A file consists of nested chunks, each with uint16 kind
+ * and uint32 size (including these six bytes).
  *
  *   4D4D main ( 3D3D editor ( 4000 object: name 0 ( 4100 mesh (
  *       4110 vertices: uint16 count, count * 3 float32
  *       4120 faces:    uint16 count, count * 4 uint16, chunks ))))
  *
- * Vertices are already in the file's common frame.  All other chunks (materials,
- * local frames, the animation of the key framer) get the kind 0000, which assimp
+ * Vertices are already in the file's common frame.  The kind of all other chunks
+ * (materials, local frames, keyframe animation) is replaced by 0000, which assimp
  * skips.
  */
 #include <math.h>

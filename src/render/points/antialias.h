@@ -54,7 +54,7 @@ typedef struct ost_antialias {
     ost_antialias_find *find;
 } ost_antialias;
 
-/* Allocates memory for pictures of a size. Returns false if memory is exhausted. */
+/* Allocates memory for pictures of width x height pixels. Returns false if memory is exhausted. */
 bool ost_antialias_init(ost_antialias *a, int width, int height, ost_isa isa);
 void ost_antialias_free(ost_antialias *a); /* accepts zero-initialized memory */
 

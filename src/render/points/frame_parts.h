@@ -42,7 +42,7 @@ static inline int ost_frame_thread(void)
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
-/* Computes the list of the block in the given slot. */
+/* Computes the list of the points to draw for the block in the given slot. */
 void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *with);
 /* Computes the missing lists. All threads of a team must call this function. */
 void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);

@@ -176,9 +176,8 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 }
 
 /*
- * Finds the first and the last row of sums along y that the field needs in slice z. Slices of bone
- * are counted from z = -REACH. Sum i begins at the row of bone with index i, counted from y =
- * -REACH.
+ * Stores the range of the sums along y that slice z of the bone must provide for the field in *first and *last. Slices
+ * and rows of the bone are counted from -REACH; sum i begins at row i.
  */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
