@@ -318,22 +318,17 @@ OST_MASK_GATHER(_mm512_mask_i64gather_epi64, __mmask8, __m512i, int64_t, __m512i
 
 /* x >> count with the sign, for every count: the shift of a count beyond the last bit is that of the last bit. */
 #define OST_COUNT(count, last) ((uint64_t)(count) < (last) ? (int)(count) : (last))
-OST_PORTABLE __m512i _mm512_srai_epi32(__m512i a, unsigned count)
-{
-    OST_LANES(int32_t, 16, v, a);
-    for (int i = 0; i < 16; i++)
-        v[i] >>= OST_COUNT(count, 31);
-    memcpy(&a, v, sizeof a);
-    return a;
-}
-OST_PORTABLE __m512i _mm512_srai_epi64(__m512i a, unsigned count)
-{
-    OST_LANES(int64_t, 8, v, a);
-    for (int i = 0; i < 8; i++)
-        v[i] >>= OST_COUNT(count, 63);
-    memcpy(&a, v, sizeof a);
-    return a;
-}
+#define OST_SRAI(name, type, lanes, last)                  \
+    OST_PORTABLE __m512i name(__m512i a, unsigned count)   \
+    {                                                      \
+        OST_LANES(type, lanes, v, a);                      \
+        for (int i = 0; i < (lanes); i++)                  \
+            v[i] >>= OST_COUNT(count, last);               \
+        memcpy(&a, v, sizeof a);                           \
+        return a;                                          \
+    }
+OST_SRAI(_mm512_srai_epi32, int32_t, 16, 31)
+OST_SRAI(_mm512_srai_epi64, int64_t, 8, 63)
 OST_PORTABLE __m512i _mm512_sra_epi32(__m512i a, __m128i count)
 {
     OST_LANES(uint64_t, 2, counts, count);
