@@ -110,7 +110,7 @@ void ost_cpu_kernels_fill(ost_cpu_kernels *kernels, ost_isa isa)
         fill_avx512(kernels);
 #endif
 #if HAVE_AVX512VBMI_BUILD
-    if (isa == OST_ISA_AVX512VBMI)
+    if (ost_isa_includes(isa, OST_ISA_AVX512VBMI))
         fill_avx512vbmi(kernels);
 #endif
 #if HAVE_NEON_BUILD

@@ -17,6 +17,12 @@
 
 /* ----------------------------------------------------------------- tables */
 
+/* Returns the offsets of the voxels 16 q to 16 q + 15 from the least coordinate of the brick along axis a. */
+static inline __m512i offsets_of(const ost_match *match, int a, int q)
+{
+    return _mm512_sub_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(match->lowest[a]));
+}
+
 /*
  * Sorts the 64 thresholds of axis a. A key is a threshold times 64 plus the number of its voxel, so that all keys
  * differ; the position of a key is the number of smaller keys.
@@ -30,10 +36,8 @@ static void sort_thresholds(const ost_match *match, int a, ost_carries *out)
                   one = _mm512_set1_epi32(1);
     __m512i keys[4], smaller[4];
     for (int q = 0; q < 4; q++) {
-        const __m512i offset =
-            _mm512_sub_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(match->lowest[a]));
-        const __m512i threshold = _mm512_sub_epi32(_mm512_set1_epi32(1 << OST_MAP_FRACTION),
-                                                   _mm512_and_si512(offset, _mm512_set1_epi32(OST_WINDOW_FRACTION)));
+        const __m512i fraction = _mm512_and_si512(offsets_of(match, a, q), _mm512_set1_epi32(OST_WINDOW_FRACTION));
+        const __m512i threshold = _mm512_sub_epi32(_mm512_set1_epi32(1 << OST_MAP_FRACTION), fraction);
         keys[q] = _mm512_add_epi32(_mm512_slli_epi32(threshold, 6),
                                    _mm512_add_epi32(lanes, _mm512_set1_epi32(16 * q)));
         _mm512_store_si512(key + 16 * q, keys[q]);
@@ -65,26 +69,11 @@ static void sort_thresholds(const ost_match *match, int a, ost_carries *out)
 /* Returns the complete voxels of the 64 offsets along axis a as bytes. */
 static __m512i whole_offsets(const ost_match *match, int a)
 {
-    __m512i whole = _mm512_setzero_si512();
-    for (int q = 0; q < 4; q++) {
-        const __m512i offset =
-            _mm512_sub_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(match->lowest[a]));
-        const __m128i bytes = _mm512_cvtepi32_epi8(_mm512_srli_epi32(offset, OST_MAP_FRACTION));
-        switch (q) {
-        case 0:
-            whole = _mm512_inserti32x4(whole, bytes, 0);
-            break;
-        case 1:
-            whole = _mm512_inserti32x4(whole, bytes, 1);
-            break;
-        case 2:
-            whole = _mm512_inserti32x4(whole, bytes, 2);
-            break;
-        default:
-            whole = _mm512_inserti32x4(whole, bytes, 3);
-        }
-    }
-    return whole;
+    _Alignas(64) uint8_t whole[64];
+    for (int q = 0; q < 4; q++)
+        _mm_store_si128((__m128i *)(void *)(whole + 16 * q),
+                        _mm512_cvtepi32_epi8(_mm512_srli_epi32(offsets_of(match, a, q), OST_MAP_FRACTION)));
+    return _mm512_load_si512(whole);
 }
 
 void ost_match_carries_avx512vbmi(ost_match *match)
