@@ -309,11 +309,13 @@ int ost_lettering_width(const ost_lettering *lettering, const char *text)
     return (int)ceil(width);
 }
 
+static const uint32_t OPAQUE = 0xff000000;
+
 static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 {
-    const uint32_t rb = (((a & 0xff00ff) * (256 - share) + (b & 0xff00ff) * share) >> 8) & 0xff00ff;
-    const uint32_t g = (((a & 0xff00) * (256 - share) + (b & 0xff00) * share) >> 8) & 0xff00;
-    return rb | g;
+    const uint32_t even = (((a & 0xff00ff) * (256 - share) + (b & 0xff00ff) * share) >> 8) & 0xff00ff;
+    const uint32_t odd = ((a >> 8 & 0xff00ff) * (256 - share) + (b >> 8 & 0xff00ff) * share) & 0xff00ff00;
+    return even | odd;
 }
 
 /*
@@ -325,11 +327,11 @@ typedef uint16_t eight __attribute__((vector_size(16)));
 
 static four mixed_four(four a, four b, eight share)
 {
-    const four even = {0xff00ff, 0xff00ff, 0xff00ff, 0xff00ff}, low = {0xff, 0xff, 0xff, 0xff};
+    const four low = {0xff00ff, 0xff00ff, 0xff00ff, 0xff00ff};
     const eight complement = 256 - share;
-    const eight rb = ((eight)(a & even) * complement + (eight)(b & even) * share) >> 8,
-                g = (eight)(a >> 8 & low) * complement + (eight)(b >> 8 & low) * share;
-    return (four)rb | ((four)g & 0xff00);
+    const eight even = ((eight)(a & low) * complement + (eight)(b & low) * share) >> 8,
+                odd = (eight)(a >> 8 & low) * complement + (eight)(b >> 8 & low) * share;
+    return (four)even | ((four)odd & ~low);
 }
 
 static four load(const void *from)
@@ -376,6 +378,7 @@ void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, 
                         uint32_t colour)
 {
     double at = x;
+    colour |= OPAQUE;
     for (const glyph *g; (g = next(lettering, &text)) != NULL; at += g->advance) {
         const int left = (int)floor(at + 0.5) + g->x, top = y + g->y;
         if (sheet->written)
@@ -393,5 +396,5 @@ void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, 
         ost_cells_add(sheet->written, x, x + width, y, y + height);
     const int from = x < 0 ? 0 : x, to = x + width > sheet->width ? sheet->width : x + width;
     for (int j = y < 0 ? 0 : y; j < y + height && j < sheet->height && from < to; j++)
-        mix_row(sheet->pixels + (size_t)j * (size_t)sheet->stride + (size_t)from, to - from, colour, alpha);
+        mix_row(sheet->pixels + (size_t)j * (size_t)sheet->stride + (size_t)from, to - from, colour | OPAQUE, alpha);
 }

@@ -16,7 +16,12 @@
 
 typedef struct ost_lettering ost_lettering;
 
-/* The pixels on which letters are drawn. A pixel has the form 0x..BBGGRR; the first row is the top row. */
+/*
+ * The pixels on which letters are drawn. A pixel has the form 0xAABBGGRR; the first row is the top row. AA is the
+ * opacity. If all pixels were 0 before, a sheet contains what was drawn as a transparent layer, whose colours are
+ * multiplied by their opacity: over a picture with the colour c, the layer's pixel p gives p + c (255 - AA) / 255.
+ * Sheets of pictures have any opacity.
+ */
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;

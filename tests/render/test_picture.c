@@ -71,7 +71,7 @@ static void test_letters(void **state)
     assert_string_equal(l, "RPS");
 }
 
-static const uint32_t INK = 0xffffff;
+static const uint32_t INK = 0xffffff, OPAQUE_INK = 0xffffffff;
 
 static ost_lettering *letters(void)
 {
@@ -97,11 +97,11 @@ static void test_scale_bar(void **state)
         ost_scale_bar(l, &sheet, from_left ? 10 : 90, 35, from_left, 60, 0.5, 1, INK);
         int lit = 0;
         for (int x = 0; x < 100; x++)
-            lit += pixels[100 * 34 + x] == INK;
+            lit += pixels[100 * 34 + x] == OPAQUE_INK;
         assert_int_equal(lit, 40);
         for (int x = 0; x < 40; x += 39) {
-            assert_int_equal(pixels[100 * 34 + x0 + x], INK);
-            assert_int_equal(pixels[100 * 30 + x0 + x], INK);
+            assert_int_equal(pixels[100 * 34 + x0 + x], OPAQUE_INK);
+            assert_int_equal(pixels[100 * 30 + x0 + x], OPAQUE_INK);
         }
         assert_int_equal(pixels[100 * 30 + x0 + 20], 0);
         assert_int_equal(pixels[100 * 35 + x0], 0);
