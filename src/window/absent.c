@@ -92,3 +92,18 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
     (void)sync;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "osteon was built without a window");
 }
+
+bool ost_window_can_be_drawn(const ost_window *window, int width, int height)
+{
+    (void)window;
+    (void)width;
+    (void)height;
+    return false;
+}
+
+ost_status ost_window_show_drawn(ost_window *window, bool sync, ost_error *err)
+{
+    (void)window;
+    (void)sync;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "osteon was built without a window");
+}

@@ -66,6 +66,10 @@ void ost_shown_free(ost_shown *shown)
 bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width,
                     int frame_height)
 {
+    /* Another module may have drawn with this context and changed its state. */
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glDisable(GL_DEPTH_TEST);
+    glActiveTexture(GL_TEXTURE0);
     glViewport(0, 0, frame_width, frame_height);
     glBindTexture(GL_TEXTURE_2D, shown->texture);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, stride);
@@ -81,6 +85,7 @@ bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int wi
     } else {
         glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
     }
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     glUseProgram(shown->program);
     glBindVertexArray(shown->nothing);
     glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -315,6 +315,33 @@ static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool d
     return false;
 }
 
+static void set_sync(ost_window *w, bool sync)
+{
+    if (w->sync_set && w->synced == sync)
+        return;
+    glfwSwapInterval(sync);
+    w->synced = sync;
+    w->sync_set = true;
+}
+
+bool ost_window_can_be_drawn(const ost_window *window, int width, int height)
+{
+    return ost_window_lives(window) && !ost_window_info_get(window).software && width == window->frame_width &&
+           height == window->frame_height;
+}
+
+ost_status ost_window_show_drawn(ost_window *window, bool sync, ost_error *err)
+{
+    if (!ost_window_lives(window))
+        return gone(err);
+    if (was_reset(window))
+        return restart(window, err);
+    set_sync(window, sync);
+    window->damaged = false;
+    glfwSwapBuffers(window->handle);
+    return ost_window_lives(window) ? OST_OK : gone(err);
+}
+
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err)
 {
     const int width = picture->width, height = picture->height;
@@ -322,11 +349,7 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
         return gone(err);
     if (was_reset(window))
         return restart(window, err);
-    if (!window->sync_set || window->synced != sync) {
-        glfwSwapInterval(sync);
-        window->synced = sync;
-        window->sync_set = true;
-    }
+    set_sync(window, sync);
     const bool damaged = window->damaged;
     window->damaged = false;
     const bool shown = show_by_shm(window, picture, damaged);

@@ -5,7 +5,7 @@
  *   GLFW: the window, keys, mouse        OpenGL 3.3: a texture on a triangle that covers it
  *
  * Other modules draw the pictures. OpenGL, on a graphics card or in software, shows them on the
- * screen.
+ * screen. On a graphics card, another module can also draw directly into the window's framebuffer.
  *
  * There is at most one window. All functions must be called on the program's main thread.
  */
@@ -125,5 +125,15 @@ typedef struct ost_window_picture {
  * the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
+
+/*
+ * Returns true if another module can draw a picture of the given size with the window's OpenGL context, into
+ * framebuffer 0: the window exists, its framebuffer has this size, and a graphics card executes OpenGL. The context is
+ * current on the main thread. After a reset of the driver (ost_window_info.resets has increased), all objects of the
+ * other module have been destroyed together with the context.
+ */
+bool ost_window_can_be_drawn(const ost_window *window, int width, int height);
+/* Shows what was drawn into framebuffer 0. Otherwise behaves like ost_window_present. */
+ost_status ost_window_show_drawn(ost_window *window, bool sync, ost_error *err);
 
 #endif

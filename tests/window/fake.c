@@ -33,7 +33,8 @@ static int error_code, major, minor, visible;
 
 void fake_begin(void)
 {
-    the_fake = (fake){.version = 45,
+    the_fake = (fake){.renderer = "a fake",
+                      .version = 45,
                       .plain_version = 45,
                       .khr = true,
                       .texture_side = 16384,
@@ -377,7 +378,7 @@ static const GLubyte *get_string(GLenum name)
 {
     static char version[32];
     snprintf(version, sizeof version, "%d.%d of a test", the_window.version / 10, the_window.version % 10);
-    return (const GLubyte *)(name == GL_RENDERER ? "a fake" : version);
+    return (const GLubyte *)(name == GL_RENDERER ? the_fake.renderer : version);
 }
 
 static void get_integer(GLenum name, GLint *value)
@@ -541,6 +542,9 @@ PFNGLGENTEXTURESPROC epoxy_glGenTextures = generate;
 PFNGLDELETETEXTURESPROC epoxy_glDeleteTextures = drop_many;
 PFNGLBINDTEXTUREPROC epoxy_glBindTexture = bind;
 PFNGLTEXPARAMETERIPROC epoxy_glTexParameteri = parameter;
+PFNGLBINDFRAMEBUFFERPROC epoxy_glBindFramebuffer = bind;
+PFNGLDISABLEPROC epoxy_glDisable = of_one;
+PFNGLACTIVETEXTUREPROC epoxy_glActiveTexture = of_one;
 PFNGLVIEWPORTPROC epoxy_glViewport = viewport;
 PFNGLPIXELSTOREIPROC epoxy_glPixelStorei = pixel_store;
 PFNGLTEXIMAGE2DPROC epoxy_glTexImage2D = image;

@@ -19,6 +19,7 @@ typedef struct fake {
     /* The state that a test sets. */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
     const char *why;             /* reason of a failure */
+    const char *renderer;        /* name of the renderer */
     int version;                 /* newest version of a core profile context, such as 33 for 3.3 */
     /* version of a context that is requested without a version; 0 if there is no such context */
     int plain_version;

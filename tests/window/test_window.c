@@ -2,7 +2,7 @@
 /*
  * Tests the window on simulated systems: with drivers that are too old, are reset once or are reset
  * repeatedly, with frames of any size and pixel density, and with missing screens.
- * Covers: REQ-WINDOW
+ * Covers: REQ-WINDOW, REQ-GL-SHOW
  */
 #include <stdlib.h>
 #include <string.h>
@@ -243,6 +243,47 @@ static void frames_of_any_size(void **state)
     closed(w);
 }
 
+/* Another module draws with the window's context, but only if a graphics card executes OpenGL. */
+static void another_module_draws(void **state)
+{
+    ost_error err = {0};
+    (void)state;
+    fake_begin();
+    ost_window *w = opened();
+    assert_true(ost_window_can_be_drawn(w, 640, 400));
+    assert_false(ost_window_can_be_drawn(w, 641, 400));
+    assert_false(ost_window_can_be_drawn(w, 640, 399));
+    assert_ok(ost_window_show_drawn(w, true, &err));
+    assert_int_equal(the_fake.frames, 1);
+    assert_int_equal(the_fake.uploads, 0);
+    assert_int_equal(the_fake.swap_interval, 1);
+    fake_damage();
+    assert_true(ost_window_damaged(w));
+    assert_ok(ost_window_show_drawn(w, false, &err));
+    assert_false(ost_window_damaged(w));
+    assert_int_equal(the_fake.swap_interval, 0);
+    /* After a reset, nothing is shown, and the window reports the reset. */
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    assert_ok(ost_window_show_drawn(w, false, &err));
+    assert_int_equal(the_fake.frames, 2);
+    assert_int_equal(the_fake.contexts, 2);
+    assert_int_equal(ost_window_info_get(w).resets, 1);
+    assert_ok(ost_window_show_drawn(w, false, &err));
+    assert_int_equal(the_fake.frames, 3);
+    /* No new context can be made. */
+    the_fake.reset = GL_GUILTY_CONTEXT_RESET;
+    the_fake.no_next = true;
+    assert_int_equal(ost_window_show_drawn(w, false, &err), OST_ERR_UNAVAILABLE);
+    assert_false(ost_window_can_be_drawn(w, 640, 400));
+    assert_int_equal(ost_window_show_drawn(w, false, &err), OST_ERR_UNAVAILABLE);
+    closed(w);
+    fake_begin();
+    the_fake.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    w = opened();
+    assert_false(ost_window_can_be_drawn(w, 640, 400));
+    closed(w);
+}
+
 static void dense_displays(void **state)
 {
     int width, height;
@@ -400,9 +441,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_missing_is_said),     cmocka_unit_test(the_newest_context_is_taken),
         cmocka_unit_test(a_reset_makes_a_new_context), cmocka_unit_test(resets_without_end_end_it),
-        cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(dense_displays),
-        cmocka_unit_test(nobody_draws_for_nobody),     cmocka_unit_test(full_screen_and_back),
-        cmocka_unit_test(nothing_stays_down),
+        cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(another_module_draws),
+        cmocka_unit_test(dense_displays),              cmocka_unit_test(nobody_draws_for_nobody),
+        cmocka_unit_test(full_screen_and_back),        cmocka_unit_test(nothing_stays_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
