@@ -22,6 +22,11 @@ void ost_gl_close(ost_gl *gl)
     (void)gl;
 }
 
+void ost_gl_abandon(ost_gl *gl)
+{
+    (void)gl;
+}
+
 ost_gl_info ost_gl_info_get(const ost_gl *gl)
 {
     (void)gl;
@@ -83,5 +88,14 @@ ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err)
 {
     (void)gl;
     (void)texture;
+    return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
+}
+
+ost_status ost_gl_show(ost_gl *gl, unsigned framebuffer, bool antialiased, const ost_gl_sheet *sheet, ost_error *err)
+{
+    (void)gl;
+    (void)framebuffer;
+    (void)antialiased;
+    (void)sheet;
     return ost_fail(err, OST_ERR_UNAVAILABLE, "%s", ost_gl_missing());
 }

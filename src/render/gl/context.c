@@ -275,11 +275,23 @@ static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost
     return status;
 }
 
+static ost_status use_current(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
+{
+    ost_status status = describe(c, options, err);
+    if (status == OST_OK && options->hardware && c->info.software)
+        status = ost_fail(err, OST_ERR_UNAVAILABLE, "OpenGL is software here (%s)", c->info.driver);
+    return status;
+}
+
 ost_status ost_gl_context_open(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {
     memset(c, 0, sizeof *c);
     c->display = EGL_NO_DISPLAY;
     c->context = EGL_NO_CONTEXT;
+    if (options->current) {
+        snprintf(c->info.way, sizeof c->info.way, "the window's context");
+        return use_current(c, options, err);
+    }
     ost_status status = open_egl(c, options, err);
     if (status != OST_OK)
         return status;

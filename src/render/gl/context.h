@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL context without a display. The context belongs to the thread that opens it. A driver's messages are
- * reported as errors.
+ * An OpenGL context without a display, or the context that is current on the calling thread. The context belongs to the
+ * thread that opens it. The messages of a driver are reported as errors, except for those of a context that another
+ * module has made current.
  *
  *   EGL:  the platform without a surface (Mesa), each device that EGL lists
  *         (NVIDIA, Mesa); the first hardware device, else the first device

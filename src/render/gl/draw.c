@@ -60,6 +60,7 @@ static ost_status open_here(void *user, ost_error *err)
 {
     const opening *o = user;
     ost_status status = ost_gl_context_open(&o->gl->context, o->options, err);
+    o->gl->open = status == OST_OK;
     return status == OST_OK ? make(o->gl, err) : status;
 }
 
@@ -67,7 +68,7 @@ static ost_status close_here(void *user, ost_error *err)
 {
     ost_gl *gl = user;
     (void)err;
-    if (gl->context.context == EGL_NO_CONTEXT)
+    if (!gl->open)
         return OST_OK;
     if (gl->fence)
         glDeleteSync(gl->fence);
@@ -79,6 +80,7 @@ static ost_status close_here(void *user, ost_error *err)
     glDeleteBuffers(1, &gl->list);
     glDeleteTextures(1, &gl->list_texture);
     glDeleteBuffers(1, &gl->quad_indices);
+    glDeleteTextures(1, &gl->sheet);
     glDeleteBuffers(1, &gl->eyes);
     glDeleteVertexArrays(1, &gl->vertices);
     ost_gl_programs_free(&gl->programs);
@@ -97,7 +99,7 @@ ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *e
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a renderer");
     gl->context.context = EGL_NO_CONTEXT;
     ost_gl_store_init(&gl->store);
-    ost_status status = ost_gl_worker_start(&gl->worker, err);
+    ost_status status = o.current ? OST_OK : ost_gl_worker_start(&gl->worker, err);
     if (status == OST_OK)
         status = ost_gl_worker_do(gl->worker, open_here, &(opening){gl, &o}, err);
     if (status != OST_OK) {
@@ -112,9 +114,15 @@ void ost_gl_close(ost_gl *gl)
 {
     if (!gl)
         return;
-    if (gl->worker)
-        ost_gl_worker_do(gl->worker, close_here, gl, NULL);
+    ost_gl_worker_do(gl->worker, close_here, gl, NULL);
     ost_gl_worker_stop(gl->worker);
+    ost_gl_abandon(gl);
+}
+
+void ost_gl_abandon(ost_gl *gl)
+{
+    if (!gl)
+        return;
     free(gl->numbers);
     free(gl->blocks);
     free(gl->bases);

@@ -19,6 +19,7 @@ OST_GL_EMBEDDED(mesh_frag);
 OST_GL_EMBEDDED(quad_vert);
 OST_GL_EMBEDDED(quad_frag);
 OST_GL_EMBEDDED(tiles_frag);
+OST_GL_EMBEDDED(show_frag);
 OST_GL_EMBEDDED(whole_vert);
 OST_GL_EMBEDDED(composite_frag);
 OST_GL_EMBEDDED(composite_wide_frag);

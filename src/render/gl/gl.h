@@ -11,8 +11,11 @@
  *
  *   changed blocks --backend: face meshes (core/face_mesh.h)--> vertices --quads that face the eye--> the same G-buffer
  *
- * The context needs no display (EGL) and belongs to a separate thread. The functions may therefore
- * be called on any thread, including a window's, but only one at a time.
+ * By default, the context needs no display (EGL) and belongs to a separate thread. The functions may therefore
+ * be called on any thread, including a window's, but only one at a time. If the context of a window is used instead,
+ * the picture can be shown without being read back:
+ *
+ *   lit colours --smooth the edges, lay a sheet over them--> framebuffer of the window          ost_gl_show
  */
 #ifndef OST_RENDER_GL_H
 #define OST_RENDER_GL_H
@@ -79,6 +82,12 @@ typedef struct ost_gl_options {
        version is used. */
     int version;
     bool hardware; /* if true, OpenGL that is executed by the processor is refused */
+    /*
+     * if true, the renderer uses the context that is current on the calling thread, for example that of a window,
+     * instead of a context and a thread of its own. All functions must then be called on this thread, with this context
+     * current. ost_gl_abandon replaces ost_gl_close if the context no longer exists.
+     */
+    bool current;
 } ost_gl_options;
 
 typedef struct ost_gl_info {
@@ -96,6 +105,8 @@ const char *ost_gl_missing(void);
    card that the options require is missing. err names the missing part. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
+/* Frees a renderer that was opened with the option `current`, without a call of OpenGL. NULL is allowed. */
+void ost_gl_abandon(ost_gl *gl);
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
 
 /*
@@ -129,6 +140,22 @@ ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_erro
  * the picture's size. The rows are in OpenGL's order: the picture's top row becomes the texture's last row.
  */
 ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err);
+
+/* A layer of letters and boxes that covers a picture (ost_sheet). */
+typedef struct ost_gl_sheet {
+    /* pixels 0xAABBGGRR of the picture's size, with colours multiplied by their opacity AA; the first row is the top
+       row */
+    const uint32_t *pixels;
+    int stride;
+    /* set of cells that may differ from the sheet that was shown last, of the same size; NULL if any cell may differ */
+    const ost_cells *changed;
+} ost_gl_sheet;
+
+/*
+ * Draws the last picture and the sheet over it into a framebuffer of the picture's size; framebuffer 0 is that of a
+ * window. If `antialiased` is true, the edges are smoothed; the colours are bit-identical to those of ost_antialias.
+ */
+ost_status ost_gl_show(ost_gl *gl, unsigned framebuffer, bool antialiased, const ost_gl_sheet *sheet, ost_error *err);
 
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);

@@ -37,8 +37,9 @@ typedef struct ost_gl_smooth_mesh {
 } ost_gl_smooth_mesh;
 
 struct ost_gl {
+    ost_gl_worker *worker;  /* NULL if the calling thread's context is used */
     /* The worker's thread owns the following fields. Other threads read them only while the worker is idle. */
-    ost_gl_worker *worker;
+    bool open;              /* set if the context exists */
     ost_gl_context context;
     ost_gl_store store;
     ost_gl_programs programs;
@@ -54,6 +55,8 @@ struct ost_gl {
     ost_gl_layer layer[OST_FRAME_LAYERS];
     ost_gl_smooth_mesh smooth[OST_GL_SMOOTH];
     unsigned smooth_next;   /* number of buffers filled so far */
+    GLuint sheet;           /* texture of the sheet that was shown last; 0 before the first sheet */
+    int sheet_width, sheet_height;
     ost_frame_block *blocks; /* owned; block_capacity entries */
     float *bases;           /* owned; 4 values for each block */
     GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */

@@ -208,6 +208,12 @@ ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err)
     return ost_gl_context_check(&gl->context, "reads depths", err);
 }
 
+void ost_gl_bind_shown(const ost_gl *gl)
+{
+    bind(OST_GL_UNIT_PICTURE, GL_TEXTURE_2D, gl->targets.picture_colour);
+    bind(OST_GL_UNIT_SHEET, GL_TEXTURE_2D, gl->sheet);
+}
+
 ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err)
 {
     glReadPixels(0, 0, gl->targets.width, gl->targets.height, GL_DEPTH_COMPONENT, GL_FLOAT, depths);

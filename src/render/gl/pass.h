@@ -17,6 +17,8 @@ ost_status ost_gl_draw_points(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer 
  * the caller must call ost_gl_set_state and bind a framebuffer.
  */
 ost_status ost_gl_read_tiles(ost_gl *gl, ost_error *err);
+/* Binds the textures of the picture and of the sheet over it. */
+void ost_gl_bind_shown(const ost_gl *gl);
 /* Reads the depth of each pixel of the G-buffer. The G-buffer must be the bound framebuffer. */
 ost_status ost_gl_read_depths(ost_gl *gl, float *depths, ost_error *err);
 /* Lights the G-buffer and writes it to the picture. If `first` is true, all pixels are written. If it is false, only

@@ -4,11 +4,12 @@
 #include <stdio.h>
 
 #include "render/gl/embedded.h"
+#include "render/points/antialias.h"
 
 enum { TEXT = 512 };
 
 static const char *const samplers[] = {"pages",  "points",  "palette", "seen",   "list",
-                                       "shades", "normals", "colours", "depths", NULL};
+                                       "shades", "normals", "colours", "depths", "picture", "sheet", NULL};
 
 void ost_gl_programs_free(ost_gl_programs *programs)
 {
@@ -21,7 +22,7 @@ static bool same(const ost_gl_program_key *a, const ost_gl_program_key *b)
 {
     return a->stage == b->stage && a->target == b->target && a->every_voxel == b->every_voxel && a->tight == b->tight &&
            a->lines == b->lines && a->true_depth == b->true_depth && a->quads == b->quads && a->first == b->first &&
-           a->page_bits == b->page_bits;
+           a->antialiased == b->antialiased && a->page_bits == b->page_bits;
 }
 
 static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint *out, ost_error *err)
@@ -43,6 +44,8 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
                                {"composite_wide.frag", ost_gl_composite_wide_frag, ost_gl_composite_wide_frag_count}},
         [OST_GL_STAGE_TILES] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
                                 {"tiles.frag", ost_gl_tiles_frag, ost_gl_tiles_frag_count}},
+        [OST_GL_STAGE_SHOW] = {{"whole.vert", ost_gl_whole_vert, ost_gl_whole_vert_count},
+                               {"show.frag", ost_gl_show_frag, ost_gl_show_frag_count}},
     };
     static const char *const point[] = {"point", NULL}, *const density[] = {"density", NULL},
                              *const brick[] = {"brick", NULL};
@@ -58,9 +61,11 @@ static ost_status make(ost_gl_context *c, const ost_gl_program_key *key, GLuint 
     snprintf(defines, sizeof defines,
              "#define COMPACT %d\n#define WIDE %d\n#define SMALL %d\n#define FORWARD %d\n#define TARGET %d\n#define "
              "EVERY_VOXEL %d\n#define TIGHT %d\n"
-             "#define LINES %d\n#define TRUE_DEPTH %d\n#define QUADS %d\n#define FIRST %d\n#define PAGE_BITS %u\n",
+             "#define LINES %d\n#define TRUE_DEPTH %d\n#define QUADS %d\n#define FIRST %d\n#define PAGE_BITS %u\n"
+             "#define ANTIALIASED %d\n#define RUN %d\n#define LEAST %d\n",
              OST_GL_COMPACT, OST_GL_WIDE, OST_GL_SMALL, OST_GL_FORWARD, key->target, key->every_voxel, key->tight,
-             key->lines, key->true_depth, key->quads, key->first, key->page_bits);
+             key->lines, key->true_depth, key->quads, key->first, key->page_bits, key->antialiased,
+             OST_ANTIALIAS_RUN, OST_ANTIALIAS_LEAST);
     return ost_gl_program_make(c, &sources[key->stage][0], &sources[key->stage][1], defines, inputs, samplers, out,
                                err);
 }

@@ -13,7 +13,8 @@ typedef enum ost_gl_stage {
     OST_GL_STAGE_SMOOTH,
     OST_GL_STAGE_COMPOSITE,
     OST_GL_STAGE_WIDE,
-    OST_GL_STAGE_TILES
+    OST_GL_STAGE_TILES,
+    OST_GL_STAGE_SHOW
 } ost_gl_stage;
 
 /* The texture unit of each sampler, which is the same in every program. */
@@ -26,14 +27,16 @@ typedef enum ost_gl_unit {
     OST_GL_UNIT_SHADES,
     OST_GL_UNIT_NORMALS,
     OST_GL_UNIT_COLOURS,
-    OST_GL_UNIT_DEPTHS
+    OST_GL_UNIT_DEPTHS,
+    OST_GL_UNIT_PICTURE,
+    OST_GL_UNIT_SHEET
 } ost_gl_unit;
 
 /* The settings that become macros in the shaders of a stage. */
 typedef struct ost_gl_program_key {
     ost_gl_stage stage;
     ost_gl_target target;
-    bool every_voxel, tight, lines, true_depth, quads, first;
+    bool every_voxel, tight, lines, true_depth, quads, first, antialiased;
     unsigned page_bits;
 } ost_gl_program_key;
 

@@ -76,6 +76,8 @@ void ost_gl_worker_stop(ost_gl_worker *worker)
 
 ost_status ost_gl_worker_do(ost_gl_worker *w, ost_gl_work *work, void *user, ost_error *err)
 {
+    if (!w)
+        return work(user, err);
     pthread_mutex_lock(&w->mutex);
     w->work = work;
     w->user = user;

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Shows the last picture in a framebuffer, for example that of a window, without reading the picture back.
+ *
+ *   picture --smooth the edges (show.frag)--> colours --sheet over them--> framebuffer
+ *   sheet --changed cells--> texture
+ */
+#include "core/bits_run.h"
+#include "render/gl/insides.h"
+#include "render/gl/pass.h"
+
+/* Creates the texture of the sheet if the size has changed. Sets *fresh to true if the texture has no contents. */
+static ost_status reserve_sheet(ost_gl *gl, int width, int height, bool *fresh, ost_error *err)
+{
+    *fresh = gl->sheet_width != width || gl->sheet_height != height;
+    if (!*fresh)
+        return OST_OK;
+    if (!gl->sheet)
+        glGenTextures(1, &gl->sheet);
+    gl->sheet_width = gl->sheet_height = 0;
+    glBindTexture(GL_TEXTURE_2D, gl->sheet);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    ost_status status = ost_gl_context_check(&gl->context, "makes the layer over a frame", err);
+    if (status == OST_OK) {
+        gl->sheet_width = width;
+        gl->sheet_height = height;
+    }
+    return status;
+}
+
+static void upload(const ost_gl_sheet *sheet, int x0, int x1, int y0, int y1)
+{
+    glTexSubImage2D(GL_TEXTURE_2D, 0, x0, y0, x1 - x0, y1 - y0, GL_RGBA, GL_UNSIGNED_BYTE,
+                    sheet->pixels + (size_t)y0 * (size_t)sheet->stride + x0);
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static void upload_cells(const ost_gl_sheet *sheet)
+{
+    const ost_cells *cells = sheet->changed;
+    for (int row = 0; row < cells->rows; row++)
+        for (int from, to = 0; ost_bits_run(ost_cells_row(cells, row), cells->words, &from, &to);)
+            upload(sheet, from * OST_CELL_WIDTH, least(to * OST_CELL_WIDTH, cells->width), row * OST_CELL_HEIGHT,
+                   least((row + 1) * OST_CELL_HEIGHT, cells->height));
+}
+
+static ost_status bring_sheet(ost_gl *gl, const ost_gl_sheet *sheet, ost_error *err)
+{
+    bool fresh;
+    ost_status status = reserve_sheet(gl, gl->targets.width, gl->targets.height, &fresh, err);
+    if (status != OST_OK)
+        return status;
+    glBindTexture(GL_TEXTURE_2D, gl->sheet);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, sheet->stride);
+    if (fresh || !sheet->changed)
+        upload(sheet, 0, gl->targets.width, 0, gl->targets.height);
+    else
+        upload_cells(sheet);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    return ost_gl_context_check(&gl->context, "copies the layer over a frame", err);
+}
+
+typedef struct showing {
+    ost_gl *gl;
+    GLuint framebuffer;
+    bool antialiased;
+    const ost_gl_sheet *sheet;
+} showing;
+
+static ost_status show_here(void *user, ost_error *err)
+{
+    const showing *s = user;
+    ost_gl *gl = s->gl;
+    const ost_gl_program_key key = {.stage = OST_GL_STAGE_SHOW, .antialiased = s->antialiased};
+    ost_status status = bring_sheet(gl, s->sheet, err);
+    if (status == OST_OK)
+        status = ost_gl_programs_use(&gl->context, &gl->programs, &key, NULL, err);
+    if (status != OST_OK)
+        return status;
+    ost_gl_set_state(gl);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_FRAMEBUFFER, s->framebuffer);
+    ost_gl_bind_shown(gl);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return ost_gl_context_check(&gl->context, "shows a frame", err);
+}
+
+ost_status ost_gl_show(ost_gl *gl, unsigned framebuffer, bool antialiased, const ost_gl_sheet *sheet, ost_error *err)
+{
+    return ost_gl_worker_do(gl->worker, show_here, &(showing){gl, framebuffer, antialiased, sheet}, err);
+}
