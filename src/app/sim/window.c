@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements the simulator's window: events, the handle that moves the tool, the facts of the HUD, frames, and the
- * loop that draws frames while the servo thread runs.
- *
- * The file has more than 500 lines, because events, facts and frames all use the state sim_window, which no other
- * file uses.
+ * Implements the simulator's window: the facts of the HUD, frames, and the loop that draws frames while the servo
+ * thread runs. window_events.c processes events.
  */
-#include "app/sim/window.h"
+#include "app/sim/window_state.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -19,79 +16,13 @@
 #include "app/common/interrupt.h"
 #include "app/common/print.h"
 #include "app/sim/appearance.h"
-#include "app/sim/camera.h"
-#include "app/sim/facts.h"
-#include "app/sim/handle.h"
-#include "core/clock.h"
 #include "io/thread.h"
-#include "window/window.h"
 
-enum { ASTRAY_MAX = 100, MESSAGE = 200, DISTANCE_KEY_MM_S = 12 };
-static const double MESSAGE_S = 6, WHEEL_MM = 0.5, FINE = 0.2, TWIST_KEY = 1.2;
+enum { ASTRAY_MAX = 100, MESSAGE = SIM_WINDOW_MESSAGE };
 /*
  * FACTS_S is the interval between updates of the numbers. HIDDEN_S is the interval between checks of a hidden window.
  */
 static const double FACTS_S = 0.1, HIDDEN_S = 0.1;
-
-typedef struct rates {
-    double since; /* begin of the measurement in s */
-    uint64_t ticks, frames;
-    double ticks_s, frames_s, takes_us, frame_ms;
-} rates;
-
-/* The inputs from which a frame is drawn. The frame is redrawn only if an input changes. */
-typedef struct sight {
-    ost_pose pose;
-    ost_orbit orbit;
-    uint64_t changed;
-    int32_t tool;
-    ost_style style;
-    int width, height;
-} sight;
-
-struct sim_window {
-    const app_state *app;
-    const sim_args *args;
-    ost_window *window;
-    sim_hud *hud;
-    uint32_t *blank;   /* owned; shown before the first frame */
-    ost_mouse_input *mouse; /* NULL if another device is used */
-    sim_handle now, home;
-    sim_camera camera;
-    bool lifted; /* true if the window has set a new pose of the hand that the device has not received yet */
-    bool key_down[512]; /* true for each key that is down, indexed by key code */
-    bool button[3];
-    unsigned mods;
-    double x, y;       /* position of the pointer */
-    bool help, quit, shoot, timings;
-    char message[MESSAGE];
-    double message_until;
-    /* number of driver resets; number of consecutive frames that could not be drawn from the camera's position */
-    int resets, astray;
-    uint64_t frames;
-    rates rates;
-    sim_hud_facts facts;
-    double facts_s;
-    sight seen;
-    bool outdated;     /* true if the HUD has changed */
-    bool follows;      /* true if the previous frame was presented */
-    ost_cells changed; /* owned; cells that differ between the last two frames */
-    simulation *s;
-    ost_status status; /* failure that ended the window; OST_OK if the user ended it */
-    ost_error err;
-};
-
-static double now_s(void)
-{
-    return (double)ost_clock_ns() * 1e-9;
-}
-
-static void show_message(sim_window *w, const char *text)
-{
-    snprintf(w->message, sizeof w->message, "%.*s", (int)sizeof w->message - 1, text);
-    w->message_until = now_s() + MESSAGE_S;
-    w->outdated = true;
-}
 
 /* ------------------------------------------------------------- open, close */
 
@@ -151,7 +82,7 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     if (info.software && (args->renderer == SIM_RENDERER_POINTS || args->renderer == SIM_RENDERER_AUTO)) {
         char text[MESSAGE];
         snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws", info.renderer);
-        show_message(w, text);
+        sim_window_message(w, text);
         if (args->renderer == SIM_RENDERER_POINTS)
             print_line(app, "%s", text);
     }
@@ -181,162 +112,6 @@ ost_status sim_window_mouse_create(simulation *s, const ost_pose *start, ost_err
 ost_mouse_input *sim_window_mouse(const simulation *s)
 {
     return s->window ? s->window->mouse : NULL;
-}
-
-/* ------------------------------------------------------------------ events */
-
-/* Changes the tool. The tip of the new tool is placed at the position of the previous tool's tip. */
-static void take_tool(sim_window *w, int number)
-{
-    if (number < 0 || number >= w->args->tools.count || !w->mouse || number == w->now.tool)
-        return;
-    const tool_shape *shapes = w->s->show->scene.shapes;
-    sim_handle_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2]);
-    w->now.tool = number;
-}
-
-static void set_view(sim_window *w, ost_view_name view)
-{
-    const ost_viewer *viewer = &w->s->show->viewer;
-    sim_camera_fly(&w->camera, view, viewer->has_state ? &viewer->state.pose : NULL, now_s());
-}
-
-static void on_key(sim_window *w, int key)
-{
-    static const ost_view_name views[] = {OST_VIEW_OPERATOR, OST_VIEW_EN_FACE, OST_VIEW_LATERAL, OST_VIEW_ANTERIOR,
-                                          OST_VIEW_POSTERIOR, OST_VIEW_SUPERIOR, OST_VIEW_TOOL, OST_VIEW_OVERVIEW};
-    const int tools = w->args->tools.count;
-    if (key == OST_KEY_F1)
-        w->help = !w->help;
-    else if (key >= '1' && key <= '8')
-        set_view(w, views[key - '1']);
-    else if (key >= OST_KEY_F1 + 1 && key <= OST_KEY_F1 + 8)
-        set_view(w, views[key - OST_KEY_F1 - 1]);
-    else if (key == '0')
-        set_view(w, w->camera.home);
-    else if (key == 'L')
-        w->timings = !w->timings;
-    else if (key == OST_KEY_F1 + 9)
-        w->s->show->viewer.style = w->s->show->viewer.style == OST_STYLE_SMOOTH ? OST_STYLE_FACES : OST_STYLE_SMOOTH;
-    else if (key == OST_KEY_F1 + 10)
-        ost_window_full_screen(w->window, !ost_window_is_full_screen(w->window));
-    else if (key == OST_KEY_F1 + 11)
-        w->shoot = true;
-    else if (key == OST_KEY_ESCAPE)
-        w->help = false;
-    else if (key == 'Q' && (w->mods & OST_WINDOW_CONTROL))
-        w->quit = true;
-    else if (key == OST_KEY_TAB)
-        take_tool(w, (w->now.tool + (w->mods & OST_WINDOW_SHIFT ? tools - 1 : 1)) % tools);
-    else if (key == OST_KEY_HOME) {
-        const int32_t tool = w->now.tool;
-        w->now = w->home;
-        w->now.tool = tool;
-        w->lifted = true;
-    } else {
-        char text[160];
-        double eye[3];
-        sim_appearance_eye(w->s->show, eye);
-        if (appearance_key(&w->s->show->look, key, w->mods & OST_WINDOW_SHIFT, eye, text) && text[0])
-            show_message(w, text);
-    }
-}
-
-static void on_move(sim_window *w, double dx, double dy, int height)
-{
-    if (w->button[0] && w->mouse && (w->mods & OST_WINDOW_SHIFT))
-        sim_handle_turn(&w->now, &w->camera.orbit, dx, dy);
-    else if (w->button[0] && w->mouse)
-        sim_handle_drag(&w->now, &w->camera.orbit, dx, dy, height);
-    else if (w->button[2] || ((w->button[1] || w->button[0]) && (w->mods & OST_WINDOW_SHIFT)))
-        sim_camera_shift(&w->camera, dx, dy, height);
-    else if (w->button[1] || w->button[0])
-        sim_camera_turn(&w->camera, dx, dy, height);
-}
-
-static void on_wheel(sim_window *w, double steps)
-{
-    if ((w->mods & OST_WINDOW_ALT) && appearance_wheel(&w->s->show->look, steps, w->mods & OST_WINDOW_SHIFT))
-        return;
-    if ((w->mods & OST_WINDOW_CONTROL) || !w->mouse)
-        sim_camera_near(&w->camera, steps);
-    else
-        sim_handle_push(&w->now, steps * WHEEL_MM * (w->mods & OST_WINDOW_SHIFT ? FINE : 1));
-}
-
-static void take_events(sim_window *w, int height)
-{
-    ost_window_event e;
-    while (ost_window_next(w->window, &e)) {
-        w->mods = e.mods;
-        w->outdated = w->outdated || e.kind != OST_WINDOW_MOVE;
-        switch (e.kind) {
-        case OST_WINDOW_KEY:
-            if (e.key > 0 && e.key < (int)sizeof w->key_down)
-                w->key_down[e.key] = e.pressed;
-            if (e.pressed)
-                on_key(w, e.key);
-            break;
-        case OST_WINDOW_BUTTON:
-            if (e.button >= 0 && e.button < 3)
-                w->button[e.button] = e.pressed;
-            break;
-        case OST_WINDOW_MOVE:
-            on_move(w, e.x - w->x, e.y - w->y, height > 0 ? height : 1);
-            w->x = e.x;
-            w->y = e.y;
-            break;
-        case OST_WINDOW_WHEEL:
-            on_wheel(w, e.y);
-            break;
-        case OST_WINDOW_RELEASE:
-            memset(w->key_down, 0, sizeof w->key_down);
-            memset(w->button, 0, sizeof w->button);
-            break;
-        }
-    }
-}
-
-/* Applies the keys whose effect lasts while they are down. */
-static void hold_keys(sim_window *w, double dt)
-{
-    const bool *k = w->key_down;
-    sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN],
-                    k[OST_KEY_PLUS] - k[OST_KEY_MINUS], w->mods & OST_WINDOW_SHIFT, dt);
-    /* The keys have the same effect as the buttons of a device. For the device mouse, the window moves the hand
-     * itself. */
-    ost_operation_keys(w->s->operation, w->mouse ? 0
-                                                 : (uint32_t)k[' '] << OST_ACTION_MOTOR |
-                                                       (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |
-                                                       (uint32_t)k[OST_KEY_HOME] << OST_ACTION_HOME);
-    if (!w->mouse)
-        return;
-    if (!(w->mods & OST_WINDOW_CONTROL))
-        sim_handle_twist(&w->now, TWIST_KEY * dt * (k['Q'] - k['E']));
-    sim_handle_push(&w->now, DISTANCE_KEY_MM_S * (w->mods & OST_WINDOW_SHIFT ? FINE : 1) * dt * (k['W'] - k['S']));
-    w->now.pedal = k[' '];
-}
-
-/*
- * Passes the pose of the hand to the device. After a drag in a window of a few pixels, the pose may be out of range or
- * far from the bone. The device then gets the previous pose.
- */
-static void put_handle(sim_window *w, const sim_handle *before)
-{
-    ost_haptic_state state;
-    const ost_view_subject *subject = &w->camera.subject;
-    double away = 0;
-    if (!w->mouse)
-        return;
-    for (int a = 0; a < 3; a++)
-        away = fmax(away, fabs(w->now.at[a] - subject->middle[a]));
-    if (away > fmax(subject->size, 500) || !sim_handle_state(&w->now, &state)) {
-        w->now = *before;
-        return;
-    }
-    state.lifted = w->lifted;
-    w->lifted = false;
-    ost_mouse_input_put(w->mouse, &state);
 }
 
 /* ------------------------------------------------------------------- frames */
@@ -441,7 +216,7 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, o
     const int resets = ost_window_info_get(w->window).resets;
     if (status == OST_OK && resets > w->resets) {
         w->resets = resets;
-        show_message(w, "the graphics driver was reset, and the window started anew; the operation went on");
+        sim_window_message(w, "the graphics driver was reset, and the window started anew; the operation went on");
     }
     return status;
 }
@@ -455,10 +230,10 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     *drawn = false;
     ost_window_size(w->window, &width, &height, &scale);
     const sim_handle before = w->now;
-    take_events(w, height);
-    hold_keys(w, dt);
-    put_handle(w, &before);
-    const double now = now_s();
+    sim_window_take_events(w, height);
+    sim_window_hold_keys(w, dt);
+    sim_window_put_handle(w, &before);
+    const double now = sim_window_now();
     sim_camera_step(&w->camera, now);
     show->orbit = w->camera.orbit;
     ost_status status = sim_show_update(show, err);
@@ -466,7 +241,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
         return status; /* the window is minimized */
     char message[FILM_TEXT];
     if (film_message(w->s->film, message))
-        show_message(w, message);
+        sim_window_message(w, message);
     take_facts(w, height, now);
     const sight seen = sight_of(w, width, height);
     if (w->args->fps > 0 && !w->outdated && !w->shoot && !ost_window_damaged(w->window) &&
@@ -481,8 +256,8 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     if (status == OST_OK)
         status = sim_show_frame(show, width, height, err);
     if (status == OST_ERR_RANGE && w->astray++ < ASTRAY_MAX) {
-        show_message(w, "that was too far away to be drawn: back to where it began");
-        set_view(w, w->camera.home);
+        sim_window_message(w, "that was too far away to be drawn: back to where it began");
+        sim_window_set_view(w, w->camera.home);
         return OST_OK;
     }
     if (status != OST_OK)
