@@ -39,12 +39,29 @@ ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, 
     return viewer->gl ? OST_OK : ost_gl_open(NULL, &viewer->gl, err);
 }
 
+ost_status ost_viewer_use_current(ost_viewer *viewer, ost_error *err)
+{
+    const ost_gl_options options = {.hardware = true, .current = true};
+    ost_status status = ost_gl_open(&options, &viewer->gl, err);
+    viewer->gl_current = status == OST_OK;
+    return status;
+}
+
+void ost_viewer_context_lost(ost_viewer *viewer, const char *reason)
+{
+    if (!viewer->gl || !viewer->gl_current)
+        return;
+    snprintf(viewer->lost, sizeof viewer->lost, "%s", reason);
+    ost_gl_abandon(viewer->gl);
+    viewer->gl = NULL;
+}
+
 void ost_viewer_use_card(ost_viewer *viewer)
 {
     const ost_gl_options options = {.hardware = true};
     ost_error err = {0};
     viewer->variant = &ost_gl_ours;
-    if (ost_gl_open(&options, &viewer->gl, &err) != OST_OK)
+    if (!viewer->gl && ost_gl_open(&options, &viewer->gl, &err) != OST_OK)
         snprintf(viewer->no_card, sizeof viewer->no_card, "%s", err.text);
 }
 
@@ -178,9 +195,19 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Draws with OpenGL. Returns false if the processor must draw the frame instead. If the camera is out of range, OpenGL
- * and the processor report the same error.
+ * Closes OpenGL if it has failed with `status`, so that the processor draws instead. If the camera is out of range,
+ * OpenGL has not failed, and the processor would report the same error.
  */
+static void check_gl(ost_viewer *viewer, ost_status status, const ost_error *why)
+{
+    if (status == OST_OK || status == OST_ERR_RANGE)
+        return;
+    memcpy(viewer->lost, why->text, sizeof viewer->lost);
+    ost_gl_close(viewer->gl);
+    viewer->gl = NULL;
+}
+
+/* Draws with OpenGL. Returns false if the processor must draw the frame instead. */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {
     ost_error why = {0};
@@ -189,12 +216,8 @@ static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count
     ost_status status = ost_gl_draw(viewer->gl, viewer->variant, things, count, viewer->style, &why);
     if (status == OST_OK)
         status = ost_gl_read(viewer->gl, &viewer->frame, true, &why);
-    if (status == OST_OK || status == OST_ERR_RANGE)
-        return status == OST_OK;
-    memcpy(viewer->lost, why.text, sizeof viewer->lost);
-    ost_gl_close(viewer->gl);
-    viewer->gl = NULL;
-    return false;
+    check_gl(viewer, status, &why);
+    return status == OST_OK;
 }
 
 /* Returns the mesh that is drawn for a tool, or NULL if the tool is drawn as voxels. With flat faces, as in the thesis,
@@ -230,17 +253,35 @@ static int things_of(ost_viewer *viewer, const ost_camera *camera, ost_frame_thi
     return count;
 }
 
-ost_status ost_viewer_draw_eye(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err)
+ost_status ost_viewer_draw_gl(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err)
 {
     ost_frame_thing things[2];
     const int count = things_of(viewer, camera, things);
     if (!viewer->gl)
-        return ost_fail(err, OST_ERR_UNAVAILABLE, "an eye of a headset is drawn by OpenGL alone");
-    for (int i = 0; i < count; i++) {
+        return ost_fail(err, OST_ERR_UNAVAILABLE, "only OpenGL can draw this picture");
+    for (int i = 0; middle && i < count; i++) {
         things[i].eye.half_w = (float)middle[0];
         things[i].eye.half_h = (float)middle[1];
     }
     return ost_gl_draw(viewer->gl, viewer->variant, things, count, viewer->style, err);
+}
+
+bool ost_viewer_can_show(const ost_viewer *viewer)
+{
+    return viewer->gl && viewer->gl_current && !(viewer->has_ghost && viewer->show_ghost) && !viewer->overlays;
+}
+
+ost_status ost_viewer_show(ost_viewer *viewer, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err)
+{
+    ost_error why = {0};
+    const bool smooth = viewer->antialiased && viewer->style == OST_STYLE_SMOOTH && viewer->variant != &ost_gl_thesis;
+    ost_status status = ost_viewer_draw_gl(viewer, camera, NULL, &why);
+    if (status == OST_OK)
+        status = ost_gl_show(viewer->gl, 0, smooth, sheet, &why);
+    if (status != OST_OK && err)
+        *err = why;
+    check_gl(viewer, status, &why);
+    return status;
 }
 
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err)

@@ -54,6 +54,7 @@ typedef struct ost_viewer {
     ost_overlay_scene scene;
     int64_t aged_ns;
     ost_gl *gl;          /* owned; NULL if the processor draws frames */
+    bool gl_current;     /* set if `gl` uses the context that was current (ost_viewer_use_current) */
     const ost_gl_variant *variant;
     /* reason why the processor draws frames instead of OpenGL; "" if there is no such reason */
     char lost[OST_ERROR_TEXT];
@@ -70,6 +71,19 @@ void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer *
  * viewer->lost contains the reason. Returns OST_ERR_UNAVAILABLE under the conditions of ost_gl_open.
  */
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
+
+/*
+ * Opens OpenGL in the context that is current on the calling thread, for example that of a window. If the call
+ * succeeds, the functions below use this OpenGL, and the viewer must be used only on this thread, with this context
+ * current.
+ * Returns OST_ERR_UNAVAILABLE if no graphics card executes the OpenGL of this context.
+ */
+ost_status ost_viewer_use_current(ost_viewer *viewer, ost_error *err);
+/*
+ * Must be called after the context of ost_viewer_use_current was destroyed, or can no longer be used. The processor
+ * draws the following frames, and viewer->lost contains the reason, which may be "".
+ */
+void ost_viewer_context_lost(ost_viewer *viewer, const char *reason);
 
 /*
  * Selects OpenGL for the following frames if a graphics card executes it. Otherwise, the processor draws the same
@@ -118,10 +132,19 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
    camera must have passed ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 /*
- * Draws the bone and the tool for one eye of a headset. `middle` is the point of the picture on the camera's axis, in
- * pixels from the left and top edges. The picture stays in OpenGL (ost_gl_copy). Overlays and the ghost are not drawn.
- * Returns OST_ERR_UNAVAILABLE if OpenGL does not draw, and OST_ERR_RANGE under the conditions of ost_gl_draw.
+ * Draws the bone and the tool into a picture that stays in OpenGL (ost_gl_copy, ost_gl_show). viewer->frame does not
+ * change. Overlays and the ghost are not drawn. `middle` is the point of the picture on the camera's axis, in pixels
+ * from the left and top edges; NULL means the middle of the picture. Returns OST_ERR_UNAVAILABLE if OpenGL does not
+ * draw, and OST_ERR_RANGE under the conditions of ost_gl_draw.
  */
-ost_status ost_viewer_draw_eye(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
+ost_status ost_viewer_draw_gl(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
+/*
+ * Draws like ost_viewer_draw, but shows the frame in framebuffer 0 of the context of ost_viewer_use_current, under a
+ * sheet of the frame's size. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards, and
+ * ost_viewer_draw can draw the frame. ost_viewer_can_show returns true if the frame can be shown in this way: OpenGL
+ * draws in this context, and neither a ghost nor an overlay is shown, because the processor draws these two.
+ */
+bool ost_viewer_can_show(const ost_viewer *viewer);
+ost_status ost_viewer_show(ost_viewer *viewer, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err);
 
 #endif

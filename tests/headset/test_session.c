@@ -86,7 +86,7 @@ static ost_status draw(void *user, const ost_headset_view *view, ost_error *err)
         .focal_milli = view->projection.focal_milli, .width = view->width, .height = view->height};
     (void)user;
     ost_status status = ost_room_pose(&room, view->at, view->q, &camera.pose, err);
-    return status == OST_OK ? ost_viewer_draw_eye(&viewer, &camera, view->projection.middle, err) : status;
+    return status == OST_OK ? ost_viewer_draw_gl(&viewer, &camera, view->projection.middle, err) : status;
 }
 
 static void take_hand(void *user, const ost_headset_hand *now)

@@ -65,7 +65,7 @@ static ost_status draw(void *user, const ost_headset_view *view, ost_error *err)
     ost_status status = h->eyes++ == 0 ? sim_show_update(h->show, err) : OST_OK;
     if (status == OST_OK)
         status = ost_room_pose(&h->room, view->at, view->q, &camera.pose, err);
-    return status == OST_OK ? ost_viewer_draw_eye(&h->show->viewer, &camera, view->projection.middle, err) : status;
+    return status == OST_OK ? ost_viewer_draw_gl(&h->show->viewer, &camera, view->projection.middle, err) : status;
 }
 
 static void take_hand(void *user, const ost_headset_hand *hand)

@@ -76,6 +76,8 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     status = ost_viewer_init(&show->viewer, g, args->style ? OST_STYLE_FACES : OST_STYLE_SMOOTH, NULL, cores_here(),
                              err);
     show->renderer = args->renderer;
+    if (status == OST_OK && args->renderer != SIM_RENDERER_POINTS && s->window_can_be_drawn)
+        ost_viewer_use_current(&show->viewer, NULL); /* if this fails, OpenGL is opened without the window */
     if (status == OST_OK && args->renderer == SIM_RENDERER_AUTO)
         use_card(show);
     else if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)
@@ -122,17 +124,30 @@ ost_status sim_show_update(sim_show *show, ost_error *err)
     return ost_viewer_update(&show->viewer, err);
 }
 
-ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err)
+static ost_status draw(sim_show *show, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err)
+{
+    ost_status status = OST_ERR_UNAVAILABLE;
+    if (sheet)
+        status = ost_viewer_show(&show->viewer, camera, sheet, err);
+    show->on_screen = status == OST_OK;
+    show->shown += show->on_screen;
+    return status == OST_OK || status == OST_ERR_RANGE ? status : ost_viewer_draw(&show->viewer, camera, err);
+}
+
+ost_status sim_show_frame(sim_show *show, int width, int height, const ost_gl_sheet *sheet, ost_error *err)
 {
     ost_camera camera;
     ost_status status = OST_OK;
+    show->on_screen = false;
     if (show->last_ns)
         frame_times_add(&show->apart, show->updated_ns - show->last_ns);
     show->last_ns = show->updated_ns;
     if (show->renderer >= SIM_RENDERER_POINTS) {
         status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
         if (status == OST_OK)
-            status = ost_viewer_draw(&show->viewer, &camera, err);
+            status = draw(show, &camera, sheet, err);
+        show->width = width;
+        show->height = height;
         if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
             status = appearance_marks(&show->look, NULL, false, err);
     }
@@ -171,7 +186,7 @@ static ost_status frame_of_thread(sim_show *show, ost_error *err)
     const ost_planes *p = &show->viewer.frame.planes;
     ost_status status = sim_show_update(show, err);
     if (status == OST_OK)
-        status = sim_show_frame(show, show->args->width, show->args->height, err);
+        status = sim_show_frame(show, show->args->width, show->args->height, NULL, err);
     if (status == OST_OK && show->args->hud)
         status = write_over(show, err);
     if (status == OST_OK && show->film)
@@ -241,7 +256,7 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     if (status == OST_OK && show->args->picture) {
         status = sim_show_update(show, err);
         if (status == OST_OK)
-            status = sim_show_frame(show, show->args->width, show->args->height, err);
+            status = sim_show_frame(show, show->args->width, show->args->height, NULL, err);
         if (status == OST_OK && show->args->hud)
             status = write_over(show, err);
         if (status == OST_OK)
@@ -253,13 +268,18 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
 /* Reports the OpenGL driver if OpenGL was used. */
 static void print_gl(const app_state *app, const sim_show *show, json_t *row)
 {
+    char a[FORMAT_TEXT];
     if (show->viewer.gl) {
         const ost_gl_info info = ost_gl_info_get(show->viewer.gl);
         put_text(row, "opengl", info.version);
         put_text(row, "driver", info.driver);
+        put_integer(row, "shown_directly", (int64_t)show->shown);
         if (show->args->stats)
             print_line(app, "  renderer: OpenGL %s, %s%s", info.version, info.driver,
                        info.software ? " (software; --renderer points is faster)" : "");
+        if (show->args->stats && show->shown)
+            print_line(app, "  frames drawn directly into the window, without reading them back: %s",
+                       format_count(a, (int64_t)show->shown));
     } else if (*show->viewer.lost) {
         put_text(row, "lost", show->viewer.lost);
         print_line(app, "  renderer: OpenGL failed, so the processor drew the remaining frames: %s", show->viewer.lost);
@@ -278,8 +298,8 @@ void sim_show_report(const app_state *app, const sim_show *show)
         put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
     if (!show->args->headset) { /* a headset reports the size of its own frames */
-        put_integer(o, "width", show->viewer.frame.width);
-        put_integer(o, "height", show->viewer.frame.height);
+        put_integer(o, "width", show->width);
+        put_integer(o, "height", show->height);
     }
     put_real(o, "fps", p50 > 0 ? 1000 / p50 : 0);
     put_real(o, "fps_worst_1_percent", worst > 0 ? 1000 / worst : 0);

@@ -33,6 +33,9 @@ typedef struct sim_show {
     sim_renderer renderer;    /* renderer in use; never SIM_RENDERER_AUTO */
     ost_live_channel *live;
     ost_viewer viewer;
+    int width, height;        /* size of the last frame */
+    bool on_screen;           /* true if the last frame was drawn into the window's framebuffer */
+    uint64_t shown;           /* number of such frames */
     ost_backend *mesher;      /* owned; makes the meshes of the renderer mesh; NULL for other renderers */
     ost_view_subject subject;
     ost_orbit orbit;
@@ -56,8 +59,12 @@ void sim_show_free(sim_show *show);
 
 /* Begins a frame. Applies all changes of the operation since the previous frame. */
 ost_status sim_show_update(sim_show *show, ost_error *err);
-/* Draws a frame of the given size. The renderer "null" draws nothing. */
-ost_status sim_show_frame(sim_show *show, int width, int height, ost_error *err);
+/*
+ * Draws a frame of the given size. The renderer "null" draws nothing. If `sheet` is not NULL, ost_viewer_can_show must
+ * be true, and the frame is drawn into the window's framebuffer with the sheet over it. If OpenGL fails, or if `sheet`
+ * is NULL, the frame is drawn into show->viewer.frame.
+ */
+ost_status sim_show_frame(sim_show *show, int width, int height, const ost_gl_sheet *sheet, ost_error *err);
 /* Ends a frame and records its times. */
 void sim_show_done(sim_show *show);
 

@@ -87,6 +87,7 @@ typedef struct simulation {
     uint64_t before;      /* number of ticks in the resumed session */
     struct sim_show *show; /* NULL if nothing is rendered */
     struct sim_window *window; /* window; NULL if --headless or --headset is given */
+    bool window_can_be_drawn; /* true if frames can be drawn with the OpenGL context of the window */
     struct sim_headset *headset; /* NULL unless --headset is given */
     film *film;           /* NULL if no picture or video is written during the operation */
     int core;             /* processor core reserved for the servo loop; -1 if there is none */

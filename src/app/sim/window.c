@@ -79,6 +79,7 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
     if (status != OST_OK)
         return status;
     const ost_window_info info = ost_window_info_get(w->window);
+    s->window_can_be_drawn = !info.software;
     if (info.software && (args->renderer == SIM_RENDERER_POINTS || args->renderer == SIM_RENDERER_AUTO)) {
         char text[MESSAGE];
         snprintf(text, sizeof text, "OpenGL here is software (%.60s): the processor draws", info.renderer);
@@ -98,6 +99,7 @@ void sim_window_close(sim_window *window)
     ost_mouse_input_free(window->mouse);
     free(window->blank);
     ost_cells_free(&window->changed);
+    sim_layer_free(&window->layer);
     free(window);
 }
 
@@ -201,7 +203,7 @@ static const ost_cells *changed_of(sim_window *w)
     return c;
 }
 
-/* Presents a frame. `follows` is true if the previous frame was also presented. */
+/* Presents a frame from memory. `follows` is true if the previous frame was also presented from memory. */
 static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, ost_error *err)
 {
     ost_window_picture picture = {
@@ -213,8 +215,67 @@ static ost_status present(sim_window *w, const ost_sheet *sheet, bool follows, o
     }
     ost_status status = ost_window_present(w->window, &picture, w->args->fps > 0, err);
     w->follows = status == OST_OK;
+    return status;
+}
+
+/* Returns true if the next frame can be drawn directly into the window: no picture or video needs it in memory. */
+static bool draws_directly(const sim_window *w, int width, int height)
+{
+    return !w->shoot && !w->facts.filming && ost_viewer_can_show(&w->s->show->viewer) &&
+           ost_window_can_be_drawn(w->window, width, height);
+}
+
+/* Draws the HUD's layer again if it has changed. */
+static ost_status renew_layer(sim_window *w, int width, int height, ost_error *err)
+{
+    const ost_orbit *orbit = &w->camera.orbit;
+    w->layer_outdated = w->layer_outdated || w->outdated || memcmp(orbit, &w->layer_orbit, sizeof *orbit) != 0 ||
+                        !sim_layer_fits(&w->layer, width, height);
+    ost_status status = w->layer_outdated ? sim_layer_draw(&w->layer, width, height, w->hud, &w->facts, err) : OST_OK;
+    if (status == OST_OK) {
+        w->layer_outdated = false;
+        w->layer_orbit = *orbit;
+    }
+    return status;
+}
+
+/* Draws a frame with the HUD, into the window or into memory. */
+static ost_status draw(sim_window *w, int width, int height, ost_error *err)
+{
+    sim_show *show = w->s->show;
+    const bool directly = draws_directly(w, width, height);
+    ost_status status = directly ? renew_layer(w, width, height, err) : OST_OK;
+    if (status != OST_OK)
+        return status;
+    const ost_gl_sheet layer = sim_layer_sheet(&w->layer);
+    status = sim_show_frame(show, width, height, directly ? &layer : NULL, err);
+    if (status != OST_OK)
+        return status;
+    if (show->on_screen) {
+        sim_layer_shown(&w->layer);
+        return OST_OK;
+    }
+    w->layer_outdated = w->layer_outdated || w->outdated;
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
+    sim_hud_draw(w->hud, &sheet, &w->facts);
+    if (w->shoot)
+        film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
+    film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
+    return OST_OK;
+}
+
+/* Shows the frame that was drawn last. `follows` is true if the previous frame was presented from memory. */
+static ost_status show_frame(sim_window *w, bool follows, ost_error *err)
+{
+    sim_show *show = w->s->show;
+    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
+    ost_status status = show->on_screen ? ost_window_show_drawn(w->window, w->args->fps > 0, err)
+                                        : present(w, &sheet, follows, err);
     const int resets = ost_window_info_get(w->window).resets;
-    if (status == OST_OK && resets > w->resets) {
+    if (status == OST_OK && resets == w->resets)
+        return OST_OK;
+    if (status == OST_OK) {
+        ost_viewer_context_lost(&show->viewer, "the graphics driver was reset");
         w->resets = resets;
         sim_window_message(w, "the graphics driver was reset, and the window started anew; the operation went on");
     }
@@ -254,7 +315,7 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     w->follows = false;
     status = hud_for(w, width, height, scale, err);
     if (status == OST_OK)
-        status = sim_show_frame(show, width, height, err);
+        status = draw(w, width, height, err);
     if (status == OST_ERR_RANGE && w->astray++ < ASTRAY_MAX) {
         sim_window_message(w, "that was too far away to be drawn: back to where it began");
         sim_window_set_view(w, w->camera.home);
@@ -263,17 +324,12 @@ static ost_status frame(sim_window *w, double dt, bool *drawn, ost_error *err)
     if (status != OST_OK)
         return status;
     w->astray = 0;
-    const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
-    sim_hud_draw(w->hud, &sheet, &w->facts);
-    if (w->shoot)
-        film_still(w->s->film, sheet.pixels, sheet.stride, width, height);
-    film_frame(w->s->film, ost_clock_ns(), sheet.pixels, sheet.stride, width, height);
     w->shoot = w->outdated = false;
     w->seen = seen;
     w->rates.frame_ms += ((double)(ost_clock_ns() - begin) * 1e-6 - w->rates.frame_ms) * 0.1;
     w->frames++;
     *drawn = true;
-    status = present(w, &sheet, follows, err);
+    status = show_frame(w, follows, err);
     sim_show_done(show);
     return status;
 }
@@ -345,6 +401,8 @@ ost_status sim_window_run(simulation *s, const ost_servo_options *how, ost_servo
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for the loop: %s", strerror(error));
     w->status = show_frames(w, &v, &w->err);
+    if (ost_window_check(w->window, NULL) != OST_OK)
+        ost_viewer_context_lost(&s->show->viewer, ""); /* the end of the operation reports the loss of the window */
     interrupt_request();
     pthread_join(thread, NULL);
     if (v.status != OST_OK)

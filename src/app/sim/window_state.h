@@ -6,6 +6,7 @@
 #include "app/sim/camera.h"
 #include "app/sim/facts.h"
 #include "app/sim/handle.h"
+#include "app/sim/layer.h"
 #include "app/sim/window.h"
 #include "core/clock.h"
 #include "window/window.h"
@@ -55,6 +56,9 @@ struct sim_window {
     bool outdated;     /* true if the HUD has changed */
     bool follows;      /* true if the previous frame was presented */
     ost_cells changed; /* owned; cells that differ between the last two frames */
+    sim_layer layer;   /* owned; the HUD over frames that are drawn directly into the window */
+    ost_orbit layer_orbit; /* camera for which the layer was drawn */
+    bool layer_outdated;
     simulation *s;
     ost_status status; /* failure that ended the window; OST_OK if the user ended it */
     ost_error err;

@@ -1,0 +1,91 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Tests frames that OpenGL draws directly into the window, without reading them back. This needs a
+# graphics card; with force_gl_renderer, Mesa's software renderer has the name of a card. The screen
+# must show the picture that key F12 stores, which is drawn in memory. With a ghost or after an end
+# of the display, frames are drawn in memory, and the session must be complete.
+# Covers: REQ-GL-SHOW
+. "${srcdir:-.}/tests/app/lib.sh"
+
+if ! "$osteon" devices | grep -q '^  window *yes' || ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
+    echo "SKIP: no window, or no Xvfb and xdotool to open one with (Debian: xvfb, xdotool)"
+    exit 77
+fi
+. "$source_folder/tests/app/display.sh"
+run 0 phantom glenoid --out ct.nrrd
+run 0 import ct.nrrd --out bone.nrrd
+export force_gl_renderer="a card"
+
+# stored: stores a picture, and its name in $picture
+shots=0
+stored() {
+    shots=$((shots + 1))
+    picture=osteon-00$shots.png
+    xdotool key F12
+    for i in $(seq 100); do
+        [ -s $picture ] && break
+        sleep 0.1
+    done
+    [ -s $picture ] || fail "F12 stores no picture"
+}
+# on_screen WHAT: checks that the screen shows the stored picture
+on_screen() {
+    command -v python3 >/dev/null || return
+    set -- "$1" $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
+    for try in $(seq 50); do
+        python3 "$source_folder/tests/app/same_screen.py" Xvfb_screen0 $2 $3 $picture 2>differs && return
+        sleep 0.1
+    done
+    fail "$1: $(cat differs)"
+}
+
+opened direct.session --json
+sleep 0.5
+xdotool key 2
+sleep 1
+if "$osteon" devices | grep -q '^  png *yes'; then
+    stored
+    on_screen "the view en face"
+    xdotool key g
+    sleep 0.5
+    stored
+    on_screen "a ghost"
+    xdotool key g F10
+    sleep 0.5
+    stored
+    on_screen "flat faces"
+    xdotool windowsize "$window" 500 333
+    sleep 0.5
+    stored
+    on_screen "another size"
+fi
+xdotool key ctrl+q
+ended "Ctrl Q"
+check "the end's status" $status 0
+case $(value renderer.driver) in
+"a card") ;;
+*)
+    [ $failures -eq 0 ] || finish
+    echo "SKIP: this driver does not rename its renderer: $(value renderer.driver)"
+    exit 77
+    ;;
+esac
+check "the renderer" "$(value renderer.name)" "gl"
+[ "$(value renderer.shown_directly)" -gt 0 ] || fail "no frame was drawn directly into the window"
+[ "$(value renderer.shown_directly)" -lt "$(value renderer.frames)" ] || fail "a picture was stored without a frame in memory"
+
+# A video needs every frame in memory.
+opened film.session --json --video film.y4m
+sleep 0.5
+xdotool key ctrl+q
+ended "Ctrl Q"
+check "with a video" "$status $(value renderer.name) $(value renderer.shown_directly)" "0 gl 0"
+
+opened gone.session --tool builtin:burr
+kill $xvfb
+ended "the end of the display"
+check "without a display: the status" $status 3
+grep -qF "lost the connection to the display" err || fail "the message is: $(cat err)"
+run 0 info gone.session --json
+check "without a display: the session" "$(value ended) $(value missing)" "true "
+finish
