@@ -55,6 +55,11 @@ if "$osteon" devices | grep -q '^  png *yes'; then
         has renderer.opengl renderer.driver
         check "OpenGL beside it" "$(value renderer.name) $(value renderer.width) $(value sha256)" "gl 320 $seen"
         driver=$(value renderer.driver)
+        if "$osteon" devices | grep -q '^  cl *yes'; then
+            run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --backend cl --renderer gl --json
+            check "OpenCL and OpenGL" "$(value renderer.name) $(value sha256)" "gl $seen"
+            [ "$(value renderer.copied_bytes)" -gt 0 ] || fail "no voxels were copied"
+        fi
         export force_gl_renderer="a card"
         run 0 sim --headless --bone bone.nrrd --seconds 0.3 --no-clock --size 320x200 --renderer auto --picture card.png --json
         unset force_gl_renderer

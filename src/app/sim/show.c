@@ -69,6 +69,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
     s->show = show;
     show->app = app;
     show->args = args;
+    show->on_device = strcmp(ost_backend_name(s->backend), "cl") == 0;
     ost_status status = ost_live_create(s->bone, &show->live, err);
     if (status != OST_OK)
         return status;
@@ -265,6 +266,21 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
     return status;
 }
 
+/*
+ * Reports the voxels that passed through the processor's memory from OpenCL to OpenGL. They are not shared: the
+ * processor computes the surface points from them (docs/design/rendering.md).
+ */
+static void print_copied(const app_state *app, const sim_show *show, json_t *row)
+{
+    const int64_t side = ost_live_chunk_size(show->live);
+    const int64_t bytes = (int64_t)show->viewer.changed * side * side * side / 8;
+    char a[FORMAT_TEXT];
+    put_integer(row, "copied_bytes", bytes);
+    if (show->args->stats)
+        print_line(app, "  voxels copied from OpenCL to OpenGL through the processor's memory: %s chunks, %.1f MB",
+                   format_count(a, (int64_t)show->viewer.changed), (double)bytes * 1e-6);
+}
+
 /* Reports the OpenGL driver if OpenGL was used. */
 static void print_gl(const app_state *app, const sim_show *show, json_t *row)
 {
@@ -280,6 +296,8 @@ static void print_gl(const app_state *app, const sim_show *show, json_t *row)
         if (show->args->stats && show->shown)
             print_line(app, "  frames drawn directly into the window, without reading them back: %s",
                        format_count(a, (int64_t)show->shown));
+        if (show->on_device)
+            print_copied(app, show, row);
     } else if (*show->viewer.lost) {
         put_text(row, "lost", show->viewer.lost);
         print_line(app, "  renderer: OpenGL failed, so the processor drew the remaining frames: %s", show->viewer.lost);

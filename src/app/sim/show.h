@@ -32,6 +32,7 @@ typedef struct sim_show {
     const sim_args *args;
     sim_renderer renderer;    /* renderer in use; never SIM_RENDERER_AUTO */
     ost_live_channel *live;
+    bool on_device;           /* true if the voxels are in the memory of an OpenCL device */
     ost_viewer viewer;
     int width, height;        /* size of the last frame */
     bool on_screen;           /* true if the last frame was drawn into the window's framebuffer */
