@@ -2,6 +2,8 @@
 /* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
 #include "difference/pattern_parts.h"
 
+#include <string.h>
+
 /* Number of work-items in a work-group. At most this many samples are lost at the end of a batch. */
 enum { GROUP = 256 };
 
@@ -9,22 +11,48 @@ typedef struct chunk_counts {
     /* as_before is true if all voxels of B equal those of `in`; hit is true if at least one voxel of A differs from
        `in` */
     bool differs, as_before, hit;
-    bool solid_a, solid_b;
+    bool solid_a, solid_b; /* only computed if `differs` is true */
 } chunk_counts;
+
+static int32_t end_of(int32_t begin, int32_t length, int32_t n)
+{
+    return begin + length < n ? begin + length : n;
+}
+
+/* Returns true if two grids differ in the chunk that begins at (x, y, z). */
+static bool chunks_differ(const pattern_view *v, const int16_t *p, const int16_t *q, int32_t x, int32_t y, int32_t z)
+{
+    const size_t row = (size_t)(end_of(x, v->chunk, v->dims.x) - x) * sizeof *p;
+    for (int32_t k = z; k < end_of(z, v->chunk, v->dims.z); k++)
+        for (int32_t j = y; j < end_of(y, v->chunk, v->dims.y); j++) {
+            const int64_t w = pattern_at(v->dims, x, j, k);
+            if (memcmp(p + w, q + w, row) != 0)
+                return true;
+        }
+    return false;
+}
+
+/* Sets solid_a and solid_b to whether the chunk that begins at (x, y, z) has a solid voxel. */
+static void find_solid(const pattern_view *v, int32_t x, int32_t y, int32_t z, chunk_counts *l)
+{
+    for (int32_t k = z; k < end_of(z, v->chunk, v->dims.z); k++)
+        for (int32_t j = y; j < end_of(y, v->chunk, v->dims.y); j++)
+            for (int32_t i = x; i < end_of(x, v->chunk, v->dims.x); i++) {
+                const int64_t w = pattern_at(v->dims, i, j, k);
+                l->solid_a |= v->a[w] >= v->solid_a;
+                l->solid_b |= v->b[w] >= v->solid_b;
+            }
+}
 
 static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int32_t z)
 {
-    chunk_counts l = {.as_before = v->input == PATTERN_BEFORE};
-    for (int32_t k = z; k < z + v->chunk && k < v->dims.z; k++)
-        for (int32_t j = y; j < y + v->chunk && j < v->dims.y; j++)
-            for (int32_t i = x; i < x + v->chunk && i < v->dims.x; i++) {
-                const int64_t w = pattern_at(v->dims, i, j, k);
-                l.differs |= v->a[w] != v->b[w];
-                l.solid_a |= v->a[w] >= v->solid_a;
-                l.solid_b |= v->b[w] >= v->solid_b;
-                l.as_before &= v->input == PATTERN_BEFORE && v->b[w] == v->in[w];
-                l.hit |= v->input == PATTERN_BEFORE && v->a[w] != v->in[w];
-            }
+    chunk_counts l = {.differs = chunks_differ(v, v->a, v->b, x, y, z)};
+    if (v->input == PATTERN_BEFORE) {
+        l.as_before = !chunks_differ(v, v->b, v->in, x, y, z);
+        l.hit = chunks_differ(v, v->a, v->in, x, y, z);
+    }
+    if (l.differs)
+        find_solid(v, x, y, z, &l);
     return l;
 }
 

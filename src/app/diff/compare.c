@@ -54,6 +54,42 @@ static int32_t most(const int64_t *count, int32_t n)
     return best;
 }
 
+/* Returns the number of values that are at least `threshold`. */
+static int32_t count_solid(const int16_t *value, int32_t n, int32_t threshold)
+{
+    int32_t count = 0;
+    for (int32_t i = 0; i < n; i++)
+        count += value[i] >= threshold;
+    return count;
+}
+
+/* Compares the part of a row that lies in one chunk. `at` is the position of the first of the n voxels. */
+static void compare_part(const loaded_volume *a, const loaded_volume *b, const int16_t *pa, const int16_t *pb,
+                         int32_t n, const int32_t at[3], size_t limit, diff_chunk *chunk, int64_t *axis[3],
+                         diff_result *out)
+{
+    chunk->solid_a += count_solid(pa, n, a->threshold);
+    chunk->solid_b += count_solid(pb, n, b->threshold);
+    if (memcmp(pa, pb, (size_t)n * sizeof *pa) == 0)
+        return;
+    for (int32_t i = 0; i < n; i++) {
+        if (pa[i] == pb[i])
+            continue;
+        const diff_kind kind = diff_kind_of(pa[i], pb[i], a->threshold, b->threshold);
+        const diff_voxel voxel = {.at = {at[0] + i, at[1], at[2]}, .a = pa[i], .b = pb[i]};
+        if (!chunk->different++)
+            chunk->first = voxel;
+        chunk->count[kind]++;
+        out->count[kind]++;
+        box_add(&out->box, voxel.at, out->different == 0);
+        out->different++;
+        for (int x = 0; x < 3; x++)
+            axis[x][voxel.at[x]]++;
+        if (out->first_count < limit)
+            out->first[out->first_count++] = voxel;
+    }
+}
+
 static void compare_voxels(const loaded_volume *a, const loaded_volume *b, size_t limit, diff_chunk *chunks,
                            int64_t *axis[3], diff_result *out)
 {
@@ -63,25 +99,12 @@ static void compare_voxels(const loaded_volume *a, const loaded_volume *b, size_
     for (int32_t k = 0; k < d.z; k++)
         for (int32_t j = 0; j < d.y; j++) {
             diff_chunk *row = chunks + (int64_t)cd.x * (j / n + (int64_t)cd.y * (k / n));
-            for (int32_t i = 0; i < d.x; i++, pa++, pb++) {
-                diff_chunk *chunk = row + i / n;
-                chunk->solid_a += *pa >= a->threshold;
-                chunk->solid_b += *pb >= b->threshold;
-                if (*pa == *pb)
-                    continue;
-                diff_kind kind = diff_kind_of(*pa, *pb, a->threshold, b->threshold);
-                const diff_voxel voxel = {.at = {i, j, k}, .a = *pa, .b = *pb};
-                if (!chunk->different++)
-                    chunk->first = voxel;
-                chunk->count[kind]++;
-                out->count[kind]++;
-                box_add(&out->box, voxel.at, out->different == 0);
-                out->different++;
-                for (int x = 0; x < 3; x++)
-                    axis[x][voxel.at[x]]++;
-                if (out->first_count < limit)
-                    out->first[out->first_count++] = voxel;
+            for (int32_t i = 0; i < d.x; i += n) {
+                const int32_t at[3] = {i, j, k}, part = n < d.x - i ? n : d.x - i;
+                compare_part(a, b, pa + i, pb + i, part, at, limit, row + i / n, axis, out);
             }
+            pa += d.x;
+            pb += d.x;
         }
 }
 
