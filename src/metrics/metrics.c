@@ -210,6 +210,7 @@ static void walk_voxels(work *k)
     ost_metrics *o = k->out;
     double depth[CELLS], sum = 0;
     size_t cells = 0;
+#pragma omp parallel for schedule(dynamic, 64)
     for (int i = 0; i < CELLS; i++) {
         const double u = at_cell(i % MAP), v = at_cell(i / MAP);
         const double old = surface(k, k->before, u, v), now = isnan(old) ? NAN : surface(k, k->after, u, v);
