@@ -133,18 +133,18 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
- * Computes the tables of *match that the `match` kernel of the same instruction set reads. match->windows is true, and
- * ost_match_make has computed the other members.
+ * Computes the tables of *match that the `match` kernel of the same instruction set reads. match->windows or
+ * match->wide is true, and ost_match_make has computed the other members.
  */
 typedef void ost_match_tables_fn(ost_match *match);
 
 /*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
- * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows is set, every
- * brick must be one that the `split` kernel has classified as mixed with the same shape (remove.h: "Match"). u + offset
- * of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are bricks, and
- * these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and can have any
- * value.
+ * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows or match->wide is
+ * set, every brick must be one that the `split` kernel has classified as mixed with the same shape (remove.h: "Match").
+ * u + offset of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are
+ * bricks, and these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and
+ * can have any value.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 

@@ -434,7 +434,8 @@ static void test_match_tables(check *c)
     const ost_match *match = both[1];
     const ost_carries *carries = &match->carries;
     check_note(c, "%s", s.text);
-    if (!match->windows || !check_both(c, call_match_tables, both[0], both[1]) || c->other == c->scalar)
+    if (!(match->windows || match->wide) || !check_both(c, call_match_tables, both[0], both[1]) ||
+        c->other == c->scalar)
         return;
     uint8_t whole[3][64];
     for (int a = 0; a < 3; a++) {
@@ -456,7 +457,10 @@ static void test_match_tables(check *c)
             check_that(c, threshold[16 * (i & 3) + i / 4] >= threshold[16 * ((i - 1) & 3) + (i - 1) / 4],
                        "axis %d, threshold %d is less than the one before", a, i);
     }
-    for (int v = 0; v < 64; v++) {
+    for (int v = 0; match->wide && v < 64; v++)
+        check_that(c, carries->wide[0][v] == 16 * whole[1][v] + whole[2][v] && carries->wide[1][v] == whole[0][v],
+                   "wide, voxel %d", v);
+    for (int v = 0; match->windows && v < 64; v++) {
         for (int k = 0; k < 3 * s.shape.windows.step; k++)
             check_that(c, carries->row[k][v] == 8 * (whole[1][v] + k % 3) + whole[2][v] + k / 3, "row %d, voxel %d", k,
                        v);
@@ -468,7 +472,7 @@ static void test_match_tables(check *c)
 /* Computes the tables of all instruction sets, because the caller does not know which kernel reads them. */
 static void make_tables(ost_match *match)
 {
-    if (!match->windows)
+    if (!match->windows && !match->wide)
         return;
     for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
         ost_cpu_kernels kernels;
@@ -487,7 +491,7 @@ static void test_match(check *c)
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
     if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
-        shape->windows = (ost_windows){0};
+        shape->windows = shape->wide = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     make_tables(match);
     ost_split split;
@@ -495,7 +499,7 @@ static void test_match(check *c)
     const size_t wanted = c->number % 4 == 0 ? (size_t)check_range(c, 0, 20)
                                              : (size_t)check_range(c, 0, check_chance(c, 8) ? 512 : 150);
     bricks->count = wanted;
-    if (match->windows)
+    if (match->windows || match->wide)
         bricks->count = place_mixed(c, match, &split, bricks, wanted);
     else
         place_anywhere(c, match, bricks, wanted);
@@ -503,16 +507,17 @@ static void test_match(check *c)
     garbage(c, bricks);
     void *hits[2];
     check_outputs(c, "hits", bricks->count + OST_CUBES_SLACK, sizeof(uint64_t), sizeof(uint64_t), hits);
-    check_note(c, "%s, %zu bricks, windows %d", s.text, bricks->count, match->windows ? shape->windows.step : 0);
+    check_note(c, "%s, %zu bricks, step of windows %d, of wide windows %d", s.text, bricks->count,
+               match->windows ? shape->windows.step : 0, match->wide ? shape->wide.step : 0);
     match_arguments a = {match, bricks, hits[0]}, b = {match, bricks, hits[1]};
     if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) ||
-        !match->windows)
+        !(match->windows || match->wide))
         return;
     /* Compares the windows with the tool's own voxels. If there are no windows, the scalar kernel uses these voxels. */
     static ost_match plain;
     static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
     plain = *match;
-    plain.windows = false;
+    plain.windows = plain.wide = false;
     ost_match_scalar(&plain, bricks, voxels);
     check_same(c, "hits, by the tool's voxels instead of its windows", CHECK_BITS, voxels, hits[1], bricks->count);
 }

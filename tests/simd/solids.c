@@ -50,7 +50,9 @@ static bool is_solid(form f, test_rng *rng, const int32_t d[3], const int32_t at
    (shape.h). */
 static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,
                                  1048576, 1048577, 1113000, 1209000, 1211000, 1300000, 1412000,  1413000,
-                                 2097152, 2228224, 4194304, 5000000, 8388608, 8388609, 12345678, 16777216};
+                                 1600000, 1971323, 2017000, 2019000, 2097152, 2097153, 2228224,  2623000,
+                                 2624000, 2825000, 2826000, 3026000, 3028000, 4194304, 5000000,  8388608,
+                                 8388609, 12345678, 16777216};
 
 /*
  * Makes the columns of a rotation by quarter turns or by any angle, times `ratio`. Each element
@@ -131,6 +133,18 @@ static void *copy(check *c, const char *name, const void *from, size_t count, si
     return to;
 }
 
+static void copy_windows(check *c, ost_windows *w, size_t lines_each)
+{
+    if (w->step == 0)
+        return;
+    const size_t windows = product(w->dims);
+    size_t lines = 0;
+    for (size_t i = 0; i < windows; i++)
+        lines = w->index[i] + lines_each > lines ? w->index[i] + lines_each : lines;
+    w->index = copy(c, "windows.index", w->index, windows, sizeof *w->index, 4);
+    w->line = (const uint8_t(*)[64])copy(c, "windows.line", w->line, lines, 64, 64);
+}
+
 void solid_make(check *c, solid *out)
 {
     test_rng rng = {c->seed + (uint64_t)(c->number / 8)};
@@ -142,14 +156,8 @@ void solid_make(check *c, solid *out)
     s->voxels = copy(c, "shape->voxels", kept.voxels, product(s->dims), 1, 1);
     s->cells.value = (const int8_t *)copy(c, "cells->value", s->cells.value - 64, product(s->cells.dims) + 128, 1, 1) +
                      64;
-    if (s->windows.step > 0) {
-        const size_t windows = product(s->windows.dims);
-        size_t lines = 0;
-        for (size_t i = 0; i < windows; i++)
-            lines = s->windows.index[i] >= lines ? s->windows.index[i] + 1 : lines;
-        s->windows.index = copy(c, "windows.index", s->windows.index, windows, sizeof *s->windows.index, 4);
-        s->windows.line = (const uint8_t(*)[64])copy(c, "windows.line", s->windows.line, lines, 64, 64);
-    }
+    copy_windows(c, &s->windows, 1);
+    copy_windows(c, &s->wide, OST_WIDE_LINES);
     make_steps(&c->rng, kept.ratio, out->step);
     snprintf(out->text, sizeof out->text, "%s of %d x %d x %d, ratio %d", form_names[kept.form], s->dims[0], s->dims[1],
              s->dims[2], kept.ratio);

@@ -332,7 +332,7 @@ static void match_without_carries(const ost_match *match, const ost_cubes *brick
     static ost_cubes moved;
     coarse = *match;
     moved = *bricks;
-    if (match->windows)
+    if (match->windows || match->wide)
         for (int a = 0; a < 3; a++) {
             for (size_t i = 0; i < moved.count; i++)
                 moved.u[a][i] = ((moved.u[a][i] + match->lowest[a]) & cut) - match->lowest[a];

@@ -68,16 +68,16 @@ static int32_t magnitude(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* Returns true if the steps satisfy the conditions of "Match" in remove.h. If the tool has windows, the steps of every
-   ost_map satisfy these conditions. */
-static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
+/* Returns true if the steps satisfy the conditions of "Match" in remove.h for windows of this edge. If the tool has
+   such windows, the steps of every ost_map satisfy these conditions. */
+static bool windows_hold(const int32_t step[3][3], const ost_windows *windows, int32_t edge)
 {
-    const int64_t radius_twice = INT64_C(72) * (1 << OST_MAP_FRACTION) / 10;
+    const int64_t radius_twice = (edge == 8 ? INT64_C(72) : INT64_C(150)) * (1 << OST_MAP_FRACTION) / 10;
     if (windows->step == 0 || diameter_squared(step, 4) > radius_twice * radius_twice)
         return false;
     for (int a = 0; a < 3; a++)
         if (3 * ((int64_t)magnitude(step[0][a]) + magnitude(step[1][a]) + magnitude(step[2][a])) >=
-            (int64_t)(8 - windows->step) << OST_MAP_FRACTION)
+            (int64_t)(edge - windows->step) << OST_MAP_FRACTION)
             return false;
     return true;
 }
@@ -85,7 +85,8 @@ static bool windows_hold(const int32_t step[3][3], const ost_windows *windows)
 void ost_match_make(const int32_t step[3][3], const ost_shape *shape, ost_match *out)
 {
     out->shape = shape;
-    out->windows = windows_hold(step, &shape->windows);
+    out->windows = windows_hold(step, &shape->windows, 8);
+    out->wide = windows_hold(step, &shape->wide, 16);
     for (int a = 0; a < 3; a++) {
         out->lowest[a] = 3 * (below_zero(step[0][a]) + below_zero(step[1][a]) + below_zero(step[2][a]));
         for (int row = 0; row < 16; row++) {
@@ -99,6 +100,8 @@ void ost_match_make(const int32_t step[3][3], const ost_shape *shape, ost_match 
 void ost_match_ties(ost_match *match)
 {
     enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, TIES = 1 << OST_TIE_BITS };
+    if (!match->windows)
+        return;
     memset(match->tie, 0, sizeof match->tie);
     memset(match->near_tie, 0, sizeof match->near_tie);
     for (int a = 0; a < 3; a++) {

@@ -263,7 +263,7 @@ static void plan_pose(const ost_cpu_kernels *kernels, const ost_map *map, const 
     ost_split_make(map->step, 16, &shape->cells, &plan->split[0]);
     ost_split_make(map->step, 8, &shape->cells, &plan->split[1]);
     ost_match_make(map->step, shape, &plan->match);
-    if (plan->match.windows)
+    if (plan->match.windows || plan->match.wide)
         kernels->match_tables(&plan->match);
     ost_block_bases_make(&plan->bases, map, lo, hi);
 }

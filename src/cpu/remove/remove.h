@@ -29,6 +29,9 @@
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
  * The least coordinate is at most 3.5 voxels and a unit below the centre, and
  * not above it: > -12, < dims + 8.
+ * The same is true for wide windows (ost_match.wide), with 16 in place of 8. There, R <= 7.5 voxels, granules have up
+ * to 4 voxels and cells up to 8, and 7.5 + 2/2^20 + 1/2 + 8 < 16.1. The least coordinate is at most 7.5 voxels and a
+ * unit below the centre: > -24, < dims + 16.
  *
  * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
@@ -93,13 +96,16 @@ typedef struct ost_carries {
     uint8_t row[9][64];
     uint8_t bit[4][64];    /* bit[x][v] is the bit within the byte, if floor(c) plus the carry is x */
     uint64_t mask[3][64];  /* mask[a][r] is the set of the voxels with a carry along axis a for a fraction of rank r */
+    /* Without carries, and if floor(c) is (0, 0, 0): wide[0][v] is the number 16 y + z of the wide window's byte for
+       voxel v, and wide[1][v] is its x. The kernel adds floor(c), which has up to six values on each axis. */
+    uint8_t wide[2][64];
 } ost_carries;
 
 /*
  * Constants with which the `match` kernel tests the voxels of bricks, for one pose. In an array of 64 elements, voxel
- * (x, y, z) of a brick has the index x + 4y + 16z. ost_match_make computes `offset`, `lowest`, `windows` and `shape`.
- * If `windows` is true, the `match_tables` kernel then computes the tables that the `match` kernel of the same
- * instruction set reads: either `high`, `low`, `tie` and `near_tie`, or `carries`.
+ * (x, y, z) of a brick has the index x + 4y + 16z. ost_match_make computes `offset`, `lowest`, `windows`, `wide` and
+ * `shape`. If `windows` or `wide` is true, the `match_tables` kernel then computes the tables that the `match` kernel
+ * of the same instruction set reads: either `high`, `low`, `tie` and `near_tie`, or `carries`.
  */
 typedef struct ost_match {
     _Alignas(64) uint16_t high[3][64]; /* (offset[a][i] - lowest[a]) >> 7 */
@@ -107,6 +113,7 @@ typedef struct ost_match {
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the least element of offset[] on each axis */
     bool windows;                      /* true if windows may be used */
+    bool wide;                         /* true if wide windows may be used */
     /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
     uint8_t tie[1 << OST_TIE_BITS];
     /* bit n of near_tie[a] is set if at least one of the elements tie[8 n] to tie[8 n + 7] has bit a set */

@@ -66,26 +66,26 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 }
 
 /*
- * Computes the hits of a brick from one window. The sum of c and offset - lowest (remove.h, "Match") is not negative
- * and below 8 tool voxels.
+ * Computes the hits of a brick from one window of the given edge. The sum of c and offset - lowest (remove.h, "Match")
+ * is not negative and below `edge` tool voxels.
  */
-static uint64_t match_window(const ost_match *match, const int32_t u[3])
+static uint64_t match_window(const ost_match *match, const ost_windows *w, int32_t edge, int32_t margin,
+                             const int32_t u[3])
 {
-    const ost_windows *w = &match->shape->windows;
     int32_t from[3], window[3];
     for (int a = 0; a < 3; a++) {
-        const int32_t voxel = ((u[a] + match->lowest[a]) >> OST_MAP_FRACTION) + OST_WINDOW_MARGIN;
+        const int32_t voxel = ((u[a] + match->lowest[a]) >> OST_MAP_FRACTION) + margin;
         window[a] = voxel / w->step;
-        from[a] = u[a] - (window[a] * w->step - OST_WINDOW_MARGIN) * (1 << OST_MAP_FRACTION);
+        from[a] = u[a] - (window[a] * w->step - margin) * (1 << OST_MAP_FRACTION);
     }
     const uint8_t
-        *line = w->line[w->index[window[0] + w->dims[0] * (window[1] + (size_t)w->dims[1] * (size_t)window[2])]];
+        *byte = w->line[w->index[window[0] + w->dims[0] * (window[1] + (size_t)w->dims[1] * (size_t)window[2])]];
     uint64_t hits = 0;
     for (int v = 0; v < 64; v++) {
         const int32_t x = (from[0] + match->offset[0][v]) >> OST_MAP_FRACTION,
                       y = (from[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
                       z = (from[2] + match->offset[2][v]) >> OST_MAP_FRACTION;
-        hits |= (uint64_t)(line[8 * y + z] >> x & 1) << v;
+        hits |= (uint64_t)(byte[edge * (edge * (x >> 3) + y) + z] >> (x & 7) & 1) << v;
     }
     return hits;
 }
@@ -94,7 +94,9 @@ void ost_match_scalar(const ost_match *match, const ost_cubes *bricks, uint64_t 
 {
     for (size_t i = 0; i < bricks->count; i++) {
         const int32_t u[3] = {bricks->u[0][i], bricks->u[1][i], bricks->u[2][i]};
-        hits[i] = match->windows ? match_window(match, u) : match_voxels(match, u);
+        hits[i] = match->windows ? match_window(match, &match->shape->windows, 8, OST_WINDOW_MARGIN, u)
+                  : match->wide  ? match_window(match, &match->shape->wide, 16, OST_WIDE_MARGIN, u)
+                                 : match_voxels(match, u);
     }
 }
 

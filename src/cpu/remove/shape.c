@@ -217,38 +217,47 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 
 /* --------------------------------------------------------------- windows */
 
-enum { EDGE = 8 };
+/*
+ * The two sizes of windows. The first window begins `margin` voxels before the tool, and the last one ends more than
+ * `behind` voxels after the tool. `lines` is the number of lines of a window.
+ */
+typedef struct window_size {
+    int32_t edge, margin, behind;
+    size_t lines;
+} window_size;
+static const window_size NARROW = {8, OST_WINDOW_MARGIN, 8, 1}, WIDE = {16, OST_WIDE_MARGIN, 16, OST_WIDE_LINES};
 
 /*
- * The bytes of all windows, in columns. Column i contains the bytes of the windows with x index i, one byte for every
- * row (y, z) of the tool and of the empty space around the tool. The index z is fastest, so the eight bytes of a window
- * that have the same y are adjacent.
+ * The bytes of all windows, in columns. A window with x index i has edge / 8 columns of eight voxels along x each; they
+ * have the numbers from i edge / 8 on. A column contains one byte for every row (y, z) of the tool and of the empty
+ * space around the tool. The index z is fastest, so the bytes of a window that have the same y are adjacent.
  *
- *   column i, row (y, z): bit x is voxel (step i - margin + x, y - margin, z - margin)
+ *   column i edge / 8 + p, row (y, z): bit x is voxel (step i + 8 p - margin + x, y - margin, z - margin)
  */
 typedef struct columns {
     uint8_t *byte;
     size_t width[2]; /* number of rows along z, and along y */
 } columns;
 
-static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3], columns *c)
+static bool make_columns(const ost_shape *shape, window_size size, int32_t step, const int32_t n[3], columns *c)
 {
-    c->width[0] = (size_t)((n[2] - 1) * step + EDGE);
-    c->width[1] = (size_t)((n[1] - 1) * step + EDGE);
-    const size_t plane = c->width[0] * c->width[1], bits = (size_t)((n[0] - 1) * step + EDGE);
-    c->byte = calloc((size_t)n[0] * plane, 1);
+    c->width[0] = (size_t)((n[2] - 1) * step + size.edge);
+    c->width[1] = (size_t)((n[1] - 1) * step + size.edge);
+    const size_t plane = c->width[0] * c->width[1], bits = (size_t)((n[0] - 1) * step + size.edge);
+    const int32_t parts = size.edge / 8;
+    c->byte = calloc((size_t)(n[0] * parts) * plane, 1);
     uint8_t *row = calloc(bits, 1);
     const bool enough = c->byte && row;
     for (int32_t z = 0; z < shape->dims[2] && enough; z++)
         for (int32_t y = 0; y < shape->dims[1]; y++) {
             const uint8_t *voxels = shape->voxels + shape->dims[0] * (y + (int64_t)shape->dims[1] * z);
             for (int32_t x = 0; x < shape->dims[0]; x++)
-                row[x + OST_WINDOW_MARGIN] = voxels[x] == shape->kind;
-            uint8_t *to = c->byte + (size_t)(y + OST_WINDOW_MARGIN) * c->width[0] + (size_t)(z + OST_WINDOW_MARGIN);
-            for (int32_t i = 0; i < n[0]; i++) {
+                row[x + size.margin] = voxels[x] == shape->kind;
+            uint8_t *to = c->byte + (size_t)(y + size.margin) * c->width[0] + (size_t)(z + size.margin);
+            for (int32_t i = 0; i < n[0] * parts; i++) {
                 /* The product moves byte j (0 or 1) to bit 56 + j for j = 0..7; no other byte reaches that bit. */
                 uint64_t eight;
-                memcpy(&eight, row + (size_t)(i * step), 8);
+                memcpy(&eight, row + (size_t)(i / parts * step + 8 * (i % parts)), 8);
                 to[(size_t)i * plane] = (uint8_t)(eight * UINT64_C(0x0102040810204080) >> 56);
             }
         }
@@ -256,18 +265,26 @@ static bool make_columns(const ost_shape *shape, int32_t step, const int32_t n[3
     return enough;
 }
 
-static void read_window(const columns *c, int32_t step, int32_t i, int32_t j, int32_t k, uint64_t line[8])
+enum { WORDS = 8 * OST_WIDE_LINES }; /* greatest number of 64-bit words of a window */
+
+static void read_window(const columns *c, window_size size, int32_t step, int32_t i, int32_t j, int32_t k,
+                        uint64_t word[WORDS])
 {
-    const uint8_t *from = c->byte + ((size_t)i * c->width[1] + (size_t)(j * step)) * c->width[0] + (size_t)(k * step);
-    for (int y = 0; y < EDGE; y++)
-        memcpy(&line[y], from + (size_t)y * c->width[0], 8);
+    const int32_t parts = size.edge / 8;
+    uint8_t *to = (uint8_t *)word;
+    for (int32_t p = i * parts; p < (i + 1) * parts; p++) {
+        const uint8_t *from = c->byte + ((size_t)p * c->width[1] + (size_t)(j * step)) * c->width[0] +
+                              (size_t)(k * step);
+        for (int y = 0; y < size.edge; y++, to += size.edge)
+            memcpy(to, from + (size_t)y * c->width[0], (size_t)size.edge);
+    }
 }
 
-static bool line_is(const uint64_t line[8], uint64_t word)
+static bool all_are(const uint64_t *word, size_t count, uint64_t value)
 {
     uint64_t other = 0;
-    for (int i = 0; i < 8; i++)
-        other |= line[i] ^ word;
+    for (size_t i = 0; i < count; i++)
+        other |= word[i] ^ value;
     return other == 0;
 }
 
@@ -276,13 +293,14 @@ typedef struct line_store {
     size_t count, capacity;
 } line_store;
 
-static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number)
+/* Stores a window of `lines` lines, and the number of its first line in *number. */
+static bool add_window(line_store *store, const uint64_t word[WORDS], size_t lines, uint32_t *number)
 {
-    if (line_is(line, 0) || line_is(line, ~UINT64_C(0))) {
-        *number = line[0] != 0;
+    if (all_are(word, 8 * lines, 0) || all_are(word, 8 * lines, ~UINT64_C(0))) {
+        *number = word[0] ? (uint32_t)lines : 0;
         return true;
     }
-    if (store->count == store->capacity) {
+    if (store->count + lines > store->capacity) {
         size_t capacity = store->capacity * 2;
         uint8_t(*grown)[64] = aligned_alloc(64, capacity * 64);
         if (!grown)
@@ -292,49 +310,52 @@ static bool add_line(line_store *store, const uint64_t line[8], uint32_t *number
         store->line = grown;
         store->capacity = capacity;
     }
-    memcpy(store->line[store->count], line, 64);
-    *number = (uint32_t)store->count++;
+    memcpy(store->line[store->count], word, 64 * lines);
+    *number = (uint32_t)store->count;
+    store->count += lines;
     return true;
 }
 
 /*
- * Returns the coarsest step of windows for this ratio, or 0 if no step is possible. A brick's coordinates span at most
- * 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a tool axis.
- * The span must be below 8 - step voxels, so that a brick overlaps at most 9 - step voxels.
+ * Returns the coarsest step of windows of this edge for this ratio, or 0 if no step is possible. A brick's coordinates
+ * span at most 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a
+ * tool axis. The span must be below edge - step voxels, so that a brick overlaps at most edge + 1 - step voxels. Only
+ * steps by which the kernels divide exactly (x86/window_avx512.h) are used.
  */
-static int32_t window_step(int32_t ratio)
+static int32_t window_step(int32_t ratio, int32_t edge)
 {
+    static const int32_t steps[] = {6, 3, 2, 1};
     const int64_t span = ((int64_t)ratio * 519616 + 99999) / 100000 + 5;
-    for (int32_t step = 3; step > 0; step--)
-        if (span < (int64_t)(8 - step) << OST_MAP_FRACTION)
-            return step;
+    for (size_t i = edge == 8; i < sizeof steps / sizeof *steps; i++)
+        if (span < (int64_t)(edge - steps[i]) << OST_MAP_FRACTION)
+            return steps[i];
     return 0;
 }
 
 /*
- * Computes the table of windows. On each axis, the first window begins at voxel -OST_WINDOW_MARGIN, and the last window
- * begins beyond voxel dims + 8 - step. remove.h explains why no brick needs further windows.
+ * Computes a table of windows. On each axis, the first window begins at voxel -margin, and the last window begins
+ * beyond voxel dims + behind - step. remove.h explains why no brick needs further windows.
  */
-static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
+static ost_status make_windows(ost_shape *shape, window_size size, int32_t step, ost_windows *out, ost_error *err)
 {
     int32_t n[3];
     for (int a = 0; a < 3; a++)
-        n[a] = (shape->dims[a] + 8 + OST_WINDOW_MARGIN) / step + 1;
+        n[a] = (shape->dims[a] + size.behind + size.margin) / step + 1;
     uint32_t *index = malloc((product(n) + 16) * sizeof *index);
-    line_store store = {.line = aligned_alloc(64, 1024 * 64), .capacity = 1024, .count = 2};
+    line_store store = {.line = aligned_alloc(64, 1024 * 64), .capacity = 1024, .count = 2 * size.lines};
     columns c = {0};
-    bool enough = index && store.line && make_columns(shape, step, n, &c);
+    bool enough = index && store.line && make_columns(shape, size, step, n, &c);
     if (enough) {
-        memset(store.line[0], 0, 64);
-        memset(store.line[1], 0xff, 64);
+        memset(store.line[0], 0, 64 * size.lines);
+        memset(store.line[size.lines], 0xff, 64 * size.lines);
     }
     size_t i = 0;
     for (int32_t z = 0; z < n[2] && enough; z++)
         for (int32_t y = 0; y < n[1] && enough; y++)
             for (int32_t x = 0; x < n[0] && enough; x++, i++) {
-                uint64_t line[8];
-                read_window(&c, step, x, y, z, line);
-                enough = add_line(&store, line, &index[i]);
+                uint64_t word[WORDS];
+                read_window(&c, size, step, x, y, z, word);
+                enough = add_window(&store, word, size.lines, &index[i]);
             }
     free(c.byte);
     shape->memory[1] = index;
@@ -342,7 +363,7 @@ static ost_status make_windows(ost_shape *shape, int32_t step, ost_error *err)
     if (!enough)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the windows of a tool of %d x %d x %d voxels",
                         shape->dims[0], shape->dims[1], shape->dims[2]);
-    shape->windows = (ost_windows){
+    *out = (ost_windows){
         .index = index, .line = (const uint8_t(*)[64])store.line, .dims = {n[0], n[1], n[2]}, .step = step};
     return OST_OK;
 }
@@ -352,9 +373,11 @@ ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, in
 {
     *out = (ost_shape){.voxels = voxels, .dims = {dims.x, dims.y, dims.z}, .kind = kind};
     ost_status status = make_cells(out, grain_for(ratio), err);
-    const int32_t step = window_step(ratio);
+    const int32_t step = window_step(ratio, NARROW.edge), wide = window_step(ratio, WIDE.edge);
     if (status == OST_OK && step > 0)
-        status = make_windows(out, step, err);
+        status = make_windows(out, NARROW, step, &out->windows, err);
+    else if (status == OST_OK && wide > 0)
+        status = make_windows(out, WIDE, wide, &out->wide, err);
     return status;
 }
 
@@ -368,7 +391,9 @@ void ost_shape_free(ost_shape *shape)
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio)
 {
     const grain g = grain_for(ratio);
-    return shape->cells.value && shape->windows.step == window_step(ratio) &&
+    const int32_t step = window_step(ratio, NARROW.edge);
+    return shape->cells.value && shape->windows.step == step &&
+           shape->wide.step == (step > 0 ? 0 : window_step(ratio, WIDE.edge)) &&
            shape->cells.shift == OST_MAP_FRACTION + g.granule + (g.per == 2) &&
            shape->cells.unit == 1 << (OST_MAP_FRACTION + g.granule - 3);
 }

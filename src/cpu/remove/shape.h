@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The shape of a tool consists of two tables that removal uses. They describe the voxels of one class of the tool,
+ * The shape of a tool consists of tables that removal uses. They describe the voxels of one class of the tool,
  * which this file calls solid. The tables are derived once from the tool's voxels, for a range of bone voxel sizes.
  *
  *   cells     a lower bound of the distance to the solid's surface;
@@ -28,6 +28,12 @@
  * is the coarsest for which every brick of bone voxels lies in one window: 3 up to 0.962 tool
  * voxels per bone voxel, 2 up to 1.154, 1 up to 1.347.  For larger bone voxels there are no windows
  * (remove.h).
+ *
+ * Wide windows.  For bone voxels of 1.347 to 2.886 tool voxels, there are windows of 16^3 tool voxels with a margin of
+ * OST_WIDE_MARGIN instead. A wide window has eight lines: row (y, z) of the voxels x < 8 is byte 16 y + z of these 512
+ * bytes, and that of the other voxels is byte 256 + 16 y + z. Any 17 - step adjacent voxels lie in one wide window; the
+ * step is 6 up to 1.924 tool voxels per bone voxel, 3 up to 2.501, 2 up to 2.694 and 1 up to 2.886. Only the kernel for
+ * AVX-512 VBMI reads wide windows.
  */
 #ifndef OST_CPU_SHAPE_H
 #define OST_CPU_SHAPE_H
@@ -40,6 +46,8 @@
 enum {
     OST_CELL_REACH = 8, /* granules */
     OST_WINDOW_MARGIN = 12,
+    OST_WIDE_MARGIN = 24,
+    OST_WIDE_LINES = 8, /* number of lines of a wide window */
 };
 
 typedef struct ost_cells {
@@ -52,15 +60,15 @@ typedef struct ost_cells {
 } ost_cells;
 
 typedef struct ost_windows {
-    const uint32_t *index; /* number of each window's line in the array `line`, x fastest */
+    const uint32_t *index; /* number of each window's first line in the array `line`, x fastest */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
-    int32_t step; /* step of windows: 3, 2 or 1; 0 if there are no windows */
+    int32_t step; /* step of windows: 6, 3, 2 or 1; 0 if there are no windows */
 } ost_windows;
 
 typedef struct ost_shape {
     ost_cells cells;
-    ost_windows windows;
+    ost_windows windows, wide; /* at most one of them has windows */
     const uint8_t *voxels; /* the tool's voxels, one byte per voxel, x fastest; not owned */
     int32_t dims[3];
     uint8_t kind; /* the class of tool voxels that this shape describes */

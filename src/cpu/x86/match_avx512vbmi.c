@@ -8,6 +8,9 @@
  *            in the bit of x, and VPERMB selects the bytes
  *
  * A brick takes about ten instructions on 512-bit registers instead of the 26 of the kernel for AVX-512.
+ *
+ * A wide window fills eight registers. Four times VPERMI2B selects bytes from two of them, and masked moves select from
+ * the four results.
  */
 #include <immintrin.h>
 
@@ -76,12 +79,9 @@ static __m512i whole_offsets(const ost_match *match, int a)
     return _mm512_load_si512(whole);
 }
 
-void ost_match_carries_avx512vbmi(ost_match *match)
+/* Computes the tables for windows of 8^3 voxels, whose bytes have the numbers 8 y + z. */
+static void make_rows(__m512i x, __m512i y, __m512i z, ost_carries *out)
 {
-    ost_carries *const out = &match->carries;
-    for (int a = 0; a < 3; a++)
-        sort_thresholds(match, a, out);
-    const __m512i x = whole_offsets(match, 0), y = whole_offsets(match, 1), z = whole_offsets(match, 2);
     /* 8 y fits a byte, and no bit moves to the next byte, because y < 8. */
     const __m512i row = _mm512_add_epi8(_mm512_slli_epi16(y, 3), z);
     for (int k = 0; k < 9; k++)
@@ -89,6 +89,20 @@ void ost_match_carries_avx512vbmi(ost_match *match)
     const __m512i bits = _mm512_broadcast_i32x4(_mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 0, 0, 0, 0, 0, 0, 0, 0));
     for (int k = 0; k < 4; k++)
         _mm512_storeu_si512(out->bit[k], _mm512_shuffle_epi8(bits, _mm512_add_epi8(x, _mm512_set1_epi8((char)k))));
+}
+
+void ost_match_carries_avx512vbmi(ost_match *match)
+{
+    ost_carries *const out = &match->carries;
+    for (int a = 0; a < 3; a++)
+        sort_thresholds(match, a, out);
+    const __m512i x = whole_offsets(match, 0), y = whole_offsets(match, 1), z = whole_offsets(match, 2);
+    if (match->windows)
+        make_rows(x, y, z, out);
+    else { /* 16 y fits a byte, because y < 16 */
+        _mm512_storeu_si512(out->wide[0], _mm512_add_epi8(_mm512_slli_epi16(y, 4), z));
+        _mm512_storeu_si512(out->wide[1], x);
+    }
 }
 
 /* ------------------------------------------------------------------ match */
@@ -133,27 +147,31 @@ enum { PIECE = 128 };
 /* The positions of the bricks of a piece in their windows. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
-    uint32_t row[PIECE], bit[PIECE]; /* the numbers of their rows in ost_carries.row and .bit */
+    /* For windows, the numbers of the bricks' rows in ost_carries.row and .bit. For wide windows, 16 y + z and x of the
+       least coordinate's voxel in the window. */
+    uint32_t row[PIECE], bit[PIECE];
     uint32_t line[PIECE];            /* number of each brick's window, later replaced by the number of its line */
 } places;
 
-static inline void place_piece(const ost_match *match, const rank_tables tables[3], const ost_cubes *bricks,
-                               size_t from, size_t count, places *at)
+/* The number of a row is y row_y + z row_z. */
+static inline void place_piece(const ost_match *match, const ost_windows *w, int32_t margin, int row_y, int row_z,
+                               const rank_tables tables[3], const ost_cubes *bricks, size_t from, size_t count,
+                               places *at)
 {
-    const ost_windows *w = &match->shape->windows;
     const __m512i fraction = _mm512_set1_epi32(OST_WINDOW_FRACTION), step = _mm512_set1_epi32(w->step);
     for (size_t i = 0; i < count; i += 16) {
         __m512i window[3], first[3];
         for (int a = 0; a < 3; a++) {
             const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from + i),
                                                _mm512_set1_epi32(match->lowest[a]));
-            const __m512i voxel = ost_window_voxel(u);
+            const __m512i voxel = ost_window_voxel(u, margin);
             window[a] = ost_window_of(voxel, w->step);
             first[a] = _mm512_sub_epi32(voxel, _mm512_madd_epi16(window[a], step));
             _mm512_store_si512(at->rank[a] + i, ranks_of(&tables[a], _mm512_and_si512(u, fraction)));
         }
         _mm512_store_si512(at->bit + i, first[0]);
-        _mm512_store_si512(at->row + i, _mm512_add_epi32(first[1], _mm512_madd_epi16(first[2], _mm512_set1_epi32(3))));
+        _mm512_store_si512(at->row + i, _mm512_add_epi32(_mm512_madd_epi16(first[1], _mm512_set1_epi32(row_y)),
+                                                         _mm512_madd_epi16(first[2], _mm512_set1_epi32(row_z))));
         _mm512_store_si512(at->line + i, ost_window_number(w, window));
     }
 }
@@ -179,10 +197,72 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     places at;
     for (size_t piece = 0; piece < bricks->count; piece += PIECE, hits += PIECE) {
         const size_t count = bricks->count - piece < PIECE ? bricks->count - piece : PIECE;
-        place_piece(match, tables, bricks, piece, count, &at);
+        place_piece(match, &match->shape->windows, OST_WINDOW_MARGIN, 1, 3, tables, bricks, piece, count, &at);
         ost_find_lines(&match->shape->windows, count, at.line);
         for (size_t i = 0; i < count; i++)
             hits[i] = look_up(carries, _mm512_load_si512(line[at.line[i]]), &at, i);
+    }
+}
+
+/* The tables of a pose that stay in registers. */
+typedef struct wide_tables {
+    __m512i row, x, bits;
+} wide_tables;
+
+/* Returns the bytes with the numbers `row` of 256 bytes in four lines. */
+static inline __m512i select_of_four(const uint8_t (*line)[64], __m512i row)
+{
+    const __m512i near = _mm512_permutex2var_epi8(_mm512_load_si512(line[0]), row, _mm512_load_si512(line[1])),
+                  far = _mm512_permutex2var_epi8(_mm512_load_si512(line[2]), row, _mm512_load_si512(line[3]));
+    return _mm512_mask_mov_epi8(near, _mm512_movepi8_mask(row), far);
+}
+
+static inline uint64_t look_up_wide(const ost_carries *c, const wide_tables *t, const uint8_t (*line)[64],
+                                    const places *at, size_t i)
+{
+    const __mmask64 carry_x = _cvtu64_mask64(c->mask[0][at->rank[0][i]]),
+                    carry_y = _cvtu64_mask64(c->mask[1][at->rank[1][i]]),
+                    carry_z = _cvtu64_mask64(c->mask[2][at->rank[2][i]]);
+    __m512i row = _mm512_add_epi8(t->row, _mm512_set1_epi8((char)at->row[i])),
+            x = _mm512_add_epi8(t->x, _mm512_set1_epi8((char)at->bit[i]));
+    row = _mm512_mask_add_epi8(row, carry_y, row, _mm512_set1_epi8(16));
+    row = _mm512_mask_add_epi8(row, carry_z, row, _mm512_set1_epi8(1));
+    x = _mm512_mask_add_epi8(x, carry_x, x, _mm512_set1_epi8(1));
+    const __mmask64 beyond = _mm512_test_epi8_mask(x, _mm512_set1_epi8(8));
+    const __m512i byte = _mm512_mask_mov_epi8(select_of_four(line, row), beyond, select_of_four(line + 4, row));
+    return _cvtmask64_u64(_mm512_test_epi8_mask(byte, _mm512_shuffle_epi8(t->bits, x)));
+}
+
+/* Replaces the numbers of `count` windows with the numbers of their lines, and prefetches the lines. */
+static inline void find_wide_lines(const ost_windows *windows, size_t count, uint32_t *number)
+{
+    for (size_t i = 0; i < count; i++) {
+        number[i] = windows->index[number[i]];
+        for (int k = 0; k < OST_WIDE_LINES; k++)
+            _mm_prefetch((const char *)windows->line[number[i] + (uint32_t)k], _MM_HINT_T0);
+    }
+}
+
+/* PIECE bricks need 64 KiB of lines, which is more than the L1 cache. Fewer bricks are therefore prefetched at once. */
+enum { WIDE_PIECE = 32 };
+
+static void match_wide(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+{
+    const ost_carries *const carries = &match->carries;
+    const ost_windows *const w = &match->shape->wide;
+    const rank_tables tables[3] = {rank_tables_of(carries->threshold[0]), rank_tables_of(carries->threshold[1]),
+                                   rank_tables_of(carries->threshold[2])};
+    const wide_tables t = {
+        .row = _mm512_loadu_si512(carries->wide[0]),
+        .x = _mm512_loadu_si512(carries->wide[1]),
+        .bits = _mm512_broadcast_i32x4(_mm_setr_epi8(1, 2, 4, 8, 16, 32, 64, -128, 1, 2, 4, 8, 16, 32, 64, -128))};
+    places at;
+    for (size_t piece = 0; piece < bricks->count; piece += WIDE_PIECE, hits += WIDE_PIECE) {
+        const size_t count = bricks->count - piece < WIDE_PIECE ? bricks->count - piece : WIDE_PIECE;
+        place_piece(match, w, OST_WIDE_MARGIN, 16, 1, tables, bricks, piece, count, &at);
+        find_wide_lines(w, count, at.line);
+        for (size_t i = 0; i < count; i++)
+            hits[i] = look_up_wide(carries, &t, w->line + at.line[i], &at, i);
     }
 }
 
@@ -190,6 +270,8 @@ void ost_match_avx512vbmi(const ost_match *match, const ost_cubes *bricks, uint6
 {
     if (match->windows)
         match_windows(match, bricks, hits);
+    else if (match->wide)
+        match_wide(match, bricks, hits);
     else
         ost_match_avx512(match, bricks, hits);
 }

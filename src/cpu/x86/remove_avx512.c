@@ -336,7 +336,7 @@ static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *b
     __mmask16 near = 0;
     for (int a = 0; a < 3; a++) {
         const __m512i u = _mm512_add_epi32(_mm512_load_si512(bricks->u[a] + from), _mm512_set1_epi32(match->lowest[a]));
-        window[a] = ost_window_of(ost_window_voxel(u), w->step);
+        window[a] = ost_window_of(ost_window_voxel(u, OST_WINDOW_MARGIN), w->step);
         const __m512i begin = _mm512_slli_epi32(_mm512_sub_epi32(_mm512_madd_epi16(window[a], step), margin),
                                                 OST_MAP_FRACTION);
         const __m512i c = _mm512_sub_epi32(u, begin), high = _mm512_srli_epi32(c, LOW);

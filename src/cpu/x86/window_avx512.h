@@ -10,20 +10,25 @@
 
 enum { OST_WINDOW_FRACTION = (1 << OST_MAP_FRACTION) - 1 };
 
-/* Returns the voxel of each coordinate u, counted from the first voxel of the first window: 0 <= voxel < 2^15. */
-static inline __m512i ost_window_voxel(__m512i u)
+/*
+ * Returns the voxel of each coordinate u, counted from the first voxel of the first window, whose margin is given:
+ * 0 <= voxel < 2^15.
+ */
+static inline __m512i ost_window_voxel(__m512i u, int32_t margin)
 {
-    return _mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), _mm512_set1_epi32(OST_WINDOW_MARGIN));
+    return _mm512_add_epi32(_mm512_srai_epi32(u, OST_MAP_FRACTION), _mm512_set1_epi32(margin));
 }
 
 /*
- * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3. In this range, (voxel * ceil(2^16 / step))
- * >> 16 is exact. The factors are 2 voxel and ceil(2^16 / step) / 2, so that both fit 16 bits.
+ * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2, 3 or 6. In this range, (voxel * ceil(2^16 /
+ * step)) >> 16 is exact for a step of at most 3. The factors are 2 voxel and ceil(2^16 / step) / 2, so that both fit 16
+ * bits. For a step of 6, floor(voxel / 2) is divided by 3.
  */
 static inline __m512i ost_window_of(__m512i voxel, int32_t step)
 {
-    const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;
-    return _mm512_mulhi_epu16(_mm512_add_epi32(voxel, voxel), _mm512_set1_epi32(inverse / 2));
+    const int32_t inverse = step % 3 == 0 ? 21846 : step == 2 ? 32768 : 65536;
+    const __m512i twice = step == 6 ? _mm512_and_si512(voxel, _mm512_set1_epi32(~1)) : _mm512_add_epi32(voxel, voxel);
+    return _mm512_mulhi_epu16(twice, _mm512_set1_epi32(inverse / 2));
 }
 
 /* Returns the number of the window (window[0], window[1], window[2]). An axis has fewer than 2^15 windows. */
