@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements the interface to the backends: lists the backends, selects a backend by a string, and checks all arguments
+ * Implements the interface to the backends. Lists the backends, selects a backend by a string, and checks all arguments
  * before it calls a slot of the function table.
  */
 #include "core/backend.h"

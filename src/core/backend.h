@@ -54,13 +54,13 @@ struct ost_backend_ops {
     const char *description;
 
     /*
-     * Performs a cheap check, and returns true if `open` can succeed on this machine. If it cannot, writes the reason
-     * to `reason`, which has `size` bytes and is never NULL.
+     * Performs a quick check. Returns true if `open` can succeed on this machine; otherwise writes the reason to
+     * `reason`, which has `size` bytes and is never NULL.
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Calls `visit` for every device. If the device cannot be used, `visit` receives the reason. If the backend has no
-     * choice of devices, `visit` is not called. The slot is slow, because it tests the devices.
+     * Calls `visit` for every device; for an unusable device, `visit` receives the reason. If the backend has no choice
+     * of devices, `visit` is not called. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. `options` is the text after "name:", or "". Sets *out but not (*out)->ops, which the caller
@@ -167,7 +167,7 @@ struct ost_backend_ops {
     /*
      * Meshes chunks whose occupancy is in host memory (face_mesh.h). The caller has set mesh->count and cleared
      * mesh->stage_ns; the slot fills first[1 .. count], the vertices and, if mesh->timed, the times. The result is
-     * bit-identical on all backends. NULL: the backend has no face meshes.
+     * bit-identical on all backends. The slot is NULL if the backend cannot make face meshes.
      */
     ost_status (*face_mesh)(ost_backend *backend, const ost_face_cluster *clusters, size_t count, ost_face_mesh *mesh,
                             ost_error *err);

@@ -62,8 +62,8 @@ bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
     assert(!chunk->density && chunk->active == 0);
     size_t bytes = ost_chunk_bytes(grid->size);
     /*
-     * A voxel has 2 bytes of density and 1/8 byte of occupancy, so 16/17 of the block contain densities. The occupancy
-     * words follow the densities.
+     * A voxel has 2 bytes of density and 1/8 byte of occupancy, so the densities take 16/17 of the memory block. The
+     * occupancy words follow them.
      */
     size_t densities = bytes / 17 * 16;
     unsigned char *block = aligned_alloc(64, bytes);
@@ -193,7 +193,10 @@ ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count
     int32_t z1 = z0 + count;
     int32_t c0 = z0 / grid->size, c1 = (z1 - 1) / grid->size + 1;
 
-    /* All memory is allocated before the first voxel changes, so that a failure can be undone. */
+    /*
+     * All memory is allocated before any voxel changes, so that the function can restore the grid if an allocation
+     * fails.
+     */
     bool enough = true;
     for (int32_t cz = c0; cz < c1 && enough; cz++)
         for (int32_t cy = 0; cy < grid->chunk_dims.y && enough; cy++)

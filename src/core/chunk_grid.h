@@ -29,9 +29,12 @@
 #include <osteon/grid.h>
 
 typedef struct ost_chunk {
-    /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
+    /*
+     * start of the owned, 64-byte aligned memory block that contains the densities and the occupancy; NULL if `active`
+     * is 0
+     */
     int16_t *density;
-    uint32_t *occupancy; /* occupancy words, in the block that begins at `density` */
+    uint32_t *occupancy; /* words of the occupancy, in the memory block that begins at `density` */
     int32_t active;
 } ost_chunk;
 
@@ -64,7 +67,10 @@ void ost_chunk_release(ost_chunk *chunk);
  */
 void ost_chunk_keep(const ost_chunk_grid *grid, ost_chunk *chunk, const uint32_t *occupancy);
 
-/* Reads the densities of single voxels: voxel i is at[0][i], at[1][i], at[2][i]. Outside the grid, the density is 0. */
+/*
+ * Reads the densities of single voxels. Voxel i has the indices (at[0][i], at[1][i], at[2][i]). Outside the grid, the
+ * density is 0.
+ */
 void ost_chunk_grid_sample(const ost_chunk_grid *grid, size_t count, const int32_t *const at[3], int16_t *densities);
 
 /*

@@ -58,7 +58,7 @@ static const char *read_exponent(const char *p, const char *end, int32_t *expone
 }
 
 /*
- * Limits a count of digits to half of the range of int32. If a count is limited, the value is out of range in any case.
+ * Limits a count of digits to half of the range of int32. A value with so many digits is out of range in any case.
  * Counts from files are far smaller, because readers limit the length of lines.
  */
 static int32_t saturated(int64_t count)

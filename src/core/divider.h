@@ -29,7 +29,7 @@
 typedef struct ost_divider {
     ost_i128 divisor;
     int64_t inverse; /* reciprocal I = floor(2^124 / (d + 1)), derived at the top of this file */
-    int shift;       /* number of bits by which the dividend is shifted: s + 46, not negative */
+    int shift;       /* number of bits by which the dividend is shifted to the right, s + 46; never negative */
 } ost_divider;
 
 /* Prepares divisions by a divisor, 2^15 <= divisor <= 2^120. */

@@ -30,7 +30,10 @@ ost_status ost_face_mesh_reserve(ost_face_mesh *mesh, size_t chunks, size_t quad
         mesh->chunk_capacity = capacity;
     }
     if (quads > mesh->quad_capacity) {
-        /* A vertex has 4 bytes and its index 32 bits, so that OpenGL can address it. */
+        /*
+         * The index of a vertex has 32 bits, and the size of the vertices in bytes must also be addressable by OpenGL.
+         * A quad has 4 vertices of 4 bytes.
+         */
         const size_t capacity = larger(mesh->quad_capacity, quads);
         if (quads > UINT32_MAX / 8)
             return ost_fail(err, OST_ERR_RANGE, "a mesh of %zu faces; expected at most %u", quads, UINT32_MAX / 8);

@@ -29,15 +29,19 @@
 #include "core/visible.h"
 
 enum {
-    OST_FACE_CHUNK = 32,       /* voxels per side */
-    OST_FACE_PADDED = 34,      /* voxels per side of a padded chunk */
-    OST_FACE_ROWS = 32 * 32,   /* words of a chunk: bit x of word y + 32 z is voxel (x, y, z) */
+    OST_FACE_CHUNK = 32,       /* edge length of a chunk in voxels */
+    OST_FACE_PADDED = 34,      /* edge length of a padded chunk in voxels */
+    OST_FACE_ROWS = 32 * 32,   /* number of words of a chunk's occupancy; bit x of word y + 32 z is voxel (x, y, z) */
     OST_FACE_VOXELS = 32 * 32 * 32,
-    OST_FACE_QUADS_MAX = 3 * OST_FACE_VOXELS, /* most quads of a chunk: half of the voxels have six visible faces */
-    OST_FACE_CLUSTERS_MAX = 1 << 20, /* most chunks of one call */
+    /* maximum number of quads of a chunk, reached if half of the voxels have six visible faces */
+    OST_FACE_QUADS_MAX = 3 * OST_FACE_VOXELS,
+    OST_FACE_CLUSTERS_MAX = 1 << 20, /* maximum number of chunks per call */
 };
 
-/* A chunk and its neighbours, in the order of ost_face. NULL: the shared empty chunk. The words are borrowed. */
+/*
+ * A chunk and its neighbours, in the order of ost_face. A NULL pointer stands for the shared empty chunk. The words are
+ * borrowed.
+ */
 typedef struct ost_face_cluster {
     const uint32_t *own;
     const uint32_t *neighbour[6];
@@ -55,17 +59,21 @@ typedef enum ost_face_stage {
 /* The meshes of several chunks. Must be zero-initialized before its first use. Memory is reused by later calls. */
 typedef struct ost_face_mesh {
     size_t count;         /* number of chunks */
-    /* owned; count + 1 entries: index of each chunk's first quad; the last entry is the number of quads */
+    /*
+     * owned; count + 1 entries; entry i is the index of the first quad of chunk i, and the last entry is the number of
+     * quads
+     */
     uint32_t *first;
     uint32_t *vertices;   /* owned; 4 words for each quad */
     size_t chunk_capacity, quad_capacity;
     /* Set by the caller: if true, the times of the stages are measured, which makes a call slower. */
     bool timed;
-    int64_t stage_ns[OST_FACE_STAGES]; /* times of the last call, over all chunks; times of threads are added */
+    /* durations of the stages in the last call, summed over all chunks and all threads */
+    int64_t stage_ns[OST_FACE_STAGES];
 } ost_face_mesh;
 
 void ost_face_mesh_free(ost_face_mesh *mesh); /* accepts a zero-initialized mesh */
-/* Reserves memory for this number of chunks, and for this number of quads. The contents are preserved. */
+/* Reserves memory for `chunks` chunks and `quads` quads in total. The contents are preserved. */
 ost_status ost_face_mesh_reserve(ost_face_mesh *mesh, size_t chunks, size_t quads, ost_error *err);
 
 /*
@@ -76,8 +84,9 @@ ost_status ost_backend_face_mesh(ost_backend *backend, const ost_face_cluster *c
                                  ost_face_mesh *mesh, ost_error *err);
 
 /*
- * The word that is added to a voxel's own word (ost_face_voxel) to obtain corner i of a face. The corners of the side
- * toward + are (0, 0), (1, 0), (1, 1), (0, 1) along the face's two axes; those of the other side are reversed.
+ * Returns the word to add to a voxel's own word (ost_face_voxel) to obtain corner i of a face. On the faces toward +,
+ * the corners are (0, 0), (1, 0), (1, 1), (0, 1) along the face's two axes; on the faces toward -, their order is
+ * reversed.
  */
 static inline uint32_t ost_face_corner(unsigned face, unsigned i)
 {

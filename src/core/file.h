@@ -42,9 +42,9 @@ ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
  * standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The function does
  * nothing for any other path. A process has one such stream.
  *
- * Called by the command before a file is read; must not be called while another thread opens files.
- * Returns OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if more than
- * ost_file_spool_max bytes follow, and OST_ERR_IO.
+ * Called by the command before a file is read; must not be called while another thread opens files. Returns
+ * OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if more than ost_file_spool_max bytes
+ * follow, and OST_ERR_IO if the copy fails.
  */
 ost_status ost_file_spool(const char *path, ost_error *err);
 

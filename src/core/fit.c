@@ -80,8 +80,8 @@ bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3
                 m[r][c] += row[r] * row[c] / (double)count;
     }
     /*
-     * Relative to the mean, the plane is (distance along `along`) = x0 (distance along u) + x1 (distance along v). The
-     * function eliminate expects the right-hand side of the equations in column n.
+     * In the coordinates relative to the mean, the plane's equation is (distance along `along`) = x0 (distance along u)
+     * + x1 (distance along v). The function eliminate expects the right-hand side in column n.
      */
     if (count < 3 || !eliminate(m, 2, x))
         return false;

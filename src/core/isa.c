@@ -20,8 +20,9 @@ enum {
     EXTENDED1_C = 1 << 5,                          /* LZCNT */
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
-    YMM_SAVED = 0x06,                              /* XCR0: XMM and the upper halves of YMM are saved */
-    /* XCR0: opmasks, the upper halves of ZMM0-15, and ZMM16-31 are also saved */
+    /* bits of XCR0: the operating system saves XMM and the upper halves of YMM */
+    YMM_SAVED = 0x06,
+    /* bits of XCR0: the operating system also saves the opmasks, the upper halves of ZMM0-15, and ZMM16-31 */
     ZMM_SAVED = 0xe6,
 };
 #define LEAF7_B_AVX512                                                                                                 \

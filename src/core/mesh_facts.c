@@ -31,8 +31,8 @@ double ost_mesh_volume_mm3(const ost_mesh *mesh)
 
 /* ------------------------------------------------------------ open edges */
 
-/* A directed edge between two welded vertices, low < high. The sign is +1 if the edge is directed from low to high,
-   and otherwise -1. */
+/* A directed edge between two welded vertices, with low < high. `sign` is +1 if the edge is directed from low to high,
+   otherwise -1. */
 typedef struct edge {
     uint32_t low, high;
     int32_t sign;

@@ -15,7 +15,7 @@ void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4])
     q[3] = (double)pose->qz / OST_Q30_ONE;
 }
 
-/* The largest component is computed first, so that no divisor is small (Shepperd 1978). */
+/* The largest component is computed first, because the other components are divided by it (Shepperd 1978). */
 void ost_quaternion_of_columns(const double c[3][3], double q[4])
 {
     const double trace = c[0][0] + c[1][1] + c[2][2];
