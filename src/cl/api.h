@@ -4,7 +4,7 @@
  *
  * All calls go through the table that was passed when the backend was opened. ost_cl_loader is the table of the
  * system's loader. A test passes a copy of this table in which some functions are replaced by functions that count
- * calls, fail, or return wrong results. Therefore a test needs no driver of its own.
+ * calls, fail, or return wrong results. Therefore the tests need no special OpenCL driver.
  */
 #ifndef OST_CL_API_H
 #define OST_CL_API_H

@@ -187,10 +187,7 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 
 /* ---------------------------------------------------------------- slices */
 
-/*
- * The slices that are stored in a bone. The source is either voxels on the host or a grid that is already on the
- * device.
- */
+/* The slices to store in a bone. The source is either voxels on the host or a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
     /* voxels of slice z0 on the host; NULL if the source is a grid on the device, whose slab begins with slice 0 */
@@ -499,7 +496,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
         else
             memset(words, 0, bytes);
     }
-    /* also after an error, because transfers to `words` may be in progress */
+    /* waits also after an error, because transfers to `words` may be in progress */
     const ost_status finished = ost_cl_finish(backend_of(bone), status == OST_OK ? err : NULL);
     return status == OST_OK ? finished : status;
 }

@@ -132,8 +132,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
     cl_device_type type = 0;
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
     /*
-     * Mesa's llvmpipe reports a CPU but ends long loops early. Testing the name avoids a second build: fingerprint.c
-     * detects the fault only after the kernel set for CPUs is built, and the set for GPUs is then built too.
+     * Mesa's llvmpipe reports a CPU but ends long loops early. fingerprint.c would detect this only after the kernel
+     * set for CPUs was built, and the set for GPUs would then be built too. Testing the name avoids the second build.
      */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 

@@ -29,15 +29,15 @@ typedef struct ost_cl_device {
     cl_ulong max_buffer; /* maximum size of one buffer, in bytes */
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
-    bool cpu; /* true if OST_CL_SET_AUTO selects the kernel set for CPUs, that is, if the device has few strong cores */
-    /* the reported property for which the device is rejected; "" if the device is not rejected */
+    bool cpu; /* true if the device has few strong cores; OST_CL_SET_AUTO then selects the kernel set for CPUs */
+    /* the reason for which the device is rejected; "" if the device is not rejected */
     char reason[OST_CL_REASON];
 } ost_cl_device;
 
 typedef struct ost_cl_devices {
     size_t count;
     ost_cl_device *list; /* owned */
-    char reason[OST_CL_REASON]; /* why there is no platform; set only if the list is empty */
+    char reason[OST_CL_REASON]; /* the reason why there is no platform; set only if the list is empty */
 } ost_cl_devices;
 
 /* Lists all platforms and devices. Sets all members of *out, also on failure. */
@@ -55,7 +55,7 @@ typedef struct ost_cl_options {
     size_t workgroup;                                /* number of work items per work group; 0 selects the default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */
     size_t staging;
-    /* seed by which work items are permuted (OST_ORDER of kernels/common.h); 0 if they are not permuted */
+    /* seed of the permutation of work items (OST_ORDER of kernels/common.h); 0 if work items are not permuted */
     unsigned order;
     ost_cl_set kernels;
 } ost_cl_options;

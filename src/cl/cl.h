@@ -30,8 +30,8 @@
 #include "cl/kernels/shared.h"
 #include "core/backend.h"
 
-/* The list of kernels, as X(kernel, sets). A kernel is created if `sets` contains the kernel set of the backend (bits
-   of OST_FOR, kernels/shared.h). */
+/* The list of kernels, as X(kernel, sets). `sets` is a bit mask of the kernel sets that contain the kernel (OST_FOR,
+   kernels/shared.h). Only the kernels of the backend's kernel set are created. */
 /* clang-format off */
 #define OST_CL_KERNELS(X) \
     X(ost_layout, 3) X(ost_fingerprint, 3) X(ost_fingerprint_atomics, 3) X(ost_fingerprint_turns, 3) \
@@ -54,7 +54,7 @@ enum ost_cl_kernel {
 };
 
 /* The list of the host's code paths (core/paths.h), as X(path, sets, name). A counter counts how often each path is
-   entered. */
+   entered; `sets` has the same meaning as in OST_CL_KERNELS. */
 /* clang-format off */
 #define OST_CL_PATHS(X) \
     X(SAMPLES_IN_PARTS, 3, "scatter of a batch in several parts") \
@@ -110,13 +110,14 @@ typedef struct cl_backend {
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel */
-    bool from_cache;                              /* true if the program's binary was found in the cache */
+    bool from_cache;                              /* true if the program's binary was loaded from the cache */
     ost_digest empty_leaf;
     /* number of launches of each kernel; launches without a block are not counted */
     uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
-    struct ost_cl_face_program *faces;  /* owned; kernels and buffers of meshes; NULL before the first mesh */
-    struct ost_cl_event_scratch *event; /* owned; scratch of events (remove.c); NULL before the first event */
+    struct ost_cl_face_program *faces;  /* owned; the kernels and buffers for face meshes; NULL before the first mesh */
+    /* owned; the scratch memory for events (remove.c); NULL before the first event */
+    struct ost_cl_event_scratch *event;
 } cl_backend;
 
 /* ------------------------------------------------------------- context.c */

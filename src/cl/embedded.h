@@ -11,7 +11,7 @@ extern const size_t ost_cl_program_count;
 /* The program whose results describe the device's floating-point arithmetic. */
 extern const char *const ost_cl_floats[];
 extern const size_t ost_cl_floats_count;
-/* The program that meshes visible faces, which are drawn and determine no voxel. */
+/* The program that makes face meshes. The meshes are only drawn and do not affect any voxel. */
 extern const char *const ost_cl_face_mesh_source[];
 extern const size_t ost_cl_face_mesh_source_count;
 

@@ -54,7 +54,8 @@ void ost_cl_face_free(cl_backend *b)
     faces *f = b->faces;
     if (!f)
         return;
-    b->cl->clFinish(b->queue); /* after a failure, a transfer from f->words may still be pending */
+    /* waits after a failure too, because a transfer from f->words may still be in progress */
+    b->cl->clFinish(b->queue);
     free_buffers(b, f);
     ost_cl_buffer_free(b, &f->vertices);
     for (int k = 0; k < KERNELS; k++)
@@ -236,7 +237,7 @@ static ost_status mesh_batch(cl_backend *b, const ost_face_cluster *clusters, si
     if (status != OST_OK)
         return status;
     for (size_t i = 0; i < chunks; i++) {
-        /* This check ensures that wrong numbers from a faulty device cause no access outside the buffers. */
+        /* The counts are checked so that a faulty device cannot cause an access outside the buffers. */
         if (sums[2 * i] > OST_FACE_VOXELS || sums[2 * i + 1] > OST_FACE_QUADS_MAX)
             return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' counts %u visible faces of a chunk",
                             b->device.name, (unsigned)sums[2 * i + 1]);

@@ -64,7 +64,7 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
                                    [BITS] = sizeof v->ulong,
                                    [BUS] = sizeof v->bus};
     if (kind != TEXT && size != sizes[kind])
-        return; /* the driver reports no value, or a value of a different size */
+        return; /* the driver reports no value, or a value of the wrong size */
     fprintf(to, "%s=", name);
     switch (kind) {
     case TEXT:

@@ -219,8 +219,8 @@ static const uint32_t float_in[3 * FLOATS] = {
     0x3f800800, 0x3f800800, 0xbf800000, /* a = b = 1 + 2^-12, c = -1: a * b + c shows whether the sum is fused */
     0x3f800000, 0x40400000, 0x00000000, /* 1 / 3 */
     /*
-     * For a = 0.5, the kernel multiplies a by the least normal number. The product shows whether denormals are flushed
-     * to 0.
+     * For a = 0.5, the kernel multiplies a by the smallest normal number. The product shows whether denormals are
+     * flushed to 0.
      */
     0x3f000000, 0x3f800000, 0x00000000,
     0x501502f9, 0x3f800000, 0x00000000, /* 1e10, to int */

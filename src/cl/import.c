@@ -149,8 +149,8 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z1 = geometry->dims.z,
     };
     /*
-     * If the spacings of an axis are equal, the source of a voxel has the voxel's own index under every rule, and the
-     * upper neighbour has the weight 0.
+     * If the two grids have the same spacing along an axis, every rule reads each voxel from the source voxel with the
+     * same index, and the weight of the upper neighbour is 0.
      */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;

@@ -14,8 +14,8 @@
 
 enum { WORKGROUP_DEFAULT = 64 };
 
-/* Returns true if each work item of the kernel takes a long time. Such a kernel is launched with groups of one item,
-   because with larger groups some cores would have no group while another core processes several items. */
+/* Returns true if each work item of the kernel takes a long time. Such a kernel is launched with groups of one item.
+   With larger groups, some cores would be idle while another core processes a group of several items. */
 static bool long_items(enum ost_cl_kernel kernel)
 {
     return kernel == OST_CL_KERNEL_ost_remove_blocks || kernel == OST_CL_KERNEL_ost_chunk_scan_layers ||
@@ -33,7 +33,8 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    cl_int code = CL_INVALID_BUFFER_SIZE; /* the error for sizes above the limit, which does not depend on the driver */
+    /* used for sizes above the limit, so that this error is the same with every driver */
+    cl_int code = CL_INVALID_BUFFER_SIZE;
     *out = NULL;
     if (bytes <= b->device.max_buffer)
         *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),

@@ -31,7 +31,7 @@ static const struct {
 
 enum { COUNT = sizeof expected / sizeof expected[0], BUFFER_BYTES = 256 };
 
-/* These public structs and constants are copied to the device without conversion. */
+/* These public structs and constants are copied to the device without conversion, so they must be identical. */
 _Static_assert(sizeof(ost_sample) == sizeof(ost_cl_sample) &&
                    offsetof(ost_sample, density) == offsetof(ost_cl_sample, density) &&
                    offsetof(ost_sample, line) == offsetof(ost_cl_sample, line),

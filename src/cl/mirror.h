@@ -25,8 +25,8 @@ struct cl_mirror {
     ost_chunk_grid grid;
     int32_t *changed; /* owned; the chunks that removals have changed since the last update */
     size_t count;
-    bool *listed;     /* owned; for each chunk, true if `changed` contains it */
-    uint32_t *words;  /* owned; occupancy of `at_once` chunks */
+    bool *listed;     /* owned; for each chunk, true if `changed` contains this chunk */
+    uint32_t *words;  /* owned; occupancy of up to `at_once` chunks */
     size_t at_once;
 };
 

@@ -21,7 +21,7 @@ typedef struct cl_store {
 typedef struct cl_grid {
     ost_grid base;
     cl_store *store;       /* counted in store->holders */
-    /* arguments for resampling the voxels of the store; NULL if the store contains the grid's own voxels */
+    /* owned; arguments for resampling the voxels of the store; NULL if the store contains the grid's own voxels */
     cl_mem cubic, sources;
     /* true if ost_cubic_linear resamples the voxels of the store; false if ost_cubic_gather does */
     bool linear;

@@ -108,7 +108,7 @@ typedef struct plan {
     bool apply;
     bool changed; /* true if a launch that removes voxels was enqueued */
     ost_removal_report *report;
-    ost_chunk_report part; /* sums of the current chunk; part.chunk is -1 if there is no current chunk */
+    ost_chunk_report part; /* the sums of the current chunk; part.chunk is -1 if there is no current chunk */
 } plan;
 
 static int32_t least(int32_t a, int32_t b)
@@ -155,7 +155,7 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
     for (int a = 0; a < 3; a++) {
-        int64_t low = base[a], high = base[a]; /* 64-bit, so the sums cannot overflow */
+        int64_t low = base[a], high = base[a]; /* 64 bits, so that the sums cannot overflow */
         for (int axis = 0; axis < 3; axis++) {
             const int64_t along = (int64_t)(BLOCK - 1) * map->step[axis][a];
             low += along < 0 ? along : 0;

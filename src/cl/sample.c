@@ -12,7 +12,8 @@ static ost_status download(const cl_bone *bone, ost_chunk_grid *grid, ost_error 
     const ost_dims d = bone->base.geometry.dims;
     const size_t slice = (size_t)d.x * (size_t)d.y, layer = slice * (size_t)grid->size * sizeof(int16_t);
     const int32_t layers = layer < DOWNLOAD_BYTES ? (int32_t)(DOWNLOAD_BYTES / layer) : 1;
-    const int64_t most = (int64_t)layers * grid->size; /* a small slice allows more layers than the bone has */
+    /* if slices are small, this may be more layers than the bone has */
+    const int64_t most = (int64_t)layers * grid->size;
     const int32_t step = most < d.z ? (int32_t)most : d.z;
     int16_t *voxels = malloc(slice * (size_t)step * sizeof *voxels);
     ost_status status = voxels ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for the slices of a bone");

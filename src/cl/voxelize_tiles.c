@@ -101,8 +101,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
 }
 
 /*
- * Counts the entries of all lists. Returns false if there are more entries than LISTED per triangle plus 2^20. If the
- * option staging= sets a limit below 2^20, this limit replaces 2^20.
+ * Counts the entries of all lists. Returns false if the number of entries exceeds LISTED per triangle plus 2^20. If the
+ * option staging= sets a limit below 2^20, this limit is used instead of 2^20.
  */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {

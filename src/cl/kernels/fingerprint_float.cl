@@ -12,7 +12,7 @@ __kernel void ost_fingerprint_float(uint count, __global const uint *in, __globa
         return;
     const float a = as_float(in[3 * item]), b = as_float(in[3 * item + 1]), c = as_float(in[3 * item + 2]);
     __global uint *to = out + item * OST_CL_FLOATS;
-    to[0] = as_uint(a * b + c); /* fused or not */
+    to[0] = as_uint(a * b + c); /* shows whether the sum is fused */
     to[1] = as_uint(mad(a, b, c));
     to[2] = as_uint(fma(a, b, c));
     to[3] = as_uint(a / b);

@@ -14,12 +14,13 @@
  */
 
 #define OST_LENGTH_MAX 8000000000000l
-#define OST_OWNER_FLAG 0x40000000u /* flag for duplicates=max; above all keys, which are below 2^17 under this rule */
+/* a flag for duplicates=max; it is greater than all keys, which are below 2^17 with this option */
+#define OST_OWNER_FLAG 0x40000000u
 
 typedef struct ost_ct_position {
     ulong voxel;
     uint ppm;
-    int read;   /* true if the coordinates are within the range of lengths */
+    int read;   /* true if the coordinates are within the allowed range of lengths */
     int off;    /* true if the distance from the lattice is more than 1/8 of a voxel */
     int inside; /* true if the sample is readable, is not rejected, and lies in the grid */
 } ost_ct_position;

@@ -285,7 +285,7 @@ typedef struct ost_cl_tiles {
 
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
-    ost_cl_i32 axis; /* in ost_tool_windows, the number of classes */
+    ost_cl_i32 axis; /* the axis of ost_tool_reach; in ost_tool_windows, the number of classes */
 } ost_cl_tool;
 
 #define OST_CL_REACH_MAX 63
@@ -348,7 +348,7 @@ typedef struct ost_cl_block {
 } ost_cl_block;
 
 typedef struct ost_cl_entry {
-    ost_cl_i32 base[3]; /* AR-MAP-4, near (AR-MAP-5) */
+    ost_cl_i32 base[3]; /* the base of AR-MAP-4; it is near in the sense of AR-MAP-5 */
     ost_cl_u32 pose;
 } ost_cl_entry;
 

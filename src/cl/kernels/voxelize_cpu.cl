@@ -78,9 +78,9 @@ typedef struct ost_pass {
  * are updated by additions. Let R = K - nx 2^f i_first. The crossing is at the least q >= 0 with nx 2^f q >= R, which
  * is found bit by bit.
  *
- * Ranges.  Lanes with fewer rows leave their bounds by up to 2^12 rows, that is
- * 2^20 units: |E| <= 2^20 2^21 2 + 1, and as |n| <= 2^40, |R| < 2^61 + 2^61 + 2^61.
- * A step of R is at most 2^50 2, one of E 2^30; nx 2^f 2^12 <= 2^62.
+ * Ranges. Lanes with fewer rows leave their bounds by up to 2^12 rows, that is 2^20 units: |E| <= 2 * 2^20 * 2^21 + 1.
+ * As |n| <= 2^40, |R| < 3 * 2^61. A step of R is at most 2 * 2^50, a step of E is at most 2^30, and nx 2^f 2^12 <=
+ * 2^62.
  */
 static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles,
                            __global const uint *list, int count, __global int *steps, __global ulong *marks)
