@@ -74,7 +74,7 @@ typedef struct cpu_options {
     int64_t grain; /* threshold of all paths; 0 selects the measured thresholds */
     int64_t order; /* seed for the order of blocks; 0 selects the usual order */
     ost_voxelizer voxelizer;
-    unsigned given; /* bit k is set if the option with the name keys[k] was given */
+    unsigned given; /* bit k is set if the option named keys[k] was given */
 } cpu_options;
 
 /* Parses one "key=value". */

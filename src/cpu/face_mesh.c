@@ -21,7 +21,10 @@ enum { SIDE = OST_FACE_CHUNK, PADDED = OST_FACE_PADDED, ROWS = OST_FACE_ROWS, BA
 
 static const uint32_t empty[ROWS]; /* the shared empty chunk */
 
-/* The number of set bits of each mask of six faces. Without an instruction for it, counting the bits is slow. */
+/*
+ * The number of set bits of each mask of six faces. A table is used because the baseline of x86-64 has no instruction
+ * that counts bits.
+ */
 static const uint8_t faces_of_mask[64] = {
     0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 1, 2, 2, 3, 2, 3, 3, 4, 2, 3, 3, 4, 3, 4, 4, 5,
     1, 2, 2, 3, 2, 3, 3, 4, 2, 3, 3, 4, 3, 4, 4, 5, 2, 3, 3, 4, 3, 4, 4, 5, 3, 4, 4, 5, 4, 5, 5, 6,
@@ -72,7 +75,9 @@ static void pad(const ost_face_cluster *cluster, padded *p)
     memcpy(p->row[SIDE + 1] + 1, z1, SIDE * sizeof(uint32_t));
 }
 
-/* The visible faces of one slice. The arrays do not overlap, so the compiler computes several rows at once. */
+/*
+ * Computes the visible faces of one slice. The arrays do not overlap, so the compiler can process several rows at once.
+ */
 static void classify_slice(const uint32_t *restrict own, const uint32_t *restrict below, const uint32_t *restrict above,
                            const uint32_t *restrict x0, const uint32_t *restrict x1, uint32_t *restrict f0,
                            uint32_t *restrict f1, uint32_t *restrict f2, uint32_t *restrict f3, uint32_t *restrict f4,
@@ -101,7 +106,7 @@ static void classify(const padded *p, visible *v)
     }
 }
 
-/* Lists the active voxels. */
+/* Lists the active voxels of a chunk. */
 static void compact(const visible *v, compacted *out)
 {
     uint32_t count = 0, faces = 0;

@@ -71,7 +71,7 @@ typedef struct ost_cpu_sharing {
 
 /* Initialises *sharing. If grain is 0, the measured thresholds are used; if order is 0, blocks have the usual order. */
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order);
-/* Calls visit for each path that a backend with this number of threads can enter. */
+/* Calls visit for each path that a backend with `threads` threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
 /* Returns true if work of this size enters the path; if so, increments the path's counter.  Called by one thread at
@@ -117,7 +117,10 @@ ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, i
 /* Makes the calling thread a member of the team and returns the member. Every thread of the parallel region must call
    this function. */
 ost_member ost_team_join(ost_team *team);
-/* Increments the counter of the team's path if every thread processed a part. Called after the parallel region. */
+/*
+ * Increments the counter of the team's path if every thread of the team processed items. Called after the parallel
+ * region.
+ */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
 /* Pauses as the team's random order determines, then returns the block that the member processes in this turn. */

@@ -10,7 +10,9 @@
 #include "cpu/remove/shape.h"
 
 typedef struct cpu_shapes {
-    /* The tables of class 1 and of class 2. `touching` is computed only if `touches` is true. */
+    /*
+     * The tables of class 1 (`cutting`) and of class 2 (`touching`). `touching` is computed only if `touches` is true.
+     */
     ost_shape cutting, touching;
     bool touches;                /* true if the tool has voxels of class 2 */
 } cpu_shapes;

@@ -65,7 +65,7 @@ bool ost_any_active_neon(const int16_t *base, const size_t *row, int count, int 
 {
     if (width < LANES)
         return ost_any_active_scalar(base, row, count, width, threshold);
-    int16x8_t most = vdupq_n_s16(0); /* begins with 0, which is below every threshold */
+    int16x8_t most = vdupq_n_s16(0); /* initially 0, which is below every threshold */
     for (int r = 0; r < count; r++) {
         const int16_t *const from = base + row[r];
         for (int x = 0; x + LANES <= width; x += LANES)

@@ -35,7 +35,7 @@ typedef struct filling {
     const ost_cpu_kernels *kernels;
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
-    bool linear; /* true if the voxels are interpolated, that is, if the view has weights */
+    bool linear; /* true if the voxels are interpolated, which is the case if the view has weights */
     /*
      * For each column of chunks, true if the grid does not clip the column and the column's source voxels are adjacent
      * along x.
@@ -202,7 +202,7 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
         return false;
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* faster than interpolation */
+    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* this test is faster than the interpolation */
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
     return true;
@@ -383,7 +383,7 @@ static bool fill_bone(cpu_backend *backend, filling *f)
 {
     const ost_dims dims = f->bone->chunk_dims;
     const int64_t layer = (int64_t)dims.x * dims.y;
-    /* chunks per part */
+    /* maximum number of chunks per part */
     const int64_t least = backend->sharing->least[OST_PATH_LAYERS], most = least > PART_MIN ? least - 1 : PART_MIN;
     const int32_t step = layer < most ? (int32_t)(most / layer) : 1;
     if (step < dims.z)

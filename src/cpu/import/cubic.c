@@ -95,9 +95,9 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 
 /*
  * Frees the weight lists that a cpu_view does not need. If no weight is above 0, these are the lists of all axes. If
- * only z is resampled, they are the lists of x and y. In all other cases, the list of y or z is freed if all of its
- * weights are 0. If x has weights, a source at the last voxel is represented as the upper neighbour of the voxel
- * before, so that both neighbours exist.
+ * only z is resampled, they are the lists of x and y. Otherwise, the list of y and the list of z are each freed if all
+ * of their weights are 0. If x has weights, a source at the last voxel is represented as the upper neighbour of the
+ * voxel before, so that both neighbours exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -137,7 +137,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* the rect grid itself has lists */
+    if (rect->map[0]) /* the voxels of the rect grid are themselves selected by lists */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

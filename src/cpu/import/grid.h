@@ -19,7 +19,7 @@
 
 typedef struct cpu_store {
     int holders;
-    bool mapped;     /* true if the voxels were allocated with mmap; false if with calloc */
+    bool mapped;     /* true if the voxels were allocated with mmap; false if they were allocated with calloc */
     ost_dims dims;
     size_t bytes;
     int16_t *voxels; /* owned */
@@ -27,7 +27,7 @@ typedef struct cpu_store {
 
 typedef struct cpu_grid {
     ost_grid base;
-    cpu_store *store; /* may be shared with other grids */
+    cpu_store *store; /* the store that contains the voxels; other grids may share it */
     /* owned lists; on axis a, voxel i of the grid is voxel map[a][i] of the store; all NULL if the grid has no lists */
     int32_t *map[3];
     int16_t *minus[3]; /* owned lists of weights, as in cpu_view */

@@ -84,7 +84,7 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    /* negative like the sums; >= -2^30 */
+                    /* negative, like the sums along x; at least -2^30 */
                     weight[count++] = -(y[j].minus[a] * z[k].minus[b]);
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);

@@ -52,7 +52,9 @@
 #include "cpu/remove/shape.h"
 
 enum {
-    /* greatest edge of a unit in voxels; a unit is a chunk or, if chunks have 64^3 voxels, an eighth of a chunk */
+    /*
+     * maximum edge length of a unit in voxels; a unit is a chunk or, if chunks have 64^3 voxels, an eighth of a chunk
+     */
     OST_UNIT = 32,
     OST_UNIT_BRICKS = 512,
     OST_CUBES_SLACK = 16,  /* number of elements after the last cube that a kernel may overwrite */
@@ -61,8 +63,8 @@ enum {
 };
 
 /*
- * A list of cubes that all have the same edge. number[i] is the Morton index of cube i within the unit; the cube with
- * the Morton index n contains the cubes 8n..8n+7 of half the edge.
+ * A list of cubes that all have the same edge. number[i] is the Morton index of cube i within the unit; the eight cubes
+ * of half the edge length within cube n have the Morton indices 8n to 8n+7.
  */
 typedef struct ost_cubes {
     _Alignas(64) int32_t u[3][OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -112,8 +114,8 @@ typedef struct ost_match {
     _Alignas(64) uint16_t low[3][64];  /* (offset[a][i] - lowest[a]) mod 2^7 */
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the least element of offset[] on each axis */
-    bool windows;                      /* true if windows may be used */
-    bool wide;                         /* true if wide windows may be used */
+    bool windows;                      /* true if the `match` kernel may use windows */
+    bool wide;                         /* true if the `match` kernel may use wide windows */
     /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
     uint8_t tie[1 << OST_TIE_BITS];
     /* bit n of near_tie[a] is set if at least one of the elements tie[8 n] to tie[8 n + 7] has bit a set */

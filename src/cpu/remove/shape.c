@@ -87,7 +87,7 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
  */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
-    /* true for most rows */
+    /* this shortcut applies to most rows */
     if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) {
         memset(out, state[0] == kind ? FAR : 0, (size_t)cells);
         return;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Marks and sorts small triangles in the lanes of vectors of doubles.  The source is the
- * same for every width of vectors.  The file that includes this one defines
+ * Marks and sorts small triangles in the lanes of vectors of doubles. The source is the
+ * same for every width of vectors. The file that includes this one defines
  *
  *   LANES                 number of triangles processed at once
  *   vd, vm, vi            LANES doubles, a mask of LANES, LANES int32
@@ -15,7 +15,7 @@
  *   keys_lanes                       one key per triangle, from the y and z of LANES triangles
  *   emit(out, v, m)       stores the lanes of v that are set in m, one after the other, and returns
  *                         their number; LANES int32 may be written
- *   emit_bits             as emit, but m is an integer with one bit per lane
+ *   emit_bits             like emit, except that m is an integer with one bit per lane
  *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
  *
  * No value is approximate: every value is an integer, an integer + 1/4, or a quotient whose rounding error is bounded
@@ -24,7 +24,7 @@
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
  * (this is true in doubles as well: the product is exact up to 2^53, and rounding
- * preserves order).  For a small triangle, with Y, Z in its bounds,
+ * preserves order). For a small triangle, with Y, Z in its bounds,
  *
  *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a
  *             triangle in a rectangle; at most 2^40
@@ -36,7 +36,7 @@
  * All of these, their quarters and their steps from row to row are exact in
  * doubles (2^53).
  *
- * Quotients.  dj <= floor(C / D) is computed as floor((C + 1/4) (1 / D)), D = dz w. (C + 1/4) / D differs from every
+ * Quotients. dj <= floor(C / D) is computed as floor((C + 1/4) (1 / D)), D = dz w. (C + 1/4) / D differs from every
  * integer by at least 1 / (4 |D|). The two roundings change it by at most 2^-51 times its magnitude. This is less,
  * because |C| + 1/4 < 2^49. So the floor is exact. For dz < 0, the quarter moves the quotient down, so that it is below
  * the integer above it by the same margin: dj >= ceil((C + 1/4) (1 / D)). For dz = 0 the reciprocal is replaced by a

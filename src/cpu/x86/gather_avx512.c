@@ -17,10 +17,9 @@ static inline __mmask32 low_mask(int count)
 }
 
 /*
- * The map is ascending, so 32 results lie in one window of map[last] - map[first] + 1
- * elements.  If the window has at most 32 elements, a permutation of one register selects
- * the results; if it has at most 64, a permutation of two registers does.  A wider window
- * is read element by element.
+ * The map is ascending, so 32 results come from map[last] - map[first] + 1 adjacent elements. If there are at most 32
+ * such elements, a permutation of one register selects the results; for up to 64 elements, a permutation of two
+ * registers selects them. If there are more, the results are read one by one.
  */
 void ost_gather_row_avx512(const int16_t *from, const int32_t *map, int count, int16_t *to)
 {

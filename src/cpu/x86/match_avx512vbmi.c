@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernel `match` for AVX-512 VBMI.  The 64 voxels of a brick are 64 byte lanes of one register, and the 64 bytes of
+ * The kernel `match` for AVX-512 VBMI. The 64 voxels of a brick are 64 byte lanes of one register, and the 64 bytes of
  * a window are another one (remove.h, "Carries").
  *
- *   place    sixteen bricks at once: the window, and per axis the voxel in the window and the rank of the fraction
- *   look up  one brick: two masked additions result in the number 8 y + z of the byte for each voxel, one masked move
- *            in the bit of x, and VPERMB selects the bytes
+ *   place    sixteen bricks at once: finds the window and, for each axis, the voxel in the window and the rank of the
+ *            fraction
+ *   look up  one brick: for each voxel, two masked additions compute the number 8 y + z of the byte, and a masked move
+ *            selects the bit for x; VPERMB selects the bytes
  *
- * A brick takes about ten instructions on 512-bit registers instead of the 26 of the kernel for AVX-512.
+ * A brick takes about ten instructions on 512-bit registers; the kernel for AVX-512 needs 26.
  *
- * A wide window fills eight registers. Four times VPERMI2B selects bytes from two of them, and masked moves select from
- * the four results.
+ * A wide window fills eight registers. Four VPERMI2B instructions select bytes from two registers each, and masked moves
+ * select from the four results.
  */
 #include <immintrin.h>
 
@@ -107,10 +108,12 @@ void ost_match_carries_avx512vbmi(ost_match *match)
 
 /* ------------------------------------------------------------------ match */
 
-/* The rank of a fraction is found by a binary search: thresholds 7, 11 or 3, ... of every fourth one, then the three
-   others of a group. The tables are rotated so that the index of a step needs no addition. */
+/* The tables with which the rank of a fraction is found. The thresholds are divided into 16 groups of four. A binary
+   search over the greatest thresholds of the groups finds the group; the fraction is then compared with the other three
+   thresholds of this group. The tables are rotated so that the result of each step is the index for the next step. */
 typedef struct rank_tables {
-    __m512i middle, quarter, eighth, last; /* every fourth threshold, from number 7, 3, 1 and 0 of them on */
+    /* greatest threshold of each group; element 0 is that of group 7, 3, 1 and 0 */
+    __m512i middle, quarter, eighth, last;
     __m512i group[3];
 } rank_tables;
 
@@ -147,8 +150,8 @@ enum { PIECE = 128 };
 /* The positions of the bricks of a piece in their windows. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
-    /* For windows, the numbers of the bricks' rows in ost_carries.row and .bit. For wide windows, 16 y + z and x of the
-       least coordinate's voxel in the window. */
+    /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows: 16 y + z
+       and x of the least coordinate's voxel in the window. */
     uint32_t row[PIECE], bit[PIECE];
     uint32_t line[PIECE];            /* number of each brick's window, later replaced by the number of its line */
 } places;

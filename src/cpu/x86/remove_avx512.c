@@ -113,7 +113,7 @@ typedef struct split_piece {
     _Alignas(64) int8_t value[GROUPS][64];
     /* bit p of keep[c] is set if part p of cube c is to be sorted; elements beyond the last cube are 0 */
     _Alignas(8) uint8_t keep[PIECE_CUBES + 8];
-    /* the cubes of the piece that have active voxels; used if the occupancy of their parts is known */
+    /* the cubes of the piece that have active voxels; used only if the occupancy of the cubes' parts is available */
     int32_t u[3][PIECE_CUBES + 8], number[PIECE_CUBES + 8];
 } split_piece;
 /* Pointers to the first cube of a piece, either in the kernel's list or in split_piece. */
