@@ -29,7 +29,7 @@ enum {
     PIECES = 6,
     CAPITAL = 9
 };
-/* GAP is the distance between two letters, and WEIGHT half of the width of a stroke, in units of the grid. */
+/* GAP is the distance between two letters, and WEIGHT is half the width of a stroke, both in units of the grid. */
 static const double GAP = 2.7, WEIGHT = 0.62;
 
 typedef struct drawing {
@@ -131,7 +131,10 @@ static const drawing drawings[] = {
 };
 
 typedef struct glyph {
-    /* position and size of the letter's picture, relative to the letter's position on the baseline; y points down */
+    /*
+     * position and size of the letter's bitmap in pixels, relative to the letter's position on the baseline; y points
+     * down
+     */
     int x, y, width, height;
     double advance;
     uint8_t *cover; /* owned; coverage of each pixel, 0 to 255 */

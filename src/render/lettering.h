@@ -30,7 +30,7 @@ typedef struct ost_sheet {
 
 /* Creates letters of one size. The parameter `height` is the height of a capital letter in pixels, from 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
-void ost_lettering_free(ost_lettering *lettering); /* NULL is allowed */
+void ost_lettering_free(ost_lettering *lettering); /* accepts NULL */
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
 /* Draws a line of text and clips it to the sheet. The text begins at x, and its baseline is at y. */

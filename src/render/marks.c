@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, PANEL = 0x0e0c0a, SHADE = 200, FULL = 256 };
-/* LONGEST is in units of the marks; all other sizes are in pixels. */
+/* LONGEST is given in units of the marks, and all other sizes are given in pixels. */
 enum { LEAST_WIDTH = 160, LEAST_HEIGHT = 120, LEGEND_WIDTH = 430, LONGEST = 150 };
 
 double ost_marks_unit(int height)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws marks over a picture: a scale bar, the patient's directions at the picture's edges as on a
- * radiograph, and a legend of the colours.
+ * Draws marks over a picture: a scale bar, the anatomical directions at the picture's edges as on a radiograph, and a
+ * legend of the colours.
  *
  *   .-------- S --------.
  *   |                   |      the bar is exact at the point at which the

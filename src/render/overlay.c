@@ -25,7 +25,10 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* distance in voxels; a line up to BEHIND behind a surface counts as in front of the surface */
+/*
+ * maximum distance in voxels of a line behind a surface at which the line is still drawn as if it were in front of the
+ * surface
+ */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -128,7 +131,7 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
     }
 }
 
-/* Returns the width of a thin line: one pixel for every 720 rows of the picture. */
+/* Returns the width of a thin line in pixels, which is one pixel for every 720 rows of the picture. */
 static int thin(const ost_frame *f)
 {
     return f->height < 1080 ? 1 : (f->height + 360) / 720;

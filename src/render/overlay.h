@@ -34,14 +34,15 @@ enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 typedef struct ost_overlay_scene {
     const ost_surface *bone, *tool; /* borrowed; `tool` is NULL if no tool is drawn */
     ost_tool_geometry tool_grid;
-    ost_pose pose;                  /* pose of the tool */
-    int chunk;                      /* voxels per side of a chunk */
+    ost_pose pose;                  /* pose of the tool in the bone's frame */
+    int chunk;                      /* edge length of a chunk in voxels */
     int changed;                    /* number of positions in changed_at[] */
-    int32_t changed_at[OST_OVERLAY_CHANGED][3]; /* positions, in chunks, of chunks that the last update changed */
+    /* positions, in units of chunks, of the chunks that the last update changed */
+    int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
     double trigonum_mm[3], inferior_mm[3]; /* valid if landmarks are drawn */
-    double rim_mm[OST_OVERLAY_RIM][3];     /* positions around the glenoid, in their order */
+    double rim_mm[OST_OVERLAY_RIM][3];     /* positions around the glenoid, in the order of the rim */
     int rim_count;
 } ost_overlay_scene;
 

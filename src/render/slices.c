@@ -21,7 +21,7 @@
 
 typedef struct plane {
     int across, down, through; /* axes of the grid */
-    bool down_is_minus;        /* true if coordinates decrease from row to row */
+    bool down_is_minus;        /* true if the coordinate on the axis `down` decreases from row to row */
 } plane;
 
 static const plane PLANES[3] = {{0, 1, 2, false}, {0, 2, 1, true}, {1, 2, 0, true}};
@@ -89,7 +89,7 @@ static void add_sample(double a, double b, const row_pair *rows, double sum[3])
     }
 }
 
-/* Draws the plane. Samples outside the grid are black. */
+/* Draws one slice plane into a panel of the sheet. Samples outside the grid are black. */
 static void panel(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
                   row_pair rows[OVER], const ost_sheet *sheet)
 {
@@ -122,7 +122,7 @@ static void panel(const source *s, const plane *p, int through, double mm_per_pi
     }
 }
 
-/* Returns the voxel along one axis that contains the centre of pixel x. */
+/* Returns the index, along one axis, of the voxel that contains the centre of pixel x. */
 static int voxel_at(int x, double mm_per_pixel, double spacing, int n)
 {
     const double at = (x + 0.5) * mm_per_pixel / spacing;

@@ -17,7 +17,7 @@
 #include "render/views.h"
 
 enum { THRESHOLD = 120, SIDE = 800 };
-/* fraction of the picture's height or width that the active voxels' box fills */
+/* fraction of the picture's height or width that the box of the active voxels fills */
 static const double FILLED = 0.94;
 
 /* The camera's axes as unit vectors in the patient's frame, and the point at which the camera is directed. */
@@ -77,7 +77,7 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            /* added for rounding; half of the divisor 4, in each channel */
+            /* half of the divisor 4 in each channel, so that the mean is rounded */
             uint32_t odd = 0x020002, green = 0x0200;
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
@@ -167,7 +167,7 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
         status = ost_picture_init(out, width, height, err);
     if (status == OST_OK) {
         ost_sheet sheet = ost_frame_sheet(&viewer.frame);
-        sheet.written = NULL; /* records no cells, because this frame is not drawn again */
+        sheet.written = NULL; /* no cells are recorded, because this frame is not drawn again */
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)

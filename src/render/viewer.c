@@ -80,7 +80,7 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 
 /*
  * Returns the tool's grid as a geometry of the type that describes a bone. The origin of this geometry is the middle of
- * the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres, which is not visible.
+ * the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres; the error is invisible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {

@@ -42,23 +42,23 @@ typedef struct ost_viewer {
     ost_paint paint;     /* paint of the bone; OST_PAINT_BONE after ost_viewer_init */
     ost_frame frame;     /* the last frame that was drawn, with the size of the camera's picture */
     ost_live_state state;
-    bool has_state;      /* set if the tool is drawn at the pose in `state` */
+    bool has_state;      /* set if `state` is valid; the tool is then drawn at the pose in `state` */
     uint64_t changed;    /* number of changed chunks taken from `live` so far */
-    ost_uncut reference; /* valid if has_uncut */
+    ost_uncut reference; /* valid if `has_uncut` is set */
     bool has_uncut;
     uint32_t palette[OST_PAINTS];
     ost_surface ghost;   /* valid if `has_ghost` is set; drawn if `show_ghost` is set */
     ost_pose ghost_pose;
     bool has_ghost, show_ghost;
-    unsigned overlays;   /* bits of ost_overlay */
+    unsigned overlays;   /* bit mask of the selected overlays (ost_overlay) */
     ost_overlay_scene scene;
     int64_t aged_ns;
     ost_gl *gl;          /* owned; NULL if the processor draws frames */
     bool gl_current;     /* set if `gl` uses the context that was current (ost_viewer_use_current) */
     const ost_gl_variant *variant;
-    /* reason why the processor draws frames instead of OpenGL; "" if there is no such reason */
+    /* the reason why frames are drawn by the processor instead of OpenGL; "" if there is no such reason */
     char lost[OST_ERROR_TEXT];
-    char no_card[OST_ERROR_TEXT]; /* reason why ost_viewer_use_card did not select OpenGL; "" if there is none */
+    char no_card[OST_ERROR_TEXT]; /* the reason why ost_viewer_use_card did not select OpenGL; "" if there is none */
 } ost_viewer;
 
 /* Creates a viewer with an empty bone. The parameters `isa` and `threads` are those of ost_points_options. */
@@ -116,20 +116,20 @@ ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t 
                                 ost_error *err);
 /* Sets the colouring. All colourings except OST_COLOUR_BONE need the uncut bone. */
 void ost_viewer_set_colouring(ost_viewer *viewer, ost_colouring colouring);
-/* Sets the clip plane; NULL means that the complete bone is shown. */
+/* Sets the clip plane. If `clip` is NULL, the complete bone is shown. */
 void ost_viewer_set_clip(ost_viewer *viewer, const ost_clip *clip);
 /* Sets the ghost, a translucent shape, and its pose. */
 ost_status ost_viewer_set_ghost(ost_viewer *viewer, const ost_tool_volume *volume, const ost_pose *pose,
                                 ost_error *err);
-/* Enables highlighting of places where bone was just removed. */
+/* Enables or disables the highlighting of places where bone was just removed. */
 void ost_viewer_set_contact(ost_viewer *viewer, bool shown);
 
 /* Makes the viewer show the bone of the operation whose live state is published in `live`. The channel is borrowed. */
 void ost_viewer_follow(ost_viewer *viewer, ost_live_channel *live);
 /* Applies the changes that viewer->live has published since the last call. */
 ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
-/* Draws into viewer->frame and sets the size of the frame to that of the camera's picture. The
-   camera must have passed ost_camera_check. */
+/* Draws a frame into viewer->frame, and resizes this frame to the camera's picture. The camera must have passed
+   ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 /*
  * Draws the bone and the tool into a picture that stays in OpenGL (ost_gl_copy, ost_gl_show). viewer->frame does not

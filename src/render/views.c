@@ -6,7 +6,7 @@
 
 #include "core/vector.h"
 
-/* maximum elevation in radians, which keeps the picture from turning upside down */
+/* maximum elevation in radians; a greater elevation would turn the picture upside down */
 static const double STEEPEST = 1.55;
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
@@ -132,7 +132,7 @@ void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double b
 
 void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 {
-    /* rotation in radians when the mouse is dragged over the full height of the picture */
+    /* rotation in radians for a drag over the full height of the picture */
     const double a_picture = 2.5;
     o->azimuth -= a_picture * dx / height;
     o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));

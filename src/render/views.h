@@ -19,7 +19,7 @@
 
 #include <osteon/render.h>
 
-/* Focal length of every view, for a picture of height 1: 0.5 / tan(45 degrees / 2). */
+/* The focal length of every view, in units of the picture's height: 0.5 / tan(45 degrees / 2). */
 #define OST_VIEW_FOCAL 1.2071067811865475
 
 typedef enum ost_view_name {
@@ -51,7 +51,7 @@ typedef struct ost_view_subject {
     double face[3], inward[3];
     bool has_landmarks;      /* true if `trigonum` and `inferior` are valid */
     double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
-    bool left;               /* set if the bone is from the left side of the body */
+    bool left;               /* true if the bone is from the left side of the body */
 } ost_view_subject;
 
 typedef struct ost_orbit {
@@ -84,7 +84,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, co
  */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
-/* Zooms by a number of wheel steps. Each step changes the distance by one eighth. */
+/* Zooms by a number of steps of the mouse wheel. Each step changes the distance by one eighth. */
 void ost_orbit_near(ost_orbit *orbit, double steps);
 
 /* Computes unit vectors that point right, up, and out of the picture toward the viewer. */

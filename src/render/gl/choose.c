@@ -121,7 +121,7 @@ static float largest_voxel(const ost_splat_eye *s, const float base[3])
     const ost_eye *e = &s->eye;
     const float middle[3] = {base[0] + 15.5f, base[1] + 15.5f, base[2] + 15.5f};
     const float nearest = ost_eye_dot(e->forward, middle) - (float)OST_BLOCK * s->reach[2];
-    /* The axis of an eye of a headset is not in the middle of the frame. */
+    /* The axis of a headset's eye is not in the middle of the frame. */
     const float farther_w = fmaxf(e->half_w, (float)e->width - e->half_w),
                 farther_h = fmaxf(e->half_h, (float)e->height - e->half_h);
     const float slope = hypotf(farther_w, farther_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
@@ -158,7 +158,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Bricks are drawn faster than points if a voxel is narrower than this number of pixels. */
+/* Bricks are drawn faster than points if voxels are narrower than this number of pixels. */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

@@ -368,7 +368,7 @@ static ost_status read_planes(ost_gl *gl, ost_frame *frame, bool depth, ost_erro
             p->face[i] = (uint8_t)(p->colour[i] >> 24);
             p->colour[i] &= 0xffffff;
             if (depth)
-                p->depth[i] *= 65536; /* undoes DEPTH_SCALE of eye.glsl */
+                p->depth[i] *= 65536; /* reverses the multiplication by DEPTH_SCALE in eye.glsl */
         }
     }
     return status;

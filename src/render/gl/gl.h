@@ -34,7 +34,7 @@ typedef enum ost_gl_target {
     OST_GL_FORWARD  /* the lit colour, drawn without a G-buffer */
 } ost_gl_target;
 
-/* A drawing method. All variants except ost_gl_ours and ost_gl_thesis exist only for comparisons. */
+/* A drawing method. The variants other than ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
     /* if true, a point is drawn for every voxel of every used block, as in the thesis, including voxels that are not
        active; requires OST_GL_WIDE */
@@ -48,8 +48,8 @@ typedef struct ost_gl_variant {
     /* if true, a shader computes the depths of tiles, as on a graphics card, even with a software renderer; used only
        with `occlusion` */
     bool tiles;
-    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; if false, the square around the
-       bounding sphere of the cube */
+    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; if false, it covers the
+       bounding square of the cube's bounding sphere */
     bool tight;
     /* if true, linear inequalities on three axes determine whether a pixel is covered; if false, the slab test of the
        thesis is used */
@@ -60,12 +60,12 @@ typedef struct ost_gl_variant {
     /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
        `target` OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
-    /* if true, bricks are drawn for voxels that are small on the screen, and single voxels in all other cases */
+    /* if true, bricks are drawn where voxels are small on the screen, and single voxels elsewhere */
     bool choose;
     /* if true, quads of visible faces are drawn instead of points; requires `frustum`, OST_GL_COMPACT and a mesher,
        excludes all other options */
     bool mesh;
-    /* if greater than 0, only blocks in slots below this number are drawn; for measurements of the time per block */
+    /* if greater than 0, only blocks in slots below this number are drawn; used to measure the time per block */
     int32_t slots;
     ost_gl_target target;
 } ost_gl_variant;
@@ -93,7 +93,7 @@ typedef struct ost_gl_options {
 typedef struct ost_gl_info {
     char version[96];  /* version of OpenGL, for example "4.5 (Core Profile) Mesa 22.3.6" */
     char driver[128];  /* name of the renderer, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-    char way[48];      /* type of the context, for example "EGL without a surface" */
+    char way[48];      /* the way in which the context was opened, for example "EGL without a surface" */
     bool software;     /* set if the processor executes OpenGL */
     bool mapped;       /* set if buffers stay mapped */
     float largest;     /* maximum size of a point, in pixels */
@@ -101,8 +101,8 @@ typedef struct ost_gl_info {
 
 /* Returns NULL if this build supports OpenGL. Otherwise returns the reason why it does not. */
 const char *ost_gl_missing(void);
-/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, OpenGL 3.3 or a graphics
-   card that the options require is missing. err names the missing part. */
+/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, OpenGL 3.3 or a required
+   graphics card is missing. The message in err names the missing part. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 /* Frees a renderer that was opened with the option `current`, without a call of OpenGL. NULL is allowed. */

@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search is worthwhile if at least one of every WORTH cells is hidden */
-    PAUSE = 8, /* number of frames until the next search, after a search that was not worthwhile */
+    WORTH = 8,  /* the search is worthwhile if at least one cell in WORTH is hidden */
+    PAUSE = 8, /* number of frames without a search after a search that was not worthwhile */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)

@@ -44,25 +44,26 @@ struct ost_gl {
     ost_gl_store store;
     ost_gl_programs programs;
     ost_gl_targets targets;
-    GLuint eyes, vertices;  /* uniform buffers, vertex array */
+    GLuint eyes, vertices;  /* `eyes` is the buffer of the layers' uniforms, and `vertices` is the vertex array */
     GLint eye_stride;
     GLuint list, list_texture;
     void *list_mapped;
     uint32_t list_capacity, list_used;
     uint32_t *numbers;      /* owned; list_capacity entries */
     GLuint quad_indices;    /* indices of two triangles for each quad of the largest block */
-    uint32_t quad_capacity; /* number of quads in quad_indices */
+    uint32_t quad_capacity; /* capacity of quad_indices in quads */
     ost_gl_layer layer[OST_FRAME_LAYERS];
     ost_gl_smooth_mesh smooth[OST_GL_SMOOTH];
-    unsigned smooth_next;   /* number of buffers filled so far */
+    unsigned smooth_next;   /* number of buffers that have been filled so far */
     GLuint sheet;           /* texture of the sheet that was shown last; 0 before the first sheet */
     int sheet_width, sheet_height;
     ost_frame_block *blocks; /* owned; block_capacity entries */
-    float *bases;           /* owned; 4 values for each block */
+    float *bases;           /* owned; for each block, the vector from the eye to the block's first voxel, in 4 floats */
     GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */
     GLsizei *counts;        /* owned */
-    const void **offsets;   /* owned; block_capacity null pointers: each block begins at the first index */
-    /* owned; for each block, the cells whose points are listed next, as bits in the order of
+    /* owned; block_capacity null pointers, because the indices of every block begin at the first index */
+    const void **offsets;
+    /* owned; for each block, the set of the cells whose points are listed next; the bits have the order of
        ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST = 64 }; /* number of granules of the first buffer */
+enum { LEAST = 64 }; /* capacity of the first buffer in granules */
 
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped)
 {
@@ -65,7 +65,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     GLint limit = 0;
     const uint64_t granules = least > 2 * (uint64_t)p->granules ? least : 2 * (uint64_t)p->granules;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    /* Vertex numbers have the type GLint. */
+    /* The number of vertices is limited, because OpenGL passes vertex numbers as GLint. */
     if (granules << p->bits > INT32_MAX || (p->format && granules << p->bits > (uint64_t)limit))
         return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) holds at most %d %s; use --renderer points", c->info.driver,
                         p->format ? (int)limit : INT32_MAX, p->what);

@@ -16,7 +16,7 @@
 #include "render/gl/context.h"
 
 typedef struct ost_gl_pool {
-    const char *what;    /* name of the elements, used in messages */
+    const char *what;    /* name of the elements in messages */
     size_t element;      /* size of an element in bytes */
     unsigned bits;
     GLenum format;       /* format of the texture; 0 if there is no texture */

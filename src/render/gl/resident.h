@@ -24,7 +24,7 @@ typedef struct ost_gl_run {
     uint32_t first, count, granules;
     /* first element and number of granules of the run of shades; used only by bricks and quads */
     uint32_t shade_first, shade_granules;
-    uint64_t listed;      /* used only by quads: the block's `listed` when the quads were made */
+    uint64_t listed;      /* value of the block's `listed` when the quads were made; used only by quads */
     uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
     uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* set of the cells that the last search found to be hidden (hide.h) */
@@ -54,7 +54,7 @@ typedef struct ost_gl_store {
     ost_face_cluster *clusters; /* owned; clusters and slots have cluster_capacity entries */
     int32_t *slots, cluster_capacity;
     uint32_t meshed;      /* number of blocks meshed since the start of the frame */
-    int64_t mesh_ns, copy_ns; /* times since the start of the frame */
+    int64_t mesh_ns, copy_ns; /* durations of meshing and of copying, summed since the start of the frame */
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
     uint64_t uploaded; /* number of bytes uploaded since the start of the frame */

@@ -17,7 +17,7 @@ typedef struct copying {
     GLuint texture;
 } copying;
 
-/* Row 0 of a picture is its top row; row 0 of a texture of OpenGL is its bottom row. */
+/* Row 0 is the top row of a picture, but the bottom row of an OpenGL texture. */
 static ost_status copy_here(void *user, ost_error *err)
 {
     const copying *c = user;

@@ -16,7 +16,7 @@ typedef struct ost_gl_worker ost_gl_worker;
 typedef ost_status ost_gl_work(void *user, ost_error *err);
 
 ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err);
-void ost_gl_worker_stop(ost_gl_worker *worker); /* NULL is allowed */
+void ost_gl_worker_stop(ost_gl_worker *worker); /* accepts NULL */
 /* Executes work on the worker's thread and waits for its result. Without a worker, executes the work on the calling
    thread. Must be called by only one thread at a time. */
 ost_status ost_gl_worker_do(ost_gl_worker *worker, ost_gl_work *work, void *user, ost_error *err);

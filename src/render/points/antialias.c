@@ -13,11 +13,11 @@ enum { RUN = OST_ANTIALIAS_RUN, WORD = OST_CELL_WIDTH };
 _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row of a cell");
 
 /*
- * Returns the weight of the neighbour, in 256ths, in a pixel that has `before` and `after` further sides of the run on
- * its two sides. The weight is due to the nearer end of the run. From this end, at x = 0, to the middle of the run, the
- * height of the line falls from half a pixel to zero. The weight of the pixel that is k sides away from this end is the
- * area under the line between x = k and k + 1. In the pixel in the middle, each of the two lines ends, and each
- * contributes half of a triangle.
+ * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run extends by
+ * `before` and `after` sides on the two sides of the pixel. The weight depends on the nearer end of the run. From this
+ * end, at x = 0, to the middle of the run, the height of the line falls from half a pixel to zero. If the pixel is k
+ * sides away from the end, the weight is the area under the line between x = k and k + 1. Two lines end in the pixel in
+ * the middle of the run; each of them contributes half of a triangle.
  */
 static uint8_t share_of(int before, int after)
 {
@@ -80,7 +80,7 @@ void ost_antialias_free(ost_antialias *a)
     *a = (ost_antialias){.words = 0};
 }
 
-/* Returns the index of the word with the sides of row y of a cell. Row -1 and cell -1 exist. */
+/* Returns the index of the word that contains the sides of row y of a cell. Row -1 and cell -1 exist. */
 static size_t word_of(const ost_antialias *a, int cell, int y)
 {
     return (size_t)(y + 1) * (size_t)a->words + (size_t)(cell + 1);
@@ -149,7 +149,7 @@ static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 static edge edge_below(const ost_antialias *a, int x, int y)
 {
     const uint16_t *w = &a->below[word_of(a, x >> 4, y)];
-    /* bit 16 is the side itself; bits 0 and 32 are the last bits that are searched */
+    /* Bit 16 is the side itself. Bits 0 and 32 are the last bits that are searched. */
     const uint64_t around = ((uint64_t)w[-1] | (uint64_t)w[0] << 16 | (uint64_t)w[1] << 32) >> (x & 15);
     const uint32_t ahead = ~(uint32_t)(around >> 17) & 0xffff, behind = ~(uint32_t)around & 0xffff;
     edge e = {.before = behind ? __builtin_clz(behind) - 16 : RUN + 1, .after = ahead ? __builtin_ctz(ahead) : RUN + 1};

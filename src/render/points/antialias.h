@@ -6,9 +6,9 @@
  *   colours --differences of neighbours--> one bit for each side between two pixels
  *           --runs of bits, bends at both ends--> share of the neighbour in a pixel --> smooth colours
  *
- * A side lies between two neighbouring pixels. Between two rows, an edge is a run of sides whose upper and lower pixels
- * differ. If the edge continues in the upper or the lower row at an end of the run, the run is one step of a slanted
- * line. At this end, the step is half a pixel away from the line:
+ * A side lies between two neighbouring pixels. Between two rows, an edge is a run of adjacent sides at which the upper
+ * and the lower pixel differ. If the edge continues in the upper or the lower row at an end of the run, the run is one
+ * step of a slanted line. At this end, the step is half a pixel away from the line:
  *
  *   . . . . . . # # #          `line`: from half a pixel above the run's left end to its middle. The pixels # that the
  *   . . . . # # # # #          line cuts get the share of the colour below that lies below the line.
@@ -26,10 +26,11 @@
 #include "render/points/cells.h"
 
 enum {
-    OST_ANTIALIAS_RUN = 15,    /* sides that are searched on either side of a pixel */
+    OST_ANTIALIAS_RUN = 15,    /* number of sides that are searched in each direction from a pixel */
     OST_ANTIALIAS_REACH = 16,
-    OST_ANTIALIAS_LEAST = 24,  /* difference of two pixels in one channel that makes an edge */
-    /* cells around a changed cell that may depend on it */
+    /* minimum difference of two pixels in one channel at which there is an edge between them */
+    OST_ANTIALIAS_LEAST = 24,
+    /* number of columns, and of rows, of cells around a changed cell whose pixels may depend on this cell */
     OST_ANTIALIAS_CELLS_ACROSS = 1,
     OST_ANTIALIAS_CELLS_DOWN = 2,
 };
@@ -46,10 +47,10 @@ ost_antialias_find ost_antialias_find_scalar, ost_antialias_find_avx2;
 
 /* The sides between the pixels of a picture. */
 typedef struct ost_antialias {
-    /* owned; one word for each row of a cell; there are a word of zeros before and after each row, and rows of zeros
-       before and after the picture */
+    /* owned; one word for each row of a cell; a word of zeros precedes and follows each row of the picture, and rows of
+       zeros precede and follow the picture */
     uint16_t *below, *right;
-    uint8_t share[OST_ANTIALIAS_RUN + 1][OST_ANTIALIAS_RUN + 1]; /* see share_of */
+    uint8_t share[OST_ANTIALIAS_RUN + 1][OST_ANTIALIAS_RUN + 1]; /* the results of share_of */
     int words, width, height;
     ost_antialias_find *find;
 } ost_antialias;

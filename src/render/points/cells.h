@@ -12,7 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* OST_CELL_WORDS is the maximum number of words per row, which is sufficient for 8192 pixels. */
+/* OST_CELL_WORDS is the maximum number of words per row, sufficient for 8192 pixels. */
 enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
 typedef struct ost_cells {

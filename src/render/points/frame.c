@@ -134,7 +134,7 @@ ost_status ost_frame_store(ost_frame *frame, ost_error *err)
 
 ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
 {
-    /* one pixel after the last one is read */
+    /* one more element, because antialiasing reads one pixel after the last one */
     const size_t count = (size_t)frame->planes.stride * (size_t)frame->height + 1;
     uint32_t *colour = plane_alloc(count, sizeof *colour);
     if (!colour || !ost_antialias_init(&frame->antialias, frame->width, frame->height, isa) ||

@@ -68,7 +68,7 @@ typedef struct ost_frame_bench {
 /* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was computed */
-    /* `count` is the number of entries, and `capacity` the number of entries for which memory is reserved */
+    /* `count` is the number of entries, and `capacity` is the number of entries for which memory is reserved */
     uint32_t count, capacity;
     /*
      * index at which memory for the block's next list is reserved; the current list begins at the index visible.begin
@@ -76,7 +76,7 @@ typedef struct ost_frame_list {
     uint32_t visible_first;
     int32_t at[3];          /* position of the block, in blocks */
     bool listed;            /* set if the list exists; if not set, no voxel of the block is drawn */
-    /* set if the block was in the view frustum in the last frame, whether or not other blocks hid it */
+    /* set if the block was in the view frustum in the last frame, even if other blocks hid it */
     bool there;
 } ost_frame_list;
 
@@ -92,7 +92,7 @@ typedef struct ost_frame_layer {
      * `slots` is the number of slots in the last frame; `slot_capacity` is the capacity of the arrays indexed by slot
      */
     int32_t slots, slot_capacity;
-    float *bases;           /* owned; 4 values for each slot */
+    float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* side of this layer's voxels in units of the first object's voxels */
@@ -113,7 +113,7 @@ typedef struct ost_frame {
     /* the planes into which objects are drawn: the same as `planes`, except that after ost_frame_antialias `colour` is
        a separate, owned array */
     ost_planes drawn;
-    ost_antialias antialias; /* owned; without memory before ost_frame_antialias */
+    ost_antialias antialias; /* owned; has no memory before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
     /* owned; planes of the first layer alone, without keys; NULL before the first call of ost_frame_store */
     ost_planes stored;
@@ -127,7 +127,7 @@ typedef struct ost_frame {
      * set
      */
     ost_cells over;
-    /* cells whose smooth colours were computed in this frame; without memory before ost_frame_antialias */
+    /* cells whose smooth colours were computed in this frame; has no memory before ost_frame_antialias */
     ost_cells smoothed;
     ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
@@ -151,7 +151,7 @@ typedef struct ost_frame_thing {
     /* eye in the object's voxel coordinates; the picture size of the eye must be that of the frame */
     ost_eye eye;
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; if NULL, every voxel has the paint of the object */
+    const uint32_t *palette; /* borrowed; NULL means that every voxel has the paint of the object */
     /* borrowed; if not NULL, this mesh is drawn instead of the surface's voxels; must be NULL for the first object */
     const ost_smooth_mesh *mesh;
 } ost_frame_thing;

@@ -12,8 +12,7 @@ typedef struct band {
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of a band's tiles that a block may cover. Tile rows are counted from the first row of the
-   band. */
+/* The half-open range of a band's tiles that a block may cover. The first row of tiles in the band has the number 0. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
 } tile_range;

@@ -34,8 +34,8 @@ typedef struct ost_paint {
 enum { OST_BRIGHT_BITS = 9 };
 
 typedef struct ost_light {
-    /* for each direction, one number; its low OST_BRIGHT_BITS bits are the brightness in units of 1/256, at most 320,
-       and its higher bits the amount added to each channel */
+    /* for each direction, a number whose low OST_BRIGHT_BITS bits are the brightness in units of 1/256, at most 320,
+       and whose higher bits are the amount that is added to each channel */
     uint16_t shade[OST_OCTAHEDRAL_COUNT];
     uint32_t face[8];                     /* light on each face, in units of 1/256; entries 6 and 7 are not used */
     uint32_t colour[OST_PAINTS];          /* colour of each paint, 0xBBGGRR */
@@ -91,7 +91,7 @@ void ost_light_tint(const ost_light *light, const uint32_t *shades, uint32_t cou
 typedef void ost_light_tint_of(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 ost_light_tint_of *ost_light_tint_for(ost_isa isa);
 
-/* Bit-identical variants of the loops for AVX-512. */
+/* The variants of the loops for AVX-512. Their results are bit-identical. */
 void ost_light_shade_avx512(uint16_t *shade, const ost_directions *directions, const ost_lamps *lamps, float gloss);
 void ost_light_tint_avx512(const ost_light *light, const uint32_t *shades, uint32_t count, uint32_t *tint);
 #endif

@@ -14,10 +14,10 @@
 #include "render/points/surface.h"
 
 enum {
-    /* number of rows along y, and of slices along z, on which the shades of a block may depend */
+    /* number of rows along y, and number of slices along z, on which the shades of a block may depend */
     OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH,
     OST_RIM = OST_BLOCK + 2,
-    /* number of words after the last point that may be overwritten by a kernel */
+    /* number of words after the last point that a kernel may overwrite */
     OST_POINT_SLACK = 16,
 };
 
@@ -27,8 +27,8 @@ typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;
 
-/* The words of a block with a margin of one row, indexed by [z + 1][y + 1]. The arrays `left` and `right` are the words
-   of the two neighbours along x. */
+/* The words of a block and of one row on each side of it, indexed by [z + 1][y + 1]. The arrays `left` and `right`
+   contain the words of the two neighbours along x. */
 typedef struct ost_rim {
     uint32_t row[OST_RIM][OST_RIM];
     const uint32_t *left, *right;

@@ -33,7 +33,7 @@ typedef struct ost_shading_scratch {
      * function
      */
     ost_rows occupied, near, other;
-    /* one slice that includes the neighbours' voxels, or two slices without these voxels */
+    /* scratch for one slice including the neighbours' voxels, or for two slices without them */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
     /* in y[], slice z has the index z % 9; in field[], slice z has the index z % 3 */
     ost_field_slice y[9], field[3];

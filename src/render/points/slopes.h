@@ -29,7 +29,7 @@ enum {
        rises on an edge (EDGE) */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* divisor of the wide field's values */
-    OST_WIDE_LEAST = 120, /* slopes of the wide field below this value are ignored */
+    OST_WIDE_LEAST = 120, /* the slope of the wide field is ignored if it is below this value */
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of OST_FIELD_FULL */
 };
 /*

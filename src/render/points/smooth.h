@@ -42,7 +42,7 @@ enum {
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */
     OST_FIELD_BY_FACES = 160, /* amount by which an exposed face increases a slope */
     OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
-    OST_SHADING_SLACK = 16, /* number of words after the last shade that may be overwritten by a kernel */
+    OST_SHADING_SLACK = 16, /* number of words after the last shade that a kernel may overwrite */
 };
 
 typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
@@ -91,7 +91,7 @@ OST_SMOOTH_DECLARE(scalar)
 OST_SMOOTH_DECLARE(avx2)
 OST_SMOOTH_DECLARE(avx512)
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-/* Also used for AVX-512. */
+/* The function for AVX2, which is also used for AVX-512. */
 void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
 
 #endif

@@ -183,7 +183,7 @@ static uint64_t hash_of(const ost_smooth_mesh *mesh)
     uint64_t h = UINT64_C(0xcbf29ce484222325);
     const unsigned char *bytes = (const unsigned char *)mesh->triangle;
     for (size_t i = 0; i < mesh->count * sizeof *mesh->triangle; i += sizeof(uint64_t)) {
-        uint64_t word; /* a triangle has 72 bytes */
+        uint64_t word; /* a triangle has 72 bytes, which are a multiple of the size of a word */
         memcpy(&word, bytes + i, sizeof word);
         h = (h ^ word) * UINT64_C(0x100000001b3);
         h ^= h >> 32;

@@ -14,8 +14,8 @@
 
 #include <osteon/mesh.h>
 
-/* maximum number of triangles; drawing a larger mesh would take too much of a frame's time, so the tool's voxels are
-   drawn instead */
+/* maximum number of triangles; for a larger mesh, drawing would take too much of a frame's time, so the tool's voxels
+   are drawn instead */
 enum { OST_SMOOTH_TRIANGLES_MAX = 1 << 17 };
 
 typedef struct ost_smooth_corner {
@@ -37,7 +37,7 @@ typedef struct ost_smooth_mesh {
     size_t positions;
     uint32_t (*place)[3];
     bool closed; /* true if no triangle can be seen from behind by an eye outside the mesh */
-    uint64_t hash; /* hash of the triangles, by which a renderer finds a mesh that it has uploaded */
+    uint64_t hash; /* hash of the triangles, with which a renderer recognizes a mesh that it has already uploaded */
 } ost_smooth_mesh;
 
 /*

@@ -99,10 +99,10 @@ typedef struct ost_chosen {
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; each entry is tint << 32 | id, so that one load reads both values; the tint is the voxel's
+    /* owned by the frame; an entry is tint << 32 | id, so that a single load reads both values; the tint is the voxel's
        colour in full light */
     uint64_t *seen;
-    uint8_t *only;              /* owned by the frame; same values as ost_chosen.only */
+    uint8_t *only;              /* owned by the frame; the values of ost_chosen.only */
     /*
      * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. Before a thread has drawn
      * the group, the value is OST_EXTENT_UNKNOWN. Every thread computes the same value, so threads need not wait for

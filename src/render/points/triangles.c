@@ -83,7 +83,10 @@ static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
 static void middles(int32_t a, int32_t b, int32_t c, int size, int *from, int *to)
 {
     const int32_t least = a < b ? a < c ? a : c : b < c ? b : c, most = a > b ? a > c ? a : c : b > c ? b : c;
-    /* rounded up; coordinates are at most 2^28, and a shift rounds down */
+    /*
+     * `first` is the first pixel whose middle is not below `least`, and `end` is the first pixel whose middle is above
+     * `most`. The shifts round down, also for negative numbers. Coordinates are at most 2^28.
+     */
     const int first = (least + PARTS / 2 - 1) >> 8, end = (most + PARTS / 2) >> 8;
     *from = first > 0 ? first < size ? first : size : 0;
     *to = end < size ? end > 0 ? end : 0 : size;
@@ -97,7 +100,10 @@ static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *con
     ost_flat_triangle *f = &t->triangle[t->count];
     const int64_t area = (int64_t)(c[1]->x - c[0]->x) * (c[2]->y - c[0]->y) -
                          (int64_t)(c[2]->x - c[0]->x) * (c[1]->y - c[0]->y);
-    /* from outside, the corners appear counter-clockwise; because y points down, their area is then negative */
+    /*
+     * From outside, the corners appear counter-clockwise. Because y points down, the area of such a triangle is
+     * negative.
+     */
     const bool front = area < 0;
     if (area == 0 || (closed && !front))
         return;
@@ -106,7 +112,7 @@ static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *con
     if (f->pixels.x0 >= f->pixels.x1 || f->pixels.y0 >= f->pixels.y1)
         return;
     for (int i = 0; i < 3; i++) {
-        const int from = front ? (3 - i) % 3 : i; /* exchanges two corners, so that the area is positive */
+        const int from = front ? (3 - i) % 3 : i; /* two corners are exchanged so that the area is positive */
         f->x[i] = c[from]->x;
         f->y[i] = c[from]->y;
         f->inverse[i] = c[from]->inverse;
@@ -136,7 +142,7 @@ static void add_clipped(ost_triangles *t, const ost_eye *eye, const ost_flat_cor
 
 static ost_status reserve(ost_triangles *t, const ost_smooth_mesh *mesh, ost_error *err)
 {
-    const size_t most = 2 * mesh->count; /* clipping divides a triangle into at most two */
+    const size_t most = 2 * mesh->count; /* clipping may divide a triangle into two */
     if (t->capacity < most) {
         ost_flat_triangle *grown = realloc(t->triangle, most * sizeof *grown);
         if (!grown)

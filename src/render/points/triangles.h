@@ -22,18 +22,18 @@ enum { OST_PIXEL_PARTS = 256 }; /* coordinates in the picture are in 256ths of a
 
 /* A corner in the camera's frame and, if it lies beyond the near plane, in the picture. */
 typedef struct ost_flat_corner {
-    float at[3];             /* right, up, forward */
+    float at[3];             /* position along the camera's axes right, up and forward */
     float inverse;           /* 1 / at[2] */
-    int32_t x, y;            /* 256ths of a pixel from the picture's left and top edges */
+    int32_t x, y;            /* position in 256ths of a pixel, from the left and top edges of the picture */
 } ost_flat_corner;
 
 /* A triangle in the picture. The corners are in such an order that the triangle's area is positive. */
 typedef struct ost_flat_triangle {
-    int32_t x[3], y[3];      /* as in ost_flat_corner */
-    float whole;             /* 1 / (twice the area) */
+    int32_t x[3], y[3];      /* positions of the corners, as in ost_flat_corner */
+    float whole;             /* reciprocal of twice the triangle's area */
     ost_extent pixels;       /* pixels whose middles the triangle may cover */
-    float inverse[3];        /* 1 / distance along the forward axis, in voxels */
-    float normal[3][3];      /* times `inverse`; turned to the eye */
+    float inverse[3];        /* reciprocal of each corner's distance along the forward axis, in voxels */
+    float normal[3][3];      /* normal of each corner, turned to the eye and multiplied by `inverse` */
 } ost_flat_triangle;
 
 typedef struct ost_triangles {
@@ -44,7 +44,8 @@ typedef struct ost_triangles {
     int y0, y1;              /* half-open range of rows that the triangles may cover */
     ost_lamps lamps;
     uint32_t colour;
-    float gloss, scale;      /* `scale`: side of the mesh's voxels in units of the frame's depth */
+    /* gloss of the paint; `scale` is the side of the mesh's voxels in units of the frame's depth */
+    float gloss, scale;
 } ost_triangles;
 
 /* Draws the rows y0 <= y < y1 of a triangle, in the pixels in which it is nearer than the planes. Adds the cells of

@@ -115,7 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if a voxel at most two steps away along one of the axes has a density d with from <= d < to. */
+/* Returns true if a voxel whose density d satisfies from <= d < to is at most two steps away along one of the axes. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -331,8 +331,8 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* For each i, computes the minimum of line[i + k count] + k^2 over all |k| < 32. A line has `count` numbers, and the
-   lines follow each other in memory. */
+/* For each i, computes the minimum of line[i + k * count] + k^2 over all |k| < 32. Each line has `count` elements, and
+   the lines follow one another in memory. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

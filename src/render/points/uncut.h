@@ -10,7 +10,7 @@
  * A paint is a number that a palette maps to a colour (palette.h): 0 is the object's own colour, 1
  * .. 127 are lit like the surface, and 128 .. 255 are shown without lighting.
  *
- * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone, less half a voxel.
+ * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone, minus half a voxel.
  * Depths are exact up to 32 voxels. A voxel counts as outside if it is not bone and a cube of 2^3 voxels can move from
  * the grid's border to within two voxels of it. Pores in the bone therefore do not count as outside. The voxels beyond
  * the grid are not known, so a bone that was cropped has no surface at the grid's border.

@@ -10,7 +10,7 @@
 
 #include <immintrin.h>
 
-enum { EIGHT = 8, SMALL = 4 }; /* SMALL is the greatest side of a small rectangle in pixels */
+enum { EIGHT = 8, SMALL = 4 }; /* SMALL is the maximum width and height of a small rectangle in pixels */
 
 typedef __m256 lanes;
 typedef struct lanes3 {
@@ -115,8 +115,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
     /*
-     * i = 0, 1, 2 selects the vectors focal * forward, right and up, from which the coefficients a, b and c of an edge
-     * are computed
+     * The values 0, 1 and 2 of i select the vectors focal * forward, right and up. From these vectors, the coefficients
+     * a, b and c of an edge are computed.
      */
     for (int i = 0; i < 3; i++) {
         lanes m[3];

@@ -102,8 +102,8 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
 }
 
 /*
- * SMALL is the greatest side of a small rectangle in pixels. TALL is the number of rows whose edges are computed at the
- * same time.
+ * SMALL is the maximum width and height of a small rectangle in pixels. TALL is the number of rows whose edges are
+ * computed at the same time.
  */
 enum { SMALL = 4, TALL = 16 };
 
@@ -128,8 +128,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
     /*
-     * i = 0, 1, 2 selects the vectors focal * forward, right and up, from which the coefficients a, b and c of an edge
-     * are computed
+     * The values 0, 1 and 2 of i select the vectors focal * forward, right and up. From these vectors, the coefficients
+     * a, b and c of an edge are computed.
      */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
