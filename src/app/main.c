@@ -98,8 +98,8 @@ static void open_standard_streams(void)
 {
     for (int fd = 0; fd < 3; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
-            /* The access mode is the opposite of the stream's mode, so that any use of the closed stream still
-               fails. */
+            /* The descriptor gets the access mode opposite to the stream's mode, so that any use of the closed stream
+               still fails. */
             if (open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd)
                 _exit(2);
         }
@@ -149,8 +149,8 @@ static void on_exit_within_verb(void)
 }
 
 /*
- * If memory is exhausted, the functions of jansson return NULL or -1. They are called in hundreds of places, and no
- * caller may continue with an incomplete object. The allocator therefore ends the command.
+ * If memory is exhausted, the functions of jansson return NULL or -1. They are called in hundreds of places, and a
+ * caller must not continue with an incomplete object. Therefore the allocator ends the command.
  */
 static void *json_memory(size_t size)
 {

@@ -21,7 +21,7 @@ void all_cores_begin(void)
     cores.known = sched_getaffinity(0, sizeof cores.set, &cores.set) == 0;
 }
 
-/* If the call to sched_setaffinity fails, the work is done on the cores that the thread may already use. */
+/* If sched_setaffinity fails, the work is done on the cores on which the thread may already run. */
 static void *run(void *user)
 {
     const task *t = user;

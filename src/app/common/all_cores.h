@@ -11,7 +11,7 @@
 
 /* Records the cores on which this process may run. Called once, before any thread is created. */
 void all_cores_begin(void);
-/* Calls work(user) on a new thread that may run on all of these cores, and waits until the thread has ended. If no
+/* Calls work(user) on a new thread that may run on all recorded cores, and waits until the thread has ended. If no
    thread can be created, calls work(user) on the calling thread. */
 void all_cores_do(void (*work)(void *user), void *user);
 

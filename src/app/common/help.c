@@ -7,7 +7,7 @@
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* Prints text that begins in column COLUMN and is wrapped at blanks. */
+/* Prints text that begins in column COLUMN. The lines are broken at blanks. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;

@@ -8,7 +8,7 @@
 enum { SIGNALS = 3 };
 static const int signals[SIGNALS] = {SIGINT, SIGTERM, SIGHUP};
 static struct sigaction usual[SIGNALS];
-/* Set by a signal handler or by the thread of a window; read by the thread of the servo loop. */
+/* This flag is set by a signal handler or by the thread of a window. The thread of the servo loop reads it. */
 static atomic_int requested;
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 

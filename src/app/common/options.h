@@ -17,15 +17,15 @@
 typedef enum option_kind {
     OPTION_FLAG,     /* bool */
     OPTION_TEXT,     /* const char * */
-    OPTION_LIST,     /* option_list: the option may be repeated */
-    OPTION_INTEGER,  /* int64_t, min <= value <= max */
+    OPTION_LIST,     /* an option_list; the option may be repeated */
+    OPTION_INTEGER,  /* an int64_t with min <= value <= max */
     OPTION_DECIMAL,  /* option_decimal */
-    OPTION_LENGTH,   /* ost_pm, more than zero */
-    OPTION_LENGTHS,  /* ost_pm3: one value for all axes, or x,y,z; more than zero */
-    OPTION_POINT,    /* ost_pm3: x,y,z of any sign */
+    OPTION_LENGTH,   /* an ost_pm greater than zero */
+    OPTION_LENGTHS,  /* an ost_pm3 with positive components: one value for all axes, or x,y,z */
+    OPTION_POINT,    /* an ost_pm3 x,y,z whose components may be negative */
     OPTION_VECTOR,   /* double[3] */
-    OPTION_CHOICE,   /* int: index of the value in choices "a|b|c" */
-    OPTION_HEADING   /* not an option: the name is a heading in --help */
+    OPTION_CHOICE,   /* an int: the index of the value in choices "a|b|c" */
+    OPTION_HEADING   /* not an option: the name is printed as a heading in --help */
 } option_kind;
 
 enum { OPTION_LIST_MAX = 16 };
@@ -44,8 +44,8 @@ typedef struct option {
     option_kind kind;
     void *out;         /* destination of the value; must contain the default on entry */
     bool *given;       /* may be NULL */
-    const char *value; /* placeholder for the value in --help; for OPTION_CHOICE also the choices */
-    int64_t min, max;  /* for OPTION_INTEGER */
+    const char *value; /* placeholder for the value in --help; for OPTION_CHOICE, also the list of choices */
+    int64_t min, max;  /* limits of the value of an OPTION_INTEGER */
     const char *help;
     bool required;
 } option;
@@ -60,8 +60,8 @@ typedef struct option {
 typedef struct operand {
     const char *name;
     const char **out;
-    /* message if the operand is missing, such as "no CT given"; NULL if the operand is optional; only the last operand
-       may be optional */
+    /* the message if the operand is missing, such as "no CT given"; NULL if the operand is optional; only the last
+       operand may be optional */
     const char *missing;
 } operand;
 

@@ -12,20 +12,20 @@
 #include "core/printable.h"
 
 /*
- * For HOLD_MS milliseconds after other output, the progress line is not drawn, so that a text of several lines is not
+ * After other output, the progress line is not drawn for HOLD_MS milliseconds, so that a text of several lines is not
  * interrupted.
  */
 enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
 /*
- * The remaining time is printed only after this time and this share of a stage, because earlier estimates vary too
- * much.
+ * The remaining time is printed only when this time has elapsed and this share of the stage is complete, because
+ * earlier estimates vary too much.
  */
 static const double LEFT_MS = 300, LEFT_SHARE = 0.001;
 
 static struct {
     pthread_mutex_t lock; /* protects all fields and the line on the terminal */
     bool on, drawn;
-    char stage[32];       /* "" between two stages */
+    char stage[32];       /* name of the current stage; "" between two stages */
     double share;
     double begin, stage_begin, not_before; /* times in ms */
 } line = {.lock = PTHREAD_MUTEX_INITIALIZER};

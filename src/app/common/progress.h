@@ -18,8 +18,8 @@ double now_ms(void);
 /* Starts measuring the time of a verb. Called once, when the options have been parsed. */
 void progress_begin(const app_state *app);
 /*
- * Sets the stage and the completed share, from 0 to 1; a share of 0 also means that the share is not known.
- * Implements ost_progress. `user` is not used. May be called on any thread. Returns true.
+ * Sets the stage and the completed share, from 0 to 1. A share of 0 also means that the share is not known. Implements
+ * ost_progress. `user` is not used. May be called on any thread. Returns true.
  */
 bool progress_show(void *user, const char *stage, double share);
 /* Erases the line. Called before other text is printed. If the stage continues, the line is drawn again later. */

@@ -34,7 +34,8 @@ void put_text(json_t *object, const char *key, const char *text)
 {
     json_t *value = json_string(text);
     /*
-     * A file name may contain any bytes, but JSON text must be UTF-8. Therefore a name that is not UTF-8 is replaced.
+     * A file name may contain any bytes, but JSON text must be UTF-8. Therefore a name that is not valid UTF-8 is
+     * replaced.
      */
     put(object, key, value ? value : json_string("(not UTF-8)"));
 }

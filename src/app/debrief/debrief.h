@@ -34,7 +34,7 @@ ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost
                          debrief *out, ost_error *err);
 /* Adds a tick. Ticks must be added in order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
-/* Adds the first count ticks of a session. */
+/* Adds the first `count` ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
 /*
  * Computes and reports the metrics, and writes the page. `name` is the name of the input, for the page's title.
@@ -44,7 +44,7 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
                        const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);
 
-/* Writes the page. Defined in html.c. */
+/* Writes the page; implemented in html.c. */
 struct verdict;
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after,
                         const ost_density_classes *classes, int threshold, const ost_metrics *m,

@@ -26,7 +26,7 @@ static level judge(double value, double good, double watch)
 }
 
 /*
- * Adds a remark if the figure exceeds its aim. The first remark is always about the figure that exceeds its aim by the
+ * Adds a remark if the figure exceeds its aim. The list of remarks begins with the figure that exceeds its aim by the
  * largest factor.
  */
 static void notice(verdict *v, level l, double times, const char *format, ...) OST_PRINTF(4, 5);

@@ -7,7 +7,7 @@
  *   chunks    which blocks differ, and how much
  *   kinds     each voxel that differs is removed, added, changed or below
  *   patterns  the shape of all differences together (pattern.c)
- *   voxels    the first ones, with both values
+ *   voxels    the first voxels that differ, with both values
  *
  * A voxel is solid if its density is at least the threshold. A voxel of a tool is solid if it is not empty.
  */
@@ -46,10 +46,10 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* true if the spacing or the origin is equal only after rounding to float32 */
+    bool rounded_geometry; /* true if spacing and origin are equal only after rounding to float32 */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
-    ost_voxel_box box; /* encloses all differences */
+    ost_voxel_box box; /* box that encloses all differences */
     int32_t busiest[3]; /* for each axis, the index of the slice with the most differences */
     int chunk_size;
     ost_dims chunk_dims;
@@ -70,20 +70,20 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
                         ost_error *err);
 void diff_free(diff_result *result);
 
-/* Adds to the result all patterns that apply. Defined in pattern.c. */
+/* Adds to the result all patterns that apply; implemented in pattern.c. */
 void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *result);
 
 const char *diff_kind_name(diff_kind kind);
 const char *diff_kind_text(diff_kind kind);
 diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t threshold_b);
 
-/* Compares two bundles by their digests. Defined in bundles.c. */
+/* Compares two bundles by their digests; implemented in bundles.c. */
 bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
 /*
- * Draws, for each axis, the slice with the index in `busiest`. The differences are coloured, over the densities of A.
- * Defined in picture.c.
+ * Draws, for each axis, the slice with the index in `busiest`, with coloured differences over the densities of A;
+ * implemented in picture.c.
  */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);
@@ -98,7 +98,7 @@ bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_re
 /* Returns true if the directions of the grid's axes in the patient are not known. */
 bool diff_unoriented(const loaded_volume *in);
 
-/* Writes one self-contained page with the result. Defined in html.c. */
+/* Writes one self-contained page with the result; implemented in html.c. */
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a,
                      const loaded_volume *b, const diff_result *result, ost_error *err);
 

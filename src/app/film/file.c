@@ -104,7 +104,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&how, &none);
     posix_spawnattr_setsigdefault(&how, &usual);
-    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C signals only the simulator, which then completes the video */
+    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C then signals only the simulator, which completes the video */
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
@@ -162,7 +162,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     snprintf(descriptor_path, sizeof descriptor_path, "/dev/fd/%d", ENCODER_FD);
     argv[count++] = "-f";
     argv[count++] = format;
-    argv[count++] = "-y"; /* overwrite the file, which already exists */
+    argv[count++] = "-y"; /* overwrites the file, which already exists */
     argv[count++] = descriptor_path;
     return start(f, argv, err);
 }
@@ -332,7 +332,7 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     char last[LINE];
     if (error == EPIPE) {
         if (f->messages)
-            finish(f, NULL); /* the messages of ffmpeg are complete only after it has ended */
+            finish(f, NULL); /* the messages of ffmpeg are complete only after ffmpeg has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",

@@ -38,7 +38,8 @@ struct film {
     job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
-    int64_t begin_ns, last; /* time of the first frame; index of the latest frame passed in */
+    /* begin_ns is the time of the first frame; `last` is the index of the latest frame that a caller passed */
+    int64_t begin_ns, last;
     bool begun;
     uint64_t dropped;
     bool news;

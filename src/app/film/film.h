@@ -7,7 +7,7 @@
  *                            '-- queue full: dropped,       ffmpeg --> FILE.mp4, .mkv, .mov, .webm
  *                                and counted                sh -c COMMAND, which reads a .y4m from its standard input
  *
- * The caller passes the time of each frame. In the video, the previous frame takes the place of a dropped frame, and is
+ * The caller passes the time of each frame. In the video, the previous frame replaces each dropped frame, and is
  * repeated while nothing changes. The video has the size of the first frame; frames of other sizes are scaled to fit.
  *
  * No file is overwritten: a picture gets the next free name. A video file gets its name only when
@@ -21,7 +21,7 @@
 enum { FILM_TEXT = 200 };
 
 typedef struct film_options {
-    const char *target, *pipe; /* destination of the video; at most one of target and pipe is set */
+    const char *target, *pipe; /* destination of the video; at most one of `target` and `pipe` is set */
     int64_t fps;
     /* if true, a caller waits for the writer while the queue is full; if false, the frame is dropped */
     bool wait;

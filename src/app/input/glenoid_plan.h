@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Finds the plan. It consists of the glenoid's position, the axis into the bone, the depth, and the scapula's
- * landmarks. Options take precedence over the header of a session. The header takes precedence over the bone's file.
+ * landmarks. If several sources contain a value, options take precedence over the header of a session, and the header
+ * takes precedence over the bone's file.
  *
  *   options --.
  *   session ---+--> plan --> debrief

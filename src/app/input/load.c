@@ -16,7 +16,7 @@
 #include "io/outfile.h"
 #include "app/input/mask_option.h"
 
-enum { THRESHOLD = 120 }; /* threshold of the thesis (AR-CHK-1) */
+enum { THRESHOLD = 120 }; /* default threshold, that of the thesis (AR-CHK-1) */
 
 /* ------------------------------------------------------------------ names */
 
@@ -54,10 +54,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
         return usage_error(app, err, "%s: another output already goes to standard output", path);
     app->to_stdout |= ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
-    /*
-     * Before any work, rejects a name that is too long. Without this check, the error would occur only after all the
-     * work.
-     */
+    /* A name that is too long is rejected before any work. Otherwise, the error would occur only after all the work. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);

@@ -14,7 +14,7 @@
 #include "app/common/options.h"
 
 typedef struct dicom_options {
-    const char *series; /* NULL if not given */
+    const char *series; /* value of --series; NULL if the option is not given */
     bool even_slices, untilt;
 } dicom_options;
 
@@ -37,7 +37,7 @@ typedef struct ct_options {
     int resample; /* an ost_resample, index in "linear|nearest|thesis"; if negative, the file determines it */
     int duplicates; /* an ost_duplicates, index in "error|first|last|max" */
     bool clamp, nan_as_air, resample_oblique;
-    const char *orientation; /* NULL if not given */
+    const char *orientation; /* value of --orientation; NULL if the option is not given */
     int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
     const char *mask;        /* FILE[:LABEL,...], where a LABEL is a number or a name; NULL if not given */
     const char *mask_names;  /* file of label names; NULL if not given */
@@ -104,7 +104,7 @@ typedef struct tool_report {
     size_t open_edges;
     ost_voxelize_report voxels;
     ost_digest snapped;
-    double time_ms; /* duration of the voxelization without reading the file */
+    double time_ms; /* duration of the voxelization, excluding the time to read the file */
 } tool_report;
 
 /* Returns the part of a name after "builtin:", or NULL if the name is a file name. */
@@ -153,7 +153,7 @@ typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;
     ost_volume volume;             /* voxels; a voxel of a tool has its class as value: 0, 1 or 2 */
-    ost_tool_geometry tool;        /* set if kind is LOAD_TOOL */
+    ost_tool_geometry tool;        /* valid if `kind` is LOAD_TOOL */
     /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, 120 for any other volume. */
     int32_t threshold;
 } loaded_volume;

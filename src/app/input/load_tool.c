@@ -77,7 +77,7 @@ static void warn_mesh_size(const app_state *app, const char *name, const ost_mes
 static ost_status load_parts(const char *name, const char *noncutting, ost_unit unit, ost_mesh parts[LOAD_TOOL_PARTS],
                              int *count, ost_mesh_report *report, ost_error *err)
 {
-    /* The shaft of a built-in tool touches bone without cutting it. */
+    /* The shaft of a built-in tool is a separate mesh, because it touches bone without cutting it. */
     const ost_tool_kind kind = builtin_tool(name);
     const bool two_parts = !noncutting && kind < OST_TOOL_KIND_COUNT && ost_tool_has_shaft(kind);
     ost_mesh_report shaft_report = {0};

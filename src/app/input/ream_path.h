@@ -48,8 +48,8 @@ ost_status target_side(const target_options *options, const ost_meta *meta, cons
                        ost_error *err);
 
 /*
- * Counts of gaps: `gaps` is the number of gaps in the paths, at each of which a tool is lifted; lost_rows is the
- * number of rows without a pose.
+ * Counts of gaps. `gaps` is the number of gaps in the paths; at each gap, a tool is lifted. lost_rows is the number of
+ * rows without a pose.
  */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
@@ -69,7 +69,7 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
                           const ost_meta *meta, const char *bone, const ost_tool_geometry *const *tools, int tool_count,
                           const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err);
 
-/* Computes the period of a removal rate. Without a rate, the period is 0, and every tick removes bone. */
+/* Computes the period of a removal rate. If no rate is given, the period is 0, and every tick removes bone. */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err);
 
 #endif

@@ -12,8 +12,8 @@
 
 enum { SHOWN = 10, HEADS = 8 };
 /*
- * Difference between the radius of the ball and of the humeral head. The ball also covers the head's cartilage and
- * the voxels that only partly belong to the head.
+ * Difference between the radius of the ball and the radius of the humeral head. The ball also covers the head's
+ * cartilage and the voxels that only partly belong to the head.
  */
 #define HEAD_MARGIN (OST_PM_PER_MM)
 /*
@@ -21,7 +21,7 @@ enum { SHOWN = 10, HEADS = 8 };
  * lies on a surface and is seldom exact.
  */
 #define BONE_REACH (10 * OST_PM_PER_MM)
-/* Greatest distance from a position of --cut-head to the centre of the head. */
+/* Maximum distance from a position of --cut-head to the centre of the head. */
 #define HEAD_REACH (30 * OST_PM_PER_MM)
 
 /* ---------------------------------------------------------------- parsing */

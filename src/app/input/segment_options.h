@@ -18,7 +18,7 @@ typedef struct segment_options {
     option_decimal min_volume;
     ost_pm separate;
     bool fill, separate_given, air_given;
-    const char *head; /* "auto" or X,Y,Z; NULL if not given */
+    const char *head; /* value of --cut-head, "auto" or X,Y,Z; NULL if the option is not given */
 } segment_options;
 
 enum { SEGMENT_AIR = -200, SEGMENT_CUTS_MAX = OPTION_LIST_MAX * 2 + 1, SEGMENT_BALL_TEXT = 4 * OST_PM_TEXT };
@@ -54,14 +54,14 @@ typedef struct segment_job {
     const segment_options *options;
     ost_segment_cut cuts[SEGMENT_CUTS_MAX];
     size_t cut_count;
-    ost_sphere head;       /* sphere that was found for --cut-head */
-    char head_ball[SEGMENT_BALL_TEXT]; /* equivalent value of --cut-ball; "" if --cut-head is not given */
-    int64_t min_um3;       /* smallest volume in 1e-9 mm3 */
+    ost_sphere head;       /* the sphere that was found for --cut-head */
+    char head_ball[SEGMENT_BALL_TEXT]; /* the equivalent value of --cut-ball; "" if --cut-head is not given */
+    int64_t min_um3;       /* minimum volume of a bone in 1e-9 mm3 */
     ost_geometry geometry; /* grid of the CT */
     uint64_t min_voxels;
     ost_segment *segments; /* owned; the selected bones */
     size_t count;
-    size_t found;          /* number of bones before the selection */
+    size_t found;          /* number of bones that were found, before the selection */
 } segment_job;
 
 /* Returns true if at least one of the options is given, so that `osteon import` must divide the CT. */

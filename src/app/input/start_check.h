@@ -15,8 +15,11 @@
 
 typedef struct start_checked {
     ost_glenoid glenoid;
-    bool known;         /* true if the glenoid is known; otherwise no voxels are counted */
-    /* Number of voxels on the near side of the face. After the operation, the number of those that were removed. */
+    bool known;         /* true if the glenoid is known; if false, no voxels are counted */
+    /*
+     * The number of voxels on the near side of the face. After the operation, this is the number of these voxels that
+     * were removed.
+     */
     int64_t near_side;
 } start_checked;
 

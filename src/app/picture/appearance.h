@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Adds the parts of a picture other than the bone and the tool: the colours of the cut surface, a clip plane, the
- * planned implant as a ghost, and explanatory lines. In `osteon render`, options control these parts; in the window of
- * `osteon sim`, keys control them as well.
+ * planned implant as a ghost, and explanatory lines. Options control these parts; in the window of `osteon sim`, keys
+ * control them too.
  *
  *   options --.
  *   keys -----+--> appearance --> viewer, and a legend over its frame
@@ -95,7 +95,7 @@ typedef struct appearance {
     double clip_at[3], clip_normal[3], shift_mm, turn_deg;
     bool flipped;
     int ghost;
-    const ost_tool_volume *tool;     /* borrowed; drawn if ghost is GHOST_TOOL; NULL without a tool */
+    const ost_tool_volume *tool;     /* borrowed; drawn if `ghost` is GHOST_TOOL; NULL if there is no tool */
     ost_lettering *lettering;        /* owned; lettering of the legend */
     double unit;
 } appearance;
@@ -122,7 +122,7 @@ ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented
  * Returns true if the key is one of these; `text` (160 bytes) then describes the change.
  */
 bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
-/* Moves the clip plane by wheel steps. Returns false if there is no clip plane. */
+/* Moves the clip plane by a number of steps of the mouse wheel. Returns false if there is no clip plane. */
 bool appearance_wheel(appearance *a, double steps, bool fine);
 
 #endif

@@ -17,16 +17,17 @@
 enum { MARGIN = CHART_MARGIN, TOP = 56, PLANES_HIGH = 500, CAPTION = 26, TABLE_GAP = 28 };
 #define MARKS 1.25 /* pixels per unit of the marks in the surface view */
 enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* width of the surface view in pixels */
-enum { AROUND_MM = 25 };                            /* margin around the parts that the planes show */
+enum { AROUND_MM = 25 };                            /* margin in mm around the parts, in which the planes show the CT */
 enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
 enum { NO_PART = -1, LEFT_OUT = 0 };                /* values that are not labels of parts; such labels begin at 1 */
-enum { SURFACE_VOXELS_MAX = 1 << 26 }; /* limit on the voxels, 128 MiB; a larger grid is drawn with larger voxels */
+/* maximum number of voxels, 128 MiB; a larger grid is drawn with larger voxels */
+enum { SURFACE_VOXELS_MAX = 1 << 26 };
 
 /* ------------------------------------------------------------------ extent */
 
 /* The bounds of the parts, and the voxel through which all planes pass. */
 typedef struct extent {
-    int32_t lo[3], hi[3]; /* half-open; empty if there are no parts */
+    int32_t lo[3], hi[3]; /* half-open range; empty if there are no parts */
     int32_t at[3];
     bool glenoid;         /* true if the planes pass through the glenoid's centre */
 } extent;
@@ -168,7 +169,7 @@ static int level_of(const preview_input *in)
 
 static void colour_of(const void *user, size_t index, double rgb[3])
 {
-    static const double strength[2] = {0.55, 0.25}; /* tint of dense voxels that belong to no part, and of parts */
+    static const double strength[2] = {0.55, 0.25}; /* tint of dense voxels that belong to no part, and tint of parts */
     const planes *p = user;
     int32_t v[3];
     position(p, index, v);

@@ -35,12 +35,12 @@ typedef struct preview_input {
     const ost_volume *parts; /* labels of the CT's voxels, or densities of a bone, whose voxels are cubes */
     bool labels;             /* true if `parts` contains labels; a voxel greater than 0 then belongs to a part */
     int32_t threshold;       /* lowest density of bone */
-    bool nearest; /* true if a density is that of the nearest voxel of the CT; if false, densities are interpolated */
-    bool left_out;           /* true if dense voxels of the CT that belong to no part are coloured */
+    bool nearest; /* true if each density is that of the nearest voxel of the CT; false if densities are interpolated */
+    bool left_out;           /* true if dense voxels of the CT that belong to no part are shown in a colour */
     bool unoriented; /* true if the directions of the axes are only assumed; no orientation letters are then drawn */
     const ost_meta *meta;    /* facts about the patient: the glenoid's position and axis, the side */
     bool at_given;
-    ost_pm3 at; /* position through which the planes pass; used if at_given is set and the glenoid is not known */
+    ost_pm3 at; /* position through which the planes pass if the glenoid is not known; used only if at_given is set */
     int threads;
     const chart_table *table;
 } preview_input;

@@ -15,9 +15,9 @@
 ost_status preview_check(app_state *app, const char *path, ost_error *err);
 
 /*
- * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and its bone. `out` is the name
- * of the bone's file. If the CT is a text, the picture shows the densities of the bone. A CT in any other format is
- * read again.
+ * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and the bone that was made from
+ * it. `out` is the name of the bone's file. If the CT is a text, the picture shows the densities of the bone. A CT in
+ * any other format is read again.
  */
 ost_status preview_import(const app_state *app, const char *path, const char *name, const char *out,
                           const ct_options *ct, const ost_bone *bone, const ost_import_result *result,
@@ -25,14 +25,14 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
 
 /* The input of the picture of a segmentation. All pointers are borrowed. */
 typedef struct preview_labels {
-    const char *name, *out;          /* file name of the CT, file name of the labels */
+    const char *name, *out;          /* file names of the CT and of the labels */
     const ost_volume *ct, *labels;   /* labels->meta contains the facts segment_... that describe the options */
-    const ost_volume_report *report; /* how the CT was read */
+    const ost_volume_report *report; /* describes how the CT was read */
     const ost_segment *segments;
     size_t count;
     int32_t threshold;
     bool at_given;
-    ost_pm3 at;                      /* position through which the planes pass; valid if at_given is set */
+    ost_pm3 at;                      /* position through which the planes pass; used only if at_given is set */
 } preview_labels;
 
 /* Writes the picture of a segmentation. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Adds a tool to a viewer: its voxels and, if it was loaded from a mesh, this mesh. */
+/* Adds a tool to a viewer: its voxels and, if the tool was loaded from a mesh, the mesh too. */
 #ifndef OST_APP_PICTURE_TOOL_H
 #define OST_APP_PICTURE_TOOL_H
 

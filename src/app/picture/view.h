@@ -10,7 +10,7 @@
 typedef struct view_options {
     int view; /* an ost_view_name */
     bool view_given;
-    ost_pm extent; /* height of the view at its centre; 0 selects the view's default */
+    ost_pm extent; /* height of the visible region at the centre of the view; 0 selects the view's default */
     const char *size;
     bool no_legend;
 } view_options;

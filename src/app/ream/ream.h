@@ -23,12 +23,12 @@ typedef struct ream_args {
     tool_options how;
     glenoid_plan_options plan;
     const char *debrief, *max_gap;
-    ost_path_options gaps; /* parsed from max_gap */
+    ost_path_options gaps; /* options for gaps, parsed from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* derived from the option --rate; 0 means that every tick removes bone */
+    int64_t period_ns; /* period of removal, derived from the option --rate; 0 means that every tick removes bone */
     int64_t rpm;
     bool rpm_given;
-    ost_density_classes classes; /* parsed from classes_text; count 0 selects the default classes */
+    ost_density_classes classes; /* density classes, parsed from classes_text; count 0 selects the default classes */
     int sweep; /* index in "off|on" */
     bool compress, no_failover, strict;
 } ream_args;
@@ -45,12 +45,12 @@ typedef struct ream_job {
     ream_gaps gaps;
     ost_world *world;
     ost_recorder *recorder; /* NULL if nothing is recorded */
-    uint32_t *tick_ns; /* duration of each step */
+    uint32_t *tick_ns; /* duration of each step in ns */
     double run_ms;
     bool met;          /* true if the boxes of bone and tool overlapped in at least one tick */
     ost_metrics_plan plan;
-    bool planned;      /* true if `plan` is set */
-    debrief debrief;   /* debrief; empty unless --debrief is given */
+    bool planned;      /* true if `plan` is valid */
+    debrief debrief;   /* the debrief; empty unless --debrief is given */
     start_checked site;
     bool failed_over;  /* true if another backend has replaced the requested one */
 } ream_job;
@@ -64,7 +64,8 @@ void ream_record_note(const ream_job *j, size_t tick, const char *text);
 ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
 /*
- * Returns true if the device may have caused the failure. If it did not, the same error would occur on the backend cpu.
+ * Returns true if the device may have caused the failure. If the device did not cause it, the same error would occur on
+ * the backend cpu.
  */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
 /*

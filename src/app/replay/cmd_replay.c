@@ -21,7 +21,7 @@
 typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
-    glenoid_plan_options plan; /* options of the plan, which the debrief needs */
+    glenoid_plan_options plan; /* the options of the plan, which is needed for the debrief */
     replay_film_options film;
     int64_t ticks;
     bool ticks_given, verify, compress;

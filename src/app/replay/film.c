@@ -12,7 +12,7 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-enum { PLANNED_MM = 3 }; /* planned depth if neither the session nor an option specifies one */
+enum { PLANNED_MM = 3 }; /* planned depth that is used if neither the session nor an option specifies a depth */
 
 struct replay_film {
     const replay_film_options *options;
@@ -94,8 +94,8 @@ static ost_status on_tick(void *user, const ost_session_tick *tick, const ost_st
         square += state.force_n[a] * state.force_n[a];
         f->scene.force_given = f->scene.force_given || tick->force_un[a] != 0;
     }
-    /* A session records the hand force. This is the contact force multiplied by the scale and limited to the device's
-       maximum. The contact force is computed from the hand force. */
+    /* A session records the hand force, which is the contact force multiplied by the scale and limited to the device's
+       maximum. Here, the contact force is computed from the hand force. */
     state.contact_n = sqrt(square) * f->scene.contact_full_n / f->scene.device_full_n;
     const int32_t tool = tick->tick.tool;
     if (tool >= 0 && tool < OST_LIVE_TOOLS && step->report && step->report->total_voxels)

@@ -15,7 +15,7 @@ typedef struct replay_film_options {
     const char *size;
     int view, style, width, height;
     appearance_options look;
-    bool contact; /* true if the voxels that were just removed are shown */
+    bool contact; /* true if voxels that were just removed are highlighted */
 } replay_film_options;
 
 /* Rows for a verb's table of options. */

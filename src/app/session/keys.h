@@ -13,7 +13,7 @@
 
 /* The complete setup of a world, except the voxels. */
 typedef struct session_setup {
-    const char *bone; /* name of the bone; all strings in this struct are borrowed from the caller or from the header */
+    const char *bone; /* name of the bone; the strings of this struct are borrowed from the caller or from the header */
     option_list tools;
     ct_options ct;
     tool_options how;

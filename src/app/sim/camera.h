@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera of a window, with the usual controls of 3D programs: named views, which the camera
- * reaches in a short flight, and free movement.
+ * The camera of a window, with the usual controls of 3D programs. The camera moves freely, or flies within a short time
+ * to a named view.
  */
 #ifndef OST_APP_SIM_CAMERA_H
 #define OST_APP_SIM_CAMERA_H
@@ -15,7 +15,9 @@ typedef struct sim_camera {
     bool flying;
     ost_view_subject subject;
     ost_view_name home;    /* name of the initial view */
-    /* Maximum distance in mm from camera to target, and from target to the middle of the subject. */
+    /*
+     * Maximum distance in mm between the camera and its target, and between the target and the middle of the subject.
+     */
     double farthest;
 } sim_camera;
 
@@ -26,17 +28,17 @@ typedef struct sim_camera {
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
 /* Begins a flight to a view. `tool` is the pose of the tool, or NULL. */
 void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool, double now_s);
-/* Advances the flight to the time now_s. Without a flight, does nothing. */
+/* Advances the flight to the time now_s. Does nothing if the camera is not in flight. */
 void sim_camera_step(sim_camera *camera, double now_s);
 
 /*
- * The following functions move the camera by pixels of a picture with the given height, or by wheel steps. A flight
- * ends at its current position.
+ * The following functions move the camera by pixels of a picture with the given height, or by steps of the mouse wheel.
+ * A flight ends at its current position.
  */
 void sim_camera_turn(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_shift(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_near(sim_camera *camera, double steps);
-/* Moves the camera for dt seconds while keys are held. `right`, `up` and `nearer` are -1, 0 or 1. */
+/* Moves the camera according to the keys that are held, for dt seconds. `right`, `up` and `nearer` are -1, 0 or 1. */
 void sim_camera_hold(sim_camera *camera, int right, int up, int nearer, bool shift, double dt);
 
 #endif

@@ -263,7 +263,7 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
             sim_show_report(app, s.show);
         status = sim_finish(app, &args, &s, err);
     }
-    /* The output files are complete. Failures in other parts are reported only now. */
+    /* At this point, the output files are complete. Failures in other parts are reported only now. */
     if (status == OST_OK)
         status = sim_film_end(app, &args, &s, err);
     if (status == OST_OK)

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double A_PIXEL = 0.006; /* radians per pixel */
+static const double A_PIXEL = 0.006; /* rotation in radians per pixel */
 
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool)
 {

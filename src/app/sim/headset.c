@@ -92,7 +92,9 @@ static void *work(void *user)
         if (ost_headset_counts_get(h->headset).drawn == drawn)
             continue;
         drawn++;
-        /* The time to draw begins after the runtime's wait, with the update for the first eye. */
+        /*
+         * The time to draw is measured from the end of the runtime's wait, that is, from the update for the first eye.
+         */
         const int64_t now = ost_clock_ns();
         frame_times_add(&h->show->drawn, now - h->show->updated_ns);
         if (h->last_ns)

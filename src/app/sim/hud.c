@@ -21,7 +21,10 @@ enum {
 };
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
-/* PLAIN and LARGE are heights of capitals in units. LEAST and MOST limit the size of a unit, in pixels at 96 dpi. */
+/*
+ * PLAIN and LARGE are the heights of capital letters in units. LEAST and MOST limit the size of a unit, in pixels at 96
+ * dpi.
+ */
 static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 
 struct sim_hud {
@@ -292,7 +295,7 @@ static foot foot_of(const sim_hud *h, const char *text, int width)
             used++;
         }
         if (used == 0)
-            return (foot){0}; /* not even one letter fits */
+            return (foot){0}; /* the width is not sufficient for a single letter */
         const bool broken = text[used] && text[used] != ' ' && blank;
         const size_t end = broken ? blank : used;
         line[end] = '\0';

@@ -19,24 +19,24 @@
 #include "render/lettering.h"
 
 typedef struct sim_hud_facts {
-    const char *tool;     /* for example "reamer" */
+    const char *tool;     /* name of the tool, for example "reamer" */
     const char *device;
-    int number, tools;    /* number of the current tool, from 1; number of tools */
+    int number, tools;    /* number of the current tool, counted from 1, and number of tools */
     bool running;         /* true if at least one tick has run */
     double seconds;       /* time since the operation began */
-    double contact_n, force_n;           /* contact force on the bone; hand force on the device */
+    double contact_n, force_n;           /* contact force on the bone, and hand force on the device, in newtons */
     double contact_full_n, force_full_n; /* maxima of the scales of contact force and hand force */
-    bool force_given;     /* true if a force is computed, even if the device only displays it */
+    bool force_given;     /* true if a force is computed, even if the device cannot render it */
     double removed_mm3;
     bool planned;         /* true if the next four fields are valid */
-    /* Maximum depth below the native face at which the tool removed bone, and planned depth of the tool. The planned
-       depth is 0 if no depth is planned. */
+    /* The maximum depth below the native face at which the tool removed bone, and the planned depth of the tool. The
+       planned depth is 0 if no depth is planned. */
     double reached_mm, planned_mm;
     /* Deviation of the tool's outward axis from the planned axis, in degrees: toward posterior, and toward superior. */
     double back_deg, up_deg;
     bool touching, pedal;
-    const char *fault;    /* fault of the device; NULL without a fault */
-    bool plain;           /* true if the hint about the key F1 is hidden, because there is no keyboard */
+    const char *fault;    /* name of the device's fault; NULL if there is no fault */
+    bool plain;           /* true if the hint about the key F1 is not drawn, because there is no keyboard */
     bool timings;         /* true if the user has requested the times of the servo loop and of frames */
     bool rates;           /* true if the next five fields are valid */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
@@ -45,10 +45,10 @@ typedef struct sim_hud_facts {
     bool filming;         /* true while a video is written */
     uint64_t dropped;     /* number of frames dropped from the video */
     const char *message;  /* message to show; NULL if there is none */
-    ost_legend legend;    /* explains the colours */
-    double mm_per_pixel;  /* scale of the picture at the camera's target */
-    /* Directions of the picture in the bone's frame, for the letters at the picture's edges. They are zero if no
-     * letters are shown. */
+    ost_legend legend;    /* the legend, which explains the colours */
+    double mm_per_pixel;  /* size of a pixel in mm at the camera's target */
+    /* The directions of the picture in the bone's frame, for the letters at the picture's edges. They are zero if no
+     * letters are drawn. */
     double right[3], up[3];
 } sim_hud_facts;
 

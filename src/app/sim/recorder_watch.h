@@ -12,7 +12,7 @@
 
 typedef struct recorder_watch {
     bool failing, stuck, losing;
-    uint64_t written;   /* number of written records at its last increase */
+    uint64_t written;   /* number of written records when this number last increased */
     double grew_ms;     /* time at which `written` last increased */
     uint64_t reported_lost; /* number of lost records that the last message stated */
 } recorder_watch;

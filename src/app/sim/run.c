@@ -10,7 +10,10 @@
 #include "app/sim/window.h"
 #include "app/sim/watch.h"
 
-/* After a pause of one millisecond, a rehearsed tick of the reamer takes 60 to 150 us (docs/log/0.1.md). */
+/*
+ * The default time by which a rehearsal precedes its tick. It is sufficient, because after a pause of one millisecond,
+ * a rehearsed tick of the reamer takes 60 to 150 us (docs/log/0.1.md).
+ */
 enum { REHEARSE_US = 250 };
 
 void sim_pin(const sim_args *args, simulation *s)
@@ -21,8 +24,8 @@ void sim_pin(const sim_args *args, simulation *s)
 }
 
 /*
- * Runs a tick. Returns false at the end of the operation. Also returns false after a signal, so that the loop ends in
- * an orderly way and the recording is complete.
+ * Runs a tick. Returns false at the end of the operation or after a signal, so that the loop ends in an orderly way and
+ * the recording is complete.
  */
 static bool tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench)
 {

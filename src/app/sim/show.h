@@ -45,11 +45,11 @@ typedef struct sim_show {
     film *film;               /* borrowed; NULL if no film is written */
     appearance look;
     ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
-    frame_times drawn, apart; /* during the operation: times to draw a frame, and intervals between frames */
+    frame_times drawn, apart; /* durations of drawing a frame, and intervals between frames, during the operation */
     int64_t updated_ns;       /* start time of the current frame */
     int64_t last_ns;          /* start time of the previous frame; 0 if the current frame follows a pause */
     int64_t end_ns;           /* time at which the operation ended */
-    void *thread;             /* thread that draws; NULL if there is none */
+    void *thread;             /* the drawing thread; NULL if there is none */
     ost_status status;        /* status of the drawing thread */
     ost_error err;
 } sim_show;

@@ -34,9 +34,9 @@ typedef struct sim_args {
     int64_t period_ns;
     uint64_t ticks;
     ost_density_classes classes;
-    int64_t force; /* index in sim_force_names */
+    int64_t force; /* index of the value of --force in sim_force_names */
     const char *picture, *size, *max_gap;
-    ost_path_options gaps; /* parsed from max_gap */
+    ost_path_options gaps; /* options for gaps, parsed from max_gap */
     int renderer; /* a sim_renderer */
     int view, style, width, height;
     int64_t fps, rehearse_us, rpm;
@@ -47,10 +47,11 @@ typedef struct sim_args {
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
-    bool contact;         /* true if the voxels that were just removed are shown, even without a window */
+    bool contact;         /* true if voxels that were just removed are highlighted, even without a window */
     ost_force_params force_params;
     ost_safety_params safety;
-    bool max_force_given, max_torque_given; /* true if the file of --force-params sets the limit */
+    /* true if the file of --force-params sets the limit of the force or of the torque */
+    bool max_force_given, max_torque_given;
     const char *max_force_from; /* source of the limit: "force-params", "device" or "default" */
     ost_haptic_limits limits;   /* valid if max_force_from is "device" */
     bool headset; /* if true, headless is also true, because there is no window */
@@ -76,19 +77,19 @@ typedef struct simulation {
     ost_servo_report *loop;
     ost_operation_report done;
     ost_metrics_plan plan;
-    bool planned;         /* true if `plan` is set */
-    start_checked site;   /* site.known is false if a session is resumed */
-    debrief debrief;      /* debrief; empty unless --debrief is given */
+    bool planned;         /* true if `plan` is valid */
+    start_checked site;   /* result of sim_check_start; site.known is false if a session is resumed */
+    debrief debrief;      /* the debrief; empty unless --debrief is given */
     ost_volume uncut;     /* bone before the operation; owned until the show takes ownership */
     ost_session *resumed; /* session that --resume continues; NULL if the option is not given */
     ost_tick last;        /* last tick of the resumed session */
     ost_motor motor;      /* state of the motor at the end of the resumed session */
     ost_pose home; /* initial pose of the tool: first pose of the path or, without a path, a pose clear of the bone */
     uint64_t before;      /* number of ticks in the resumed session */
-    struct sim_show *show; /* NULL if nothing is rendered */
+    struct sim_show *show; /* the show; NULL if nothing is rendered */
     struct sim_window *window; /* window; NULL if --headless or --headset is given */
     bool window_can_be_drawn; /* true if frames can be drawn with the OpenGL context of the window */
-    struct sim_headset *headset; /* NULL unless --headset is given */
+    struct sim_headset *headset; /* the headset; NULL unless --headset is given */
     film *film;           /* NULL if no picture or video is written during the operation */
     int core;             /* processor core reserved for the servo loop; -1 if there is none */
 } simulation;
@@ -140,7 +141,7 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);
 
 /*
- * Opens the session that --resume names. Its bone, tools and world replace the defaults. Other options can state new
+ * Opens the session that --resume names. Its bone, tools and world replace the defaults. Other options can specify new
  * names for files that were moved.
  */
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err);

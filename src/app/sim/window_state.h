@@ -14,7 +14,7 @@
 enum { SIM_WINDOW_MESSAGE = 200 };
 
 typedef struct rates {
-    double since; /* begin of the measurement in s */
+    double since; /* start time of the measurement in s */
     uint64_t ticks, frames;
     double ticks_s, frames_s, takes_us, frame_ms;
 } rates;
@@ -35,7 +35,7 @@ struct sim_window {
     ost_window *window;
     sim_hud *hud;
     uint32_t *blank;   /* owned; shown before the first frame */
-    ost_mouse_input *mouse; /* NULL if another device is used */
+    ost_mouse_input *mouse; /* input of the device mouse; NULL if another device is used */
     sim_handle now, home;
     sim_camera camera;
     bool lifted; /* true if the window has set a new pose of the hand that the device has not received yet */
@@ -46,7 +46,7 @@ struct sim_window {
     bool help, quit, shoot, timings;
     char message[SIM_WINDOW_MESSAGE];
     double message_until;
-    /* number of driver resets; number of consecutive frames that could not be drawn from the camera's position */
+    /* number of driver resets, and number of consecutive frames that could not be drawn from the camera's position */
     int resets, astray;
     uint64_t frames;
     rates rates;

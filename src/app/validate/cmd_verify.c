@@ -142,7 +142,7 @@ static ost_status check_signatures(app_state *app, const signature_args *args, c
     return status;
 }
 
-/* Returns the part of the last output line that describes the signatures. */
+/* Returns the part of the last output line that is about the signatures. */
 static const char *about_signatures(const app_state *app, const signature_args *args)
 {
     const size_t n = json_array_size(json_object_get(app->result, "signatures"));

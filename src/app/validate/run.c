@@ -180,7 +180,7 @@ typedef struct job {
     campaign run;
     bundle *b;
     json_t *protocol, *cases, *summary, *faults, *common, *impact, *suite;
-    sensitivity proof; /* set if faults is not NULL */
+    sensitivity proof; /* the sensitivity proof; valid if `faults` is not NULL */
 } job;
 
 static void job_free(job *j)

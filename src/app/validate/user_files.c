@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Uses the user's own files as cases. The files are read with the options of import, voxelize and ream, and recorded
- * in a bundle by size and digest. For a rerun, the recorded files are found again among the given files.
+ * Uses the user's own files as cases. The files are read with the options of import, voxelize and ream, and recorded in
+ * a bundle by size and digest. For a rerun, the recorded files are identified among the given files.
  *
  * This source file has more than 500 lines, because the record of a file is written and compared next to the reader
  * whose options the record stores.
@@ -362,7 +362,7 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
 static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store,
                            json_t *one, ost_error *err)
 {
-    scene head = *tools; /* copied, because the caller retains ownership of the tools */
+    scene head = *tools; /* a copy, because the caller retains ownership of the tools */
     ream_gaps counted = {0};
     ost_meta meta = {0};
     const ost_tool_geometry *grids[SCENE_TOOLS_MAX] = {NULL};

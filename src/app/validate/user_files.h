@@ -7,7 +7,8 @@
  *   record, the files again --user_files_again--> user_store          osteon verify --rerun
  *
  * All files are read and checked before any case is run. For each file, the record in the bundle contains the size, the
- * SHA-256, the options with which it was read, and the results of reading. The record never contains the file's name.
+ * SHA-256, the options with which the file was read, and the results of reading it. The record never contains the
+ * file's name.
  */
 #ifndef OST_APP_VALIDATE_USER_FILES_H
 #define OST_APP_VALIDATE_USER_FILES_H

@@ -4,8 +4,8 @@
  *
  *   FILE of --json --> rows by name --> ratio then / ratio now --> slower than allowed: exit status 1
  *
- * The ratio of the shortest times of baseline and osteon is compared, not the times: both are measured by turns on the
- * same machine, so the ratio changes little between machines and with other load.
+ * The times themselves are not compared, but the ratio of the shortest time of the baseline to that of osteon. Both are
+ * measured alternately on the same machine, so the ratio depends little on the machine and on other load.
  */
 #ifndef OST_APP_VERBS_BENCH_AGAINST_H
 #define OST_APP_VERBS_BENCH_AGAINST_H
@@ -15,8 +15,8 @@
 #include "bench/bench.h"
 
 typedef struct bench_against {
-    const char *path;   /* NULL if no run is compared */
-    double limit;       /* greatest slowdown that is allowed, in percent */
+    const char *path;   /* file of the earlier run; NULL if no run is compared */
+    double limit;       /* maximum slowdown that is allowed, in percent */
     json_t *root, *rows; /* root is owned; rows is an array within it */
 } bench_against;
 

@@ -160,7 +160,7 @@ static void print_row(const app_state *app, const bench_row *row)
     print_deadlines(app, row);
 }
 
-/* Prints a warning if rows were disturbed: if other programs interrupted the baseline, the ratio is too high. */
+/* Prints a warning if rows were disturbed. If other programs interrupted the baseline, the ratio is too high. */
 static void print_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
@@ -255,7 +255,7 @@ static void show_row(void *user, const char *row)
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* reason why the first skipped row was not run */
+    char reason[BENCH_TEXT]; /* the reason why the first skipped row was not run */
 } tally;
 
 /* Prints the rows of a suite. Before the first rows, prints the heading. */

@@ -13,7 +13,7 @@
 
 enum { THRESHOLD = 120 };
 
-/* Adds the header facts of the CT to those of the label map, and stores the kind of the label map. */
+/* Adds the header facts of the CT to those of the label map, and marks the grid as a label map. */
 static ost_status add_facts(ost_meta *meta, const ost_meta *of_ct, ost_error *err)
 {
     const ost_meta own = *meta;
