@@ -46,9 +46,10 @@ typedef struct job {
     ost_import_result *result;
     ost_grid *rect;
     ost_bone *bone;
-    ost_dims file_dims;  /* dimensions of the volume before it is cropped */
+    ost_dims file_dims;  /* dimensions of the file's volume before it is cropped */
     int16_t *batch;      /* owned; slices that are uploaded together */
-    int32_t batch_first, batch_count, batch_capacity; /* in slices of the rect grid */
+    /* first slice and number of slices in the batch, and capacity of the batch; in slices of the rect grid */
+    int32_t batch_first, batch_count, batch_capacity;
     int64_t stage_start; /* start time of the current stage in ns */
 } job;
 
@@ -120,7 +121,8 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
     const ost_geometry *g = &j->result->rect;
     const double c = (double)cubic, all = ost_machine_memory();
     const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
-    const double each = 2 * along[0] * along[1] * along[2]; /* bytes per voxel of the rect grid */
+    /* size in bytes of the cubic grid per voxel of the rect grid */
+    const double each = 2 * along[0] * along[1] * along[2];
     if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX ||
         g->dims.z * along[2] > OST_DIM_MAX || (double)ost_dims_count(g->dims) * each <= all)
         return OST_OK;
@@ -153,7 +155,7 @@ static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_
 
 /* ----------------------------------------------------------------------- text */
 
-/* State of the import of a text file: the summary of its lines and, if the lines form a raster, its voxels. */
+/* The state of the import of a text file: the summary of its lines and, if the lines form a raster, its voxels. */
 typedef struct text_job {
     ost_text_source source;
     ost_text_summary summary;
@@ -266,7 +268,7 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* --------------------------------------------------------------- other formats */
 
-/* Sets the rect grid to the grid of the file. A spacing that the options state replaces the spacing of the file. */
+/* Sets the rect grid to the grid of the file. If the options state a spacing, it replaces the spacing of the file. */
 static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
 {
     static const ost_pm3 none;
@@ -337,8 +339,9 @@ static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_er
 }
 
 /*
- * Determines the threshold: the option if it is set, else the stored threshold if the file is a bone, else the
- * default. The file of a bone contains only voxels at or above the stored threshold, so a lower threshold is an error.
+ * Determines the threshold. This is the threshold of the options or, if none is set, the threshold stored in the file
+ * of a bone or, for any other file, the default. The file of a bone contains only voxels at or above the stored
+ * threshold, so a lower threshold is an error.
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {

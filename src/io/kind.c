@@ -115,8 +115,8 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 }
 
 /*
- * Returns the number of columns in the first line that is not a comment. A word counts as a column. Returns 0 if the
- * bytes are not text.
+ * Returns the number of columns in the first line that is not a comment. A column contains a number or a word. Sets
+ * *path_header to true if the line begins with "t_s". Returns 0 if the bytes are not text.
  */
 static int text_columns(const unsigned char *bytes, size_t size, bool *path_header)
 {

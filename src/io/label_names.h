@@ -21,11 +21,11 @@ typedef struct ost_label_names ost_label_names;
 
 typedef struct ost_label_name {
     int32_t segment; /* number K of the key SegmentK; -1 if the name comes from another source */
-    int32_t value;   /* -1 until the value is read */
+    int32_t value;   /* value of the label; -1 until it has been read */
     char name[OST_LABEL_NAME];
 } ost_label_name;
 
-/* Zero-initialise the struct before use. */
+/* The names of the labels. The struct must be zero-initialised before its first use. */
 struct ost_label_names {
     ost_label_name *items; /* owned */
     int count;             /* number of names, at most OST_LABEL_NAMES_MAX; further names are ignored */

@@ -163,7 +163,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
 
 /* --------------------------------------------------------------------- CSV */
 
-/* For each value, the index of the field that contains the value; -1 if no field does. */
+/* For each value, the index of the field that contains the value, or -1 if no field contains it. */
 typedef struct columns {
     int label, x, y, z;
 } columns;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Restricts a CT to the voxels that a label map selects. This happens before the CT is imported (AR-SEG-6).
+ * Restricts a CT to the voxels that a label map selects, before the CT is imported (AR-SEG-6).
  */
 #ifndef OST_IO_MASK_H
 #define OST_IO_MASK_H

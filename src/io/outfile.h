@@ -5,8 +5,8 @@
  *   open    creates an unnamed file in the target's folder (O_TMPFILE) or, if the
  *           file system does not support that, a hidden one with a random name: .osteon-*.part
  *   write   is buffered; every error is checked and reports the number of bytes written
- *   commit  flushes, syncs, then names the file: linkat if the name is free, else
- *           a link under a hidden name and a rename over the old file
+ *   commit  flushes and syncs the file and then names it: by linkat if the name is free,
+ *           otherwise by a link under a hidden name, which is then renamed over the old file
  *   discard removes everything
  *
  *   ost_outfile *out;
@@ -28,7 +28,7 @@
  * replaced. Permissions follow the umask.
  *
  * Signals: a process that may be ended by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
- * calls ost_outfile_unlink_pending from its handler.  It should ignore SIGXFSZ
+ * calls ost_outfile_unlink_pending from its handler. It should ignore SIGXFSZ
  * and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
  *
  * Threads: one file is used by one thread at a time; different files are independent.

@@ -27,7 +27,7 @@
 #include "io/text/fields.h"
 #include "io/text/lines.h"
 
-/* Indices of the columns. The columns of a pose come first; a header may name the further columns. */
+/* Indices of the columns. The columns of a pose come first. A header may name further columns. */
 enum { POSE_COLUMNS = 8, TOOL = POSE_COLUMNS, LIFTED, RPM, KINDS, SEEN_COLUMNS = 256, NOT_READ = KINDS };
 static const char *const column_names[2][KINDS] = {
     {"t_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz", "tool", "lifted", "rpm"},
@@ -45,8 +45,9 @@ enum { TIMES_MEDIAN = 10 };
 
 typedef struct reader {
     const char *path;
-    int64_t line, bytes, t_ns; /* lines and bytes read so far; time of the last row */
-    int columns;       /* columns that a row must have, or with a header, at least; 0 before the first row */
+    int64_t line, bytes, t_ns; /* numbers of lines and bytes read so far, and time of the last row */
+    /* number of columns that a row must have, or, if there is a header, the minimum number; 0 before the first row */
+    int columns;
     uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* true if the last row had no pose */
@@ -314,8 +315,9 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * If `given` is not 0, sets *out to `given`. If `given` is 0, sets *out to the greater of `least` and `factor` times
- * the median of median_of. The median is computed only if `of` exceeds `least` for some pair of ticks.
+ * If `given` is not 0, sets *out to `given`. Otherwise, sets *out to `least` or, if this is greater, to `factor` times
+ * the median of the results of `of`. The median is computed only if the result of `of` exceeds `least` for some pair of
+ * ticks.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)

@@ -17,7 +17,7 @@
 enum { OST_DICOM_CELLS = 1 << 16, OST_DICOM_AIR = -1024 };
 
 typedef struct ost_dicom_table {
-    const ost_dicom_frame *of; /* image whose parameters the table uses; NULL if the table is empty */
+    const ost_dicom_frame *of; /* the image whose parameters determined the table; NULL if the table is empty */
     bool clamp;                /* true if densities beyond int16 are saturated */
     int16_t density[OST_DICOM_CELLS];
     uint8_t kind[OST_DICOM_CELLS]; /* CELL_... of density.c for each cell value; 0 means an exact density */

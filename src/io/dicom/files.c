@@ -116,7 +116,8 @@ ost_status ost_dicom_files_find(const char *path, ost_dicom_files *out, ost_erro
     }
     if (status != OST_OK)
         ost_dicom_files_free(out);
-    else if (out->count) /* the C standard does not allow a null pointer in qsort, even for 0 elements */
+    /* the test is needed because the C standard does not allow a null pointer in qsort, even for 0 elements */
+    else if (out->count)
         qsort(out->path, out->count, sizeof *out->path, by_name);
     return status;
 }

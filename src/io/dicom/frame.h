@@ -36,14 +36,14 @@ typedef struct ost_dicom_frame {
     ost_dicom_result result;
     const char *encoding; /* encoding of the pixels, such as "raw" or "JPEG 2000"; a string constant */
     int32_t columns, rows;
-    uint8_t bits_allocated, bits_stored, high_bit; /* bit counts; a number above 255 is stored as 255 */
+    uint8_t bits_allocated, bits_stored, high_bit; /* numbers of bits; a number above 255 is stored as 255 */
     int32_t padding_first, padding_last;
     uint8_t patient[OST_DICOM_IDENTITY], study[OST_DICOM_IDENTITY], reference[OST_DICOM_IDENTITY];
     ost_dicom_attribute bad;               /* first attribute that is missing or bad */
-    char bad_value[OST_DICOM_DECIMAL];     /* text of this attribute; "" if the attribute is missing */
-    ost_pm position[3];                    /* centre of the first pixel, LPS */
+    char bad_value[OST_DICOM_DECIMAL];     /* text of the attribute `bad`; "" if the attribute is missing */
+    ost_pm position[3];                    /* centre of the first pixel, in LPS */
     int64_t direction[2][3];               /* unit vectors along increasing columns and along increasing rows */
-    ost_pm spacing[2];                     /* distance between columns, distance between rows */
+    ost_pm spacing[2];                     /* distance between columns, and distance between rows */
     ost_pm thickness;                      /* slice thickness; 0 if the file does not state it */
     bool rescaled;                         /* true if the file states a slope and an intercept */
     int64_t slope, intercept;

@@ -117,7 +117,7 @@ static void become(const char *program, int request, int output, uint64_t second
     if ((!SANITIZED && !limit(RLIMIT_AS, OST_DICOM_MEMORY_MAX)) || !limit(RLIMIT_CPU, seconds) ||
         !limit(RLIMIT_FSIZE, 0) || !limit(RLIMIT_CORE, 0))
         _exit(CANNOT_START);
-    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* under valgrind, this limit cannot be set */
+    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* under valgrind, this limit cannot be set, so a failure is ignored */
     execve(program, argv, environ);
     _exit(CANNOT_START);
 }
@@ -166,7 +166,10 @@ ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_er
     return ost_fail(err, OST_ERR_INPUT, "%s: the DICOM parser sent an invalid message (%s)", file, what);
 }
 
-/* Reports why the pipe ended. The process closed the pipe, so it normally has exited or is about to exit. */
+/*
+ * Reports why no more bytes come from the pipe. The process closed the pipe, so it normally has exited or is about to
+ * exit.
+ */
 static ost_status explain_end(ost_dicom_process *process, const char *file, ost_error *err)
 {
     int state = 0;

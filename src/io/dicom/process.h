@@ -29,23 +29,26 @@ enum { OST_DICOM_PROCESSES_MAX = 4 };
  */
 size_t ost_dicom_process_count(size_t parts);
 
-/* How processes are started. A zero-initialised struct selects the installed program and the default time limit. */
+/*
+ * The options for starting processes. A zero-initialised struct selects the installed program and the default time
+ * limit.
+ */
 typedef struct ost_dicom_launch {
     const char *program; /* path of osteon-dicom; if NULL, the program is searched */
     int seconds;         /* time limit for one message; 0 means OST_DICOM_SECONDS */
 } ost_dicom_launch;
 
 typedef struct ost_dicom_process {
-    pid_t pid; /* 0 if there is no process */
-    int pipe;  /* -1 if there is no pipe */
+    pid_t pid; /* process ID; 0 if there is no process */
+    int pipe;  /* descriptor of the pipe; -1 if there is no pipe */
     int seconds;
     int64_t deadline; /* time by which the current message must be complete, in ns of ost_clock_ns */
 } ost_dicom_process;
 
 /*
- * Finds the program: in the folder OSTEON_LIBEXECDIR if this environment variable is set, else in the installed
- * folder, else next to the running program. Returns OST_ERR_UNAVAILABLE if none of these folders contains the
- * program. The message names `input`.
+ * Finds the program. If the environment variable OSTEON_LIBEXECDIR is set, the program is searched in this folder. If
+ * not, it is searched in the installed folder, and then in the folder of the running program. Returns
+ * OST_ERR_UNAVAILABLE if the program is not found. The message names `input`.
  */
 ost_status ost_dicom_program(const char *input, char path[OST_DICOM_PATH_MAX], ost_error *err);
 

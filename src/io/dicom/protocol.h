@@ -69,7 +69,8 @@ typedef struct ost_dicom_message {
 
 typedef enum ost_dicom_result {
     OST_DICOM_RESULT_OK,
-    OST_DICOM_RESULT_NOT_DICOM,   /* neither the prefix DICM nor a data set that begins with group 0008 */
+    /* the file begins neither with the prefix DICM nor with a data set whose first group is 0008 */
+    OST_DICOM_RESULT_NOT_DICOM,
     OST_DICOM_RESULT_NO_IMAGE,    /* a DICOM file without an image, such as a report, a structure set or a DICOMDIR */
     OST_DICOM_RESULT_UNREADABLE,  /* the file cannot be opened or read */
     OST_DICOM_RESULT_DAMAGED,     /* the file is truncated or not well-formed */
@@ -83,14 +84,15 @@ typedef enum ost_dicom_result {
 
 enum {
     OST_DICOM_IMAGE_LOCALIZER = 1 << 0, /* ImageType has the value LOCALIZER */
-    OST_DICOM_IMAGE_LOSSY = 1 << 1, /* has LossyImageCompression, or a transfer syntax that is lossy by definition */
+    /* the image has LossyImageCompression, or a transfer syntax that is lossy by definition */
+    OST_DICOM_IMAGE_LOSSY = 1 << 1,
     OST_DICOM_IMAGE_SIGNED = 1 << 2,
-    OST_DICOM_IMAGE_COLOUR = 1 << 3,    /* more than one sample per pixel, or a colour palette */
-    OST_DICOM_IMAGE_FLOAT = 1 << 4,     /* has FloatPixelData or DoubleFloatPixelData */
-    OST_DICOM_IMAGE_LUT = 1 << 5,       /* has a ModalityLUTSequence, which is not a linear function */
+    OST_DICOM_IMAGE_COLOUR = 1 << 3,    /* the image has more than one sample per pixel, or a colour palette */
+    OST_DICOM_IMAGE_FLOAT = 1 << 4,     /* the image has FloatPixelData or DoubleFloatPixelData */
+    OST_DICOM_IMAGE_LUT = 1 << 5,       /* the image has a ModalityLUTSequence, which is not a linear function */
     OST_DICOM_IMAGE_PADDED = 1 << 6,    /* padding_first and padding_last are valid */
     OST_DICOM_IMAGE_NUMBERED = 1 << 7,  /* series_number is valid */
-    OST_DICOM_IMAGE_ENCRYPTED = 1 << 8, /* has an EncryptedAttributesSequence */
+    OST_DICOM_IMAGE_ENCRYPTED = 1 << 8, /* the image has an EncryptedAttributesSequence */
     OST_DICOM_IMAGE_ALL = (1 << 9) - 1
 };
 
@@ -106,12 +108,14 @@ typedef struct ost_dicom_record {
     uint32_t bits_allocated, bits_stored, high_bit;
     int32_t series_number;
     int32_t padding_first, padding_last; /* PixelPaddingValue and PixelPaddingRangeLimit; the smaller value is first */
-    uint8_t patient[OST_DICOM_IDENTITY]; /* all 0 if the file does not state the patient */
+    /* identity of the patient; all bytes are 0 if the file does not state the patient */
+    uint8_t patient[OST_DICOM_IDENTITY];
     uint8_t study[OST_DICOM_IDENTITY];
     uint8_t reference[OST_DICOM_IDENTITY]; /* identity of the frame of reference */
     char position[3][OST_DICOM_DECIMAL];   /* ImagePositionPatient */
     char orientation[6][OST_DICOM_DECIMAL]; /* ImageOrientationPatient */
-    char spacing[2][OST_DICOM_DECIMAL];    /* PixelSpacing: distance between rows, distance between columns */
+    /* PixelSpacing: the distance between rows, then the distance between columns */
+    char spacing[2][OST_DICOM_DECIMAL];
     char thickness[OST_DICOM_DECIMAL];
     char slope[OST_DICOM_DECIMAL], intercept[OST_DICOM_DECIMAL];
     char syntax[OST_DICOM_TEXT];      /* UID of the transfer syntax */
@@ -123,9 +127,9 @@ typedef struct ost_dicom_record {
 
 /* Limits, as documented in docs/reference/files.md. The library and osteon-dicom both check them. */
 enum {
-    OST_DICOM_FILES_MAX = 1 << 16,  /* files in a folder */
-    OST_DICOM_IMAGES_MAX = 1 << 16, /* images in all of these files */
-    OST_DICOM_DEPTH_MAX = 16,       /* depth of nested folders */
+    OST_DICOM_FILES_MAX = 1 << 16,  /* maximum number of files in a folder */
+    OST_DICOM_IMAGES_MAX = 1 << 16, /* maximum number of images in all of these files */
+    OST_DICOM_DEPTH_MAX = 16,       /* maximum depth of nested folders */
     OST_DICOM_SIDE_MAX = 16384      /* maximum number of rows and of columns; equal to OST_DIM_MAX */
 };
 #define OST_DICOM_FILE_BYTES_MAX (INT64_C(1) << 32)

@@ -12,8 +12,8 @@
 #include "io/dicom/request.h"
 
 /*
- * Smallest number of files for which a process is started. A process starts in about 20 ms and scans about 3,000
- * files per second.
+ * Minimum number of files for which a process is started. A process starts in about 20 ms and scans about 3,000 files
+ * per second.
  */
 enum { FILES_PER_PROCESS = 64 };
 

@@ -36,7 +36,8 @@ typedef struct ost_dicom_scan {
     size_t frame_count, frame_capacity;
     ost_dicom_group *series;   /* owned */
     size_t series_count, series_capacity;
-    uint32_t not_dicom, no_image; /* numbers of ignored files: not DICOM, DICOM without an image */
+    /* number of ignored files that are not DICOM, and number of ignored DICOM files without an image */
+    uint32_t not_dicom, no_image;
 } ost_dicom_scan;
 
 /* Scans a path. launch->program must not be NULL. The function initialises *out, which is empty after a failure. */

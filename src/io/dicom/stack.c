@@ -245,8 +245,8 @@ static int by_length(const void *x, const void *y)
 }
 
 /*
- * Computes the median distance of neighbouring slices; of two middle values, the lower one. Returns 0 if memory is
- * exhausted.
+ * Computes the median distance of neighbouring slices. If there are two middle values, the result is the lower one.
+ * Returns 0 if memory is exhausted.
  */
 static ost_pm median_gap(const ost_dicom_stack *stack)
 {
@@ -338,7 +338,7 @@ static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dico
     return OST_OK;
 }
 
-/* Returns OST_OK if the slices lie straight above each other or may be shifted, otherwise the error. */
+/* Returns OST_OK if the slices lie straight above each other or may be shifted. Otherwise, returns the error. */
 static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing[2], ost_error *err)
 {
     const int64_t steps = (int64_t)stack->slice_count - 1, counted = steps > LEAST_STEPS ? steps : LEAST_STEPS;
@@ -346,7 +346,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     char a[OST_PM_TEXT];
     for (int axis = 0; axis < 2; axis++)
         for (int64_t k = 1; k < steps; k++) {
-            /* position, at this slice's height, on the line through the first and the last slice */
+            /* the position, at the height of this slice, on the line through the first and the last slice */
             const ost_pm line = (ost_pm)ost_rhe_div128((ost_i128)last->drift[axis] * stack->slices[k].along,
                                                        last->along);
             const ost_pm off = magnitude(stack->slices[k].drift[axis] - line);

@@ -20,24 +20,26 @@
 #include "io/volume/orient.h"
 
 typedef struct ost_dicom_slice {
-    size_t image;    /* index of the slice's first image in the images of the stack */
+    size_t image;    /* index in `images` of the slice's first image */
     size_t doubles;  /* number of further images at the same position; they follow the first image */
-    ost_pm along;    /* position along the normal; 0 for the first slice, increasing from slice to slice */
-    ost_pm drift[2]; /* position in the direction of increasing columns and of increasing rows */
+    /* distance from the first slice along the normal; 0 for the first slice, increasing from slice to slice */
+    ost_pm along;
+    ost_pm drift[2]; /* offset from the first slice in the direction of increasing columns and of increasing rows */
 } ost_dicom_slice;
 
 typedef struct ost_dicom_stack {
     const ost_dicom_scan *scan;
     const ost_dicom_group *group;
-    const ost_dicom_frame **images; /* owned; in reading order */
+    const ost_dicom_frame **images; /* owned; the images of the series in the order in which they are read */
     size_t image_count;
     ost_dicom_slice *slices;        /* owned */
     size_t slice_count;
-    int32_t sizes[3];               /* sizes of the result before its axes are changed to LPS */
+    int32_t sizes[3];               /* sizes of the result before its axes are reordered to LPS */
     ost_affine affine;
     bool evened;                    /* true if the slices are resampled at sizes[2] evenly spaced positions */
     bool untilted;                  /* true if the slices are shifted back by their drift */
-    int32_t margin[2]; /* for untilted stacks: number of pixels added before the first column and the first row */
+    /* for untilted stacks, the number of pixels added before the first column and before the first row */
+    int32_t margin[2];
 } ost_dicom_stack;
 
 /*

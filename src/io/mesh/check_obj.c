@@ -21,7 +21,7 @@ typedef struct obj {
     mesh_text text;
     mesh_plain plain;
     int64_t vertices;
-    int64_t greatest; /* greatest vertex index used so far, and the line that uses it */
+    int64_t greatest; /* maximum vertex index used so far, and the line that uses it */
     long greatest_line;
     bool body_has_faces;
 } obj;
@@ -47,7 +47,8 @@ static ost_status vertex(obj *o, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; expected 1", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
     putc('v', o->plain.out);
-    for (int i = 0; i < 3; i++) /* a number may begin with the decimal point, which assimp does not accept */
+    /* the plain form begins a number with a digit, because assimp does not accept a leading decimal point */
+    for (int i = 0; i < 3; i++)
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);
     if (++o->vertices > 3 * (int64_t)OST_MESH_FILE_TRIANGLES_MAX)

@@ -39,7 +39,7 @@ static const size_t type_bytes[] = {
     [INT8] = 1, [UINT8] = 1, [INT16] = 2, [UINT16] = 2, [INT32] = 4, [UINT32] = 4, [FLOAT32] = 4, [FLOAT64] = 8};
 
 typedef struct property {
-    value_type count_type; /* NO_TYPE for a scalar property */
+    value_type count_type; /* type of the count of a list; NO_TYPE for a scalar property */
     value_type type;
     int axis; /* 0 to 2 if the property is a coordinate of a vertex; otherwise -1 */
     bool corners; /* true if the property is the list of a face's vertices */
@@ -66,7 +66,8 @@ typedef struct ply {
 typedef struct value {
     const char *text;
     size_t size;
-    double number; /* NAN if an ASCII word is not an integer; then only the text of the word is used */
+    /* value as a number; NAN if an ASCII word is not an integer, in which case only the text of the word is used */
+    double number;
 } value;
 
 static ost_status wrong(const ply *p, mesh_word found, const char *expected, ost_error *err)
@@ -340,7 +341,7 @@ static ost_status read_body(ply *p, ost_error *err)
     ost_status status = OST_OK;
     for (int i = 0; status == OST_OK && i < p->element_count; i++) {
         const element *e = &p->elements[i];
-        /* An element without properties is skipped, because it has no data, whatever its count is. */
+        /* An element without properties is skipped: it has no data, however large its count is. */
         for (int64_t n = 0; status == OST_OK && e->property_count && n < e->count; n++)
             status = read_body_element(p, e, n, err);
     }

@@ -31,15 +31,15 @@ typedef struct mesh_input {
 } mesh_input;
 
 /*
- * Reads the file and determines its kind. If the kind has a signature, it is recognised by the content, otherwise by
- * the name.
+ * Reads the file and determines its kind. A kind that has a signature is recognised by the content, and any other kind
+ * by the name.
  */
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err);
 void ost_mesh_input_free(mesh_input *in);
 
 /*
- * Functions that check a file; there is one for each kind. They return OST_ERR_INPUT, with a line number or an
- * offset, if the file has an error.
+ * The functions that check a file, one for each kind. If the file has an error, they return OST_ERR_INPUT with a line
+ * number or an offset.
  */
 ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_stl_ascii(mesh_input *in, ost_error *err);

@@ -17,7 +17,7 @@ static ost_status write_body(ost_outfile *out, const ost_mesh *mesh, ost_mesh_fr
                                     ost_pm_format(p->z, z));
     }
     for (size_t t = 0; t < mesh->triangle_count && status == OST_OK; t++) {
-        const uint32_t *c = mesh->triangles[t]; /* OBJ files number vertices from 1 */
+        const uint32_t *c = mesh->triangles[t]; /* OBJ files number vertices from 1, so 1 is added to each index */
         status = ost_outfile_printf(out, err, "f %zu %zu %zu\n", (size_t)c[0] + 1, (size_t)c[1] + 1, (size_t)c[2] + 1);
     }
     return status;

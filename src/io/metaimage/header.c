@@ -42,7 +42,7 @@ static const char *const spellings[] = {
 };
 
 typedef struct field {
-    char *value; /* NULL if absent */
+    char *value; /* value of the field; NULL if the field is absent */
     long line;
 } field;
 
@@ -217,8 +217,9 @@ static ost_status missing(const reader *r, const char *what)
 }
 
 /*
- * Reads `count` decimals and multiplies each by its factor; factor NULL means 1. Returns false if the value does not
- * consist of `count` decimals. If `exactly` is true, also returns false if a result had to be rounded.
+ * Reads `count` decimals and multiplies each by its factor. If `factor` is NULL, all factors are 1. Returns false if
+ * the value does not consist of `count` decimals. If `exactly` is true, also returns false if a result had to be
+ * rounded.
  */
 static bool read_decimals(const char *value, int count, const uint64_t *factor, bool exactly, int64_t *out)
 {

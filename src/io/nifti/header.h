@@ -7,9 +7,9 @@
  * through it, because it would replace NaN with 0 and load the complete file into
  * memory.
  *
- *   orientation   sform if its code is 1 (scanner) or 2 (aligned), else
- *                 qform if its code is > 0, else sform if its code is > 2,
- *                 else only pixdim with origin 0: a file without orientation.
+ *   orientation   sform if its code is 1 (scanner) or 2 (aligned), otherwise
+ *                 qform if its code is > 0, otherwise sform if its code is > 2,
+ *                 otherwise only pixdim with origin 0: a file without orientation.
  *                 (Codes above 2 map to a template brain, which does not have the
  *                 patient's size.)  An sform and a qform that both map to the
  *                 patient must agree to within a voxel, unless the caller

@@ -56,7 +56,7 @@ typedef enum ost_nrrd_field {
 typedef struct ost_nrrd_text {
     ost_header_lines lines;
     struct {
-        char *value; /* NULL if absent */
+        char *value; /* value of the field; NULL if the field is absent */
         long line;
     } field[OST_NRRD_FIELD_COUNT];
     const char *list; /* file names of `data file: LIST`, one per line, each terminated by NUL */
@@ -80,7 +80,7 @@ typedef struct ost_nrrd_header {
     bool swap;
     int32_t sizes[3];
     ost_affine affine; /* transform from voxels to LPS */
-    bool oriented;     /* true if the space is a patient's space: RAS, LAS or LPS */
+    bool oriented;     /* true if the space is that of a patient: RAS, LAS or LPS */
     uint64_t line_skip;
     int64_t byte_skip; /* bytes to skip before the data; -1 if the data end at the end of the file */
 } ost_nrrd_header;

@@ -9,7 +9,7 @@
 
 #include <osteon/grid.h>
 
-/* Maximum number of segments for which fields are written. Programs open any further labels without a name. */
+/* Maximum number of segments for which fields are written. Programs show further labels without a name. */
 enum { OST_NRRD_SEGMENTS_MAX = 255 };
 
 /*

@@ -11,7 +11,8 @@
 
 typedef struct ost_nrrd_text_rows {
     ost_rows rows; /* the first member, because `next` converts an ost_rows * to a pointer to this struct */
-    uint64_t in_part, left; /* number of values in each part; number of values of the open part not yet read */
+    /* number of values in each part, and number of values in the open part that have not been read yet */
+    uint64_t in_part, left;
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);

@@ -17,10 +17,10 @@ struct ost_session {
     int header_copies;
     uint32_t identity;
     ost_session_summary summary;
-    session_block_place *blocks; /* owned; list of the valid blocks that contain records */
+    session_block_place *blocks; /* owned; the valid blocks that contain records */
     size_t block_count, block_capacity;
     unsigned char *payload;     /* owned; payload of the block that was read last */
-    /* Position of the next record that ost_session_next returns. */
+    /* The position of the record that ost_session_next returns next. */
     size_t next_block;
     uint32_t record, records;
 };

@@ -40,7 +40,7 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    /* Used by the producer: true if the disk has failed for so long that ost_recorder_put_waiting no longer waits. */
+    /* used by the producer; true if the disk has failed for so long that ost_recorder_put_waiting no longer waits */
     bool impatient;
 
     char *name;  /* owned */

@@ -25,7 +25,7 @@ typedef struct session_ring {
     unsigned char *slots; /* owned; `capacity` records */
     uint64_t capacity;    /* number of slots; a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
-    uint64_t tail_known; /* value of tail that the producer read last */
+    uint64_t tail_known; /* value of tail when the producer last read it */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 

@@ -112,7 +112,8 @@ static ost_status list_path(const char *path, ost_stack_names *out, ost_error *e
         status = list(path, (int)strlen(path), NULL, out, err);
     else
         status = append(out, "", 0, path, err);
-    if (status == OST_OK && out->count) /* the C standard does not allow a null pointer in qsort, even for 0 elements */
+    /* the test is needed because the C standard does not allow a null pointer in qsort, even for 0 elements */
+    if (status == OST_OK && out->count)
         qsort(out->paths, out->count, sizeof *out->paths, by_text);
     if (status != OST_OK)
         ost_stack_names_free(out);

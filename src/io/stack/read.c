@@ -13,7 +13,7 @@
 typedef struct stack {
     const char *path;
     ost_stack_names names;
-    int32_t sizes[3]; /* columns, rows, slices */
+    int32_t sizes[3]; /* number of columns, rows and slices */
     ost_element element;
     bool swap;
     char encoding[16], first[OST_SLICE_NAME]; /* encoding and name of the first slice */

@@ -27,9 +27,9 @@ ost_status ost_stack_read(const char *path, const ost_volume_options *options, c
 
 /* The properties of a stack that its files state. */
 typedef struct ost_stack_facts {
-    ost_dims dims; /* columns, rows, slices */
+    ost_dims dims; /* number of columns, rows and slices */
     char type[24], encoding[16];
-    double pixel_mm[2]; /* pixel size given in the first slice, in mm; 0 if the slice contains none */
+    double pixel_mm[2]; /* pixel size in mm as stated by the first slice; 0 if the slice states none */
 } ost_stack_facts;
 
 /* Describes a stack without reading its pixels. */

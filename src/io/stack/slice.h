@@ -18,8 +18,8 @@
 #include "io/volume/element.h"
 
 /*
- * Greatest ratio of unpacked bytes to bytes of the file. Deflate reaches 1032, LZW with 12-bit codes reaches 1365,
- * and PackBits reaches 64.
+ * Maximum ratio of unpacked bytes to bytes of the file. Deflate reaches 1032, LZW with 12-bit codes reaches 1365, and
+ * PackBits reaches 64.
  */
 enum { OST_SLICE_UNPACK_MAX = 1400 };
 
@@ -30,12 +30,12 @@ struct ost_slice {
     /* Reads row y, which has `width` elements. Each row must be read once, in order. Reading the last row also checks
      * the end of the data. */
     ost_status (*row)(ost_slice *slice, int32_t y, void *out, ost_error *err);
-    /* Moves to the next page and describes the page. Sets *more to false if there is none. */
+    /* Moves to the next page and describes the page. Sets *more to false if there is no next page. */
     ost_status (*next)(ost_slice *slice, bool *more, ost_error *err);
     void (*close)(ost_slice *slice);
     char *path;       /* owned */
     int64_t bytes;    /* file size in bytes */
-    uint32_t page;    /* number of the page, from 1; 0 if the file has only one page */
+    uint32_t page;    /* number of the page, counted from 1; 0 if the file has only one page */
     int32_t width, height;
     ost_element element;
     bool swap;        /* true if rows are big-endian */
@@ -46,7 +46,7 @@ struct ost_slice {
 
 /* Returns the format that the first bytes of a file indicate. */
 ost_slice_kind ost_slice_sniff(const unsigned char *head, size_t size);
-/* The same for the file at `path` (slice_open.c). Errors name the file. */
+/* Returns the format that the first bytes of the file at `path` indicate (slice_open.c). Errors name the file. */
 ost_status ost_slice_sniff_file(const char *path, ost_slice_kind *kind, ost_error *err);
 
 /*
@@ -62,10 +62,10 @@ void ost_slice_close(ost_slice *slice); /* NULL is allowed */
 enum { OST_SLICE_NAME = 4200 };
 const char *ost_slice_name(const ost_slice *slice, char text[OST_SLICE_NAME]);
 
-/* Checks the size, then the element. Called by the code of a format when all fields are set. */
+/* Checks the size and then the element. Called by the code of a format after all fields have been set. */
 ost_status ost_slice_check(const ost_slice *slice, ost_error *err);
 
-/* Open a file in one of the two formats, and describe its first page. */
+/* Open a file in the named format, and describe its first page. */
 ost_status ost_slice_open_tiff(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_open_png(const char *path, ost_slice **out, ost_error *err);
 

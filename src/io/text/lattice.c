@@ -226,9 +226,9 @@ static side probe(const fit *const *fits, int count, int64_t s)
 }
 
 /*
- * Returns the feasible multiple of q that is nearest to num / den; of two equally near multiples, the smaller one.
- * Returns 0 if no multiple is feasible. Invariant of the bisection: at `near`, the probe is not HERE and points
- * towards `far`. At `far`, the probe points the other way or is HERE, or `far` is the end of the range.
+ * Returns the feasible multiple of q that is nearest to num / den. If two multiples are equally near, returns the
+ * smaller one. Returns 0 if no multiple is feasible. Invariant of the bisection: at `near`, the probe is not HERE and
+ * points towards `far`. At `far`, the probe points the other way or is HERE, or `far` is the end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {

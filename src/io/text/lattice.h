@@ -38,7 +38,7 @@ typedef struct ost_lattice_axis {
     size_t count;         /* 1 <= count <= OST_DIM_MAX */
     const ost_pm *value;  /* distinct values in ascending order */
     const int64_t *line;  /* for each value, the line in which the value occurs first */
-    uint32_t units;       /* bit n is 1 if unit number n occurs */
+    uint32_t units;       /* set of the units that occur; bit n is unit number n */
     bool rounded; /* true if a coordinate has more than nine decimal places and may be wrong by half a picometre */
 } ost_lattice_axis;
 

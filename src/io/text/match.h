@@ -44,7 +44,7 @@ typedef struct ost_text_around {
 
 typedef struct ost_text_pattern {
     ost_text_around before, after;
-    uint32_t shortest; /* smallest length of a column */
+    uint32_t shortest; /* minimum length of a column's text */
     bool carriage;     /* true if lines end with "\r\n" */
 } ost_text_pattern;
 

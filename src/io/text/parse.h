@@ -26,9 +26,9 @@ enum { OST_TEXT_PLACES_MIN = -3, OST_TEXT_PLACES_MAX = 9 };
 
 typedef struct ost_text_row {
     ost_pm position[3];
-    int64_t line;     /* line number, from 1 */
+    int64_t line;     /* line number, counted from 1 */
     int32_t density;  /* within int16 */
-    int8_t places[3]; /* OST_TEXT_PLACES_MIN to OST_TEXT_PLACES_MAX */
+    int8_t places[3]; /* number of decimal places, OST_TEXT_PLACES_MIN to OST_TEXT_PLACES_MAX */
     uint8_t rounded;  /* bit a is 1 if coordinate a was rounded to a picometre */
 } ost_text_row;
 

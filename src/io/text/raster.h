@@ -34,8 +34,8 @@ typedef struct ost_text_raster_options {
 
 /* The axes and voxels of a raster scan. Arrays are indexed by rank; rank 0 is the axis that runs fastest. */
 typedef struct ost_text_raster {
-    int axis[3];       /* 0 is x, 1 is y, 2 is z */
-    int32_t count[3];  /* 1 <= count <= OST_DIM_MAX */
+    int axis[3];       /* the axis of each rank: 0 is x, 1 is y, 2 is z */
+    int32_t count[3];  /* number of coordinates of each axis, 1 <= count <= OST_DIM_MAX */
     ost_pm *at[3];     /* owned; `count` coordinates of each axis, strictly ascending or descending */
     int64_t first_line;
     int16_t *voxels;   /* owned; densities in the order of the file */

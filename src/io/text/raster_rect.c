@@ -17,7 +17,7 @@
  * from the voxel centres.
  */
 typedef struct axis_map {
-    int32_t count;     /* number of coordinates within the crop, which are from, from + 1, ... */
+    int32_t count;     /* number of coordinates within the crop, which have the indices from, from + 1, ... */
     int32_t from;
     int32_t *index;    /* owned; index in the complete grid for each coordinate */
     ost_pm spacing;

@@ -57,7 +57,7 @@ static ost_status fail_rejected(const pass *p, ost_error *err)
                         ost_pm_format(at[a], value), (double)off / (double)spacing[a], ost_pm_format(spacing[a],
                         step), ost_pm_format(origin[a], from));
     }
-    return changed(p->path, err); /* on the lattice, but outside the grid of the first pass */
+    return changed(p->path, err); /* the sample is on the lattice, but outside the grid that the first pass found */
 }
 
 static ost_status fail_conflict(const pass *p, ost_error *err)

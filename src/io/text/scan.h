@@ -52,7 +52,7 @@ typedef struct ost_text_axis {
     ost_pm given;       /* spacing from an option or from the text itself; 0 if it must be determined */
     uint32_t units;     /* the fields units and rounded have the same meaning as in ost_lattice_axis */
     bool rounded;
-    size_t distinct;    /* number of coordinates in the field set, which is sorted after the pass */
+    size_t distinct;    /* number of coordinates in `set`, which is sorted after the pass */
     ost_text_coordinate *set;
 } ost_text_axis;
 

@@ -13,8 +13,8 @@
 #include "io/text/lattice.h"
 
 /*
- * A chunk is small enough to remain in the second-level cache from the kernel's copy into the buffer until the walk
- * over it.
+ * The size of a chunk. A chunk is so small that, after the kernel has copied it into the buffer, it remains in the
+ * second-level cache until the walk over it.
  */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
@@ -325,7 +325,10 @@ static bool walk_lines(ost_text_walker *walker, const char *text, const char *en
 
 /* ---------------------------------------------------------------- the file */
 
-/* Reads up to `bytes` bytes at offset `at`; fewer are read at the end of the file. Returns false on a read error. */
+/*
+ * Reads up to `bytes` bytes at offset `at`. Fewer bytes are read only at the end of the file. Returns false on a read
+ * error.
+ */
 static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 {
     *got = 0;

@@ -33,7 +33,7 @@ typedef struct ost_text_plan {
     uint8_t *lengths;         /* owned; length of each column's text; 0 if the text is too long for its array */
     ost_text_column *middles; /* owned; texts of the middle axis, raster->count[1] of them */
     uint8_t *middle_lengths;  /* owned; length of each text in `middles`; 0 if the text is too long */
-    uint32_t shortest;        /* smallest length of a column */
+    uint32_t shortest;        /* minimum length of a column's text */
     bool fast;                /* true if the text of every column fits into its array */
     bool carriage;
     ost_pm last_slow;
@@ -48,10 +48,10 @@ typedef struct ost_text_walker {
     bool placed;         /* true if a line has been read, so that `at` is valid */
     bool known;          /* true if the pattern is valid in the current row */
     int32_t at[3];       /* position of the next line, by rank; the row has ended if at[0] == count */
-    ost_pm middle, slow; /* coordinates of the current row */
+    ost_pm middle, slow; /* coordinates of the current row on the middle and on the slow axis */
     int64_t first, next; /* the lines processed so far are the voxels [first, next) */
     int32_t first_slow_index;
-    ost_pm first_slow;   /* slow coordinate of the first line */
+    ost_pm first_slow;   /* coordinate of the first line on the slow axis */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
     ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */

@@ -26,9 +26,9 @@ typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DAT
 
 /* The file names as the header states them. The strings belong to the text of the header. */
 typedef struct ost_data_names {
-    const char *value; /* NULL if the data follow the header */
+    const char *value; /* value of the field; NULL if the data follow the header */
     long line;         /* number of the header line that contains the value, for messages */
-    const char *list;  /* for LIST: the file names, each terminated by NUL; otherwise NULL */
+    const char *list;  /* for LIST, the file names, each terminated by NUL; NULL in all other cases */
     size_t list_bytes;
 } ost_data_names;
 
@@ -44,12 +44,15 @@ typedef struct ost_data_files {
     int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
 
     uint64_t part_bytes;
-    /* used for numbered files */
+    /* The following two fields are used for numbered files. */
     const char *pattern; /* pattern of the file name; pattern_length bytes */
     size_t pattern_length;
     int64_t first, step;
     uint64_t count;
-    /* used for LIST: position and index of the next name, so that one pass finds all names */
+    /*
+     * The following two fields are used for LIST. They are the position and the index of the next name, so that one
+     * pass finds all names.
+     */
     const char *list_at;
     uint64_t list_index;
 } ost_data_files;

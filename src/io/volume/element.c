@@ -72,7 +72,7 @@ static int sign_of(ost_i128 value)
 static int binary_round(ost_binary value, int32_t *out, bool *exact)
 {
     if (value.mantissa == 0 || value.exponent < -53) {
-        /* In this case, |value| < 2^53 * 2^-54 = 1/2. */
+        /* In this case, |value| < 2^53 * 2^-54 = 1/2, so the result is 0. */
         *out = 0;
         *exact = value.mantissa == 0;
         return 0;

@@ -2,7 +2,7 @@
 /*
  * Converts the elements of a volume file to int16 densities.
  *
- *   integers    unchanged; values beyond int16 are an error, or saturated if allowed
+ *   integers    unchanged; values beyond int16 are an error, or are saturated if the options allow it
  *   floats      rounded half to even to an integer, then as above; infinity is
  *               always an error, and NaN is one unless the options define it as air
  *   scaled      (NIfTI) value * slope + intercept: each of the two terms is

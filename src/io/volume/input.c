@@ -22,7 +22,7 @@ struct ost_input {
     char *path;
     int fd;
     uint64_t file_bytes;
-    uint64_t raw_read; /* number of bytes read from the file, which is also the file offset of raw[raw_end] */
+    uint64_t raw_read; /* number of bytes read from the file so far, which is also the file offset of raw[raw_end] */
     size_t raw_at, raw_end;
     bool packed;
     const char *form; /* "gzip" or "compressed", for messages; valid only for packed files */
@@ -229,7 +229,10 @@ static ost_status fill_out(ost_input *input, ost_error *err)
     return OST_OK;
 }
 
-/* Sets *bytes to the available bytes. If no bytes are available, reads more first. *count is 0 only at the end. */
+/*
+ * Sets *bytes to the available bytes. If no bytes are available, reads further bytes first. *count is 0 only at the
+ * end.
+ */
 static ost_status have(ost_input *input, const unsigned char **bytes, size_t *count, ost_error *err)
 {
     size_t *at = input->packed ? &input->out_at : &input->raw_at;

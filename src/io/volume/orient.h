@@ -30,10 +30,10 @@ typedef struct ost_affine {
 typedef struct ost_placement {
     int to[3];
     bool flip[3];
-    bool reoriented;       /* true unless the placement leaves the file's axes unchanged */
+    bool reoriented;       /* true if the file's axes are permuted or flipped */
     bool oblique;          /* true if the grid is oblique; the field geometry is then not meaningful */
-    double degrees;        /* greatest angle between a file axis and its LPS axis in degrees, for messages */
-    char code[4];          /* directions of the file's axes, "LPS", "RAS", ... */
+    double degrees;        /* maximum angle in degrees between a file axis and its LPS axis, for messages */
+    char code[4];          /* directions of the file's axes, for example "LPS" or "RAS" */
     ost_geometry geometry; /* geometry of the grid in LPS+ order */
     int64_t base;          /* index of the file's voxel (0, 0, 0) in the result */
     int64_t stride[3];     /* change of the index in the result per voxel along each of the three file axes */

@@ -49,7 +49,7 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
         .origin = {least[0], least[1], least[2]},
     };
     ost_status status = ost_geometry_check(out, "the resampled volume", err);
-    /* The bounding box of a long thin diagonal grid is huge. The limit prevents a small file from causing hours of
+    /* The bounding box of a long, thin, diagonal grid is huge. The limit prevents a small file from causing hours of
      * work. */
     int64_t had = (int64_t)sizes[0] * sizes[1] * sizes[2], has = ost_dims_count(out->dims);
     if (status == OST_OK && has > GROWTH_FREE && has / GROWTH_MAX > had)
@@ -65,7 +65,7 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
  */
 void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], const int16_t *file, ost_volume *out)
 {
-    ost_i128 cofactor[3][3]; /* [file axis][LPS axis] */
+    ost_i128 cofactor[3][3]; /* indexed by [file axis][LPS axis] */
     for (int a = 0; a < 3; a++) {
         const ost_pm *u = affine->column[(a + 1) % 3], *v = affine->column[(a + 2) % 3];
         for (int w = 0; w < 3; w++) {
@@ -91,7 +91,9 @@ void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], cons
                 bool inside = true;
                 for (int a = 0; a < 3 && inside; a++) {
                     ost_i128 n = sign * (cofactor[a][0] * p[0] + cofactor[a][1] * p[1] + cofactor[a][2] * p[2]);
-                    /* The comparison precedes the division, because it is cheap and ensures that the quotient fits. */
+                    /*
+                     * The comparison comes before the division, because it is cheap and ensures that the quotient fits.
+                     */
                     inside = 2 * n >= -det && n <= det * sizes[a];
                     if (inside) {
                         index[a] = (int64_t)ost_rhe_div128(n, det);

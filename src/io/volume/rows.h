@@ -20,12 +20,12 @@
 
 typedef struct ost_rows ost_rows;
 struct ost_rows {
-    /* Reads the next row of densities. `first` is the number of the row's first voxel in the file. */
+    /* Reads the next row of densities. `first` is the number, in the file, of the row's first voxel. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts; /* NULL if `next` does not read from parts */
+    ost_parts *parts; /* data of the file; NULL if `next` does not read from parts */
     ost_converter converter;
     void *scratch; /* one row of elements; set by the functions in this file */
 };

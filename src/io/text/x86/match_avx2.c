@@ -30,8 +30,8 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
     /*
-     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of
-     * a density. The lower group contains at most one digit, the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of a
+     * density. The lower group contains at most one digit, that of the ten thousands.
      */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
@@ -50,8 +50,8 @@ static inline int64_t align(uint64_t *word, bool carriage)
 {
     uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
     uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-    /* The newline is marked by bit 8 n + 7, where n is its index. Without a newline, n is 8; if the newline is first,
-     * n is 0. Both are invalid lengths. */
+    /* The newline with the index n is marked by bit 8 n + 7. If there is no newline, n is 8; if the newline is the
+     * first byte, n is 0. Both are invalid lengths. */
     *word <<= (71 - bits) & 63;
     return (int64_t)(bits >> 3) - carriage;
 }

@@ -33,8 +33,8 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
     /*
-     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of
-     * a density. The lower group contains at most one digit, the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of a
+     * density. The lower group contains at most one digit, that of the ten thousands.
      */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
@@ -48,8 +48,8 @@ static inline densities parse(__m512i last, __m512i length)
 /* Parses words that begin with a density, as in match.c. */
 static inline densities parse_words(__m512i words, bool carriage)
 {
-    /* The newline is marked by bit 8 n + 7, where n is its index. Without a newline, the shift is 72 and n is -1,
-     * which is not a valid length. */
+    /* The newline with the index n is marked by bit 8 n + 7. If there is no newline, the shift is 72 and n is -1, which
+     * is not a valid length. */
     __m512i x = _mm512_xor_si512(words, _mm512_set1_epi8('\n'));
     __m512i zero = _mm512_andnot_si512(x, _mm512_sub_epi64(x, _mm512_set1_epi8(1)));
     zero = _mm512_and_si512(zero, _mm512_set1_epi8((char)0x80));

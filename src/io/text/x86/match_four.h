@@ -37,7 +37,7 @@ typedef struct match_state {
     size_t lead, other; /* length of `before`, and sum of the lengths of `before` and `after`, in bytes */
     const char *line;   /* beginning of the next line */
     const char *q;      /* beginning of the next line's density */
-    __m128i found16;    /* found16 and found32 are not 0 if some byte differs */
+    __m128i found16;    /* found16 and found32 are not 0 if at least one byte differs */
     __m256i found32;
 } match_state;
 
