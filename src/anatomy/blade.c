@@ -10,19 +10,22 @@
 #include "core/vector.h"
 
 enum {
-    CELLS_MAX = 1 << 21, /* limit on the number of cells; a scapula has about 40,000 cells of 1.5 mm */
+    CELLS_MAX = 1 << 21, /* maximum number of cells; a scapula has about 40,000 cells of 1.5 mm */
     BINS = 50,
     ROWS = 60,
-    MIDDLE_LO = 10, /* first and last bin, 30 to 72 mm medial of the face, in which the spine is certainly prominent */
+    /* first and last bin, 30 to 72 mm medial of the face; in this range, the spine is always prominent */
+    MIDDLE_LO = 10,
     MIDDLE_HI = 24,
-    STRAY_ROWS = 3  /* maximum change in row between the crest's positions in neighbouring bins */
+    STRAY_ROWS = 3  /* maximum difference in rows between the crest's positions in neighbouring bins */
 };
-#define BIN_MM 3.0       /* width of a bin (medial direction); ROW_MM is the width of a row (superior direction) */
+/* width of a bin in the medial direction; ROW_MM is the width of a row in the superior direction */
+#define BIN_MM 3.0
 #define ROW_MM 2.0
 #define VALLEY_MM 24.0
-#define CELL_SHARE 0.3f  /* smallest share of bone in a cell of the blade; a plate 2 mm thick must not have holes */
+/* minimum share of bone in a cell of the blade; the value is low, so that a plate 2 mm thick has no holes */
+#define CELL_SHARE 0.3f
 #define NONE (-1e9)
-#define PROMINENT_MM 2.0 /* smallest prominence that counts as the spine */
+#define PROMINENT_MM 2.0 /* minimum prominence that counts as the spine */
 
 /* The coordinate frame of the blade. Its origin is the centre of the glenoid's face. */
 typedef struct frame {
@@ -135,7 +138,7 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
 }
 
 /*
- * Finds the extreme point of the bone along the direction `way`. The result is the mean of all cells within
+ * Finds the extreme point of the bone in the direction `way`. The result is the mean position of all cells within
  * `within` mm of the extreme cell, moved along `way` to the extreme.
  */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
@@ -166,7 +169,7 @@ static void extreme(const anatomy_cells *cells, const double way[3], double with
  * its height above the higher of the two valleys.
  */
 typedef struct relief {
-    double height[BINS][ROWS]; /* height of the highest cell above the blade's plane; NONE without bone */
+    double height[BINS][ROWS]; /* height of the highest cell above the blade's plane; NONE if there is no bone */
     double prominence[BINS][ROWS];
 } relief;
 
@@ -213,7 +216,7 @@ static void find_relief(const anatomy_cells *cells, const frame *f, double side,
         }
 }
 
-/* Returns the row among [lo, hi] that has the greatest prominence in bin b. */
+/* Returns the row from lo to hi that has the greatest prominence in bin b. */
 static int most_prominent(const relief *s, int b, int lo, int hi)
 {
     int best = lo < 0 ? 0 : lo;
@@ -222,7 +225,7 @@ static int most_prominent(const relief *s, int b, int lo, int hi)
     return best;
 }
 
-/* Returns the mean of the greatest prominences in the bins 30 to 72 mm medial of the face. */
+/* Returns the mean, over the bins 30 to 72 mm medial of the face, of the greatest prominence in each bin. */
 static double mean_prominence(const relief *s)
 {
     double sum = 0;

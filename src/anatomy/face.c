@@ -12,7 +12,7 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define FRONT_MM (-12.0) /* start of a ray along the axis, relative to the centre; BACK_MM is its end */
 #define BACK_MM 20.0
 #define RAY_MM 0.5
-#define NEAREST_MM 4.0   /* smallest distance between the rim and the axis; FARTHEST_MM is the greatest */
+#define NEAREST_MM 4.0   /* minimum distance between the rim and the axis; FARTHEST_MM is the maximum */
 #define FARTHEST_MM 30.0
 #define STEP_MM 0.25
 #define FALL_MM 3.0
@@ -20,7 +20,8 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define CLIMB_MM 8.0 /* a position more than this distance above the centre belongs to the coracoid or the acromion */
 #define OUTLIER_MM 4.0   /* a rim distance that differs by more than this from the median of its neighbours is not on
                           * the rim */
-#define OFF_PLANE_MM 3.0 /* a point farther than this from the first plane is excluded from the second fit */
+/* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
+#define OFF_PLANE_MM 3.0
 #define COS_CHORD 0.93969262078590838 /* cosine of 20 degrees */
 #define COS_WAY 0.99619469809174553 /* cosine of 5 degrees, the angle between two neighbouring directions */
 #define SIN_WAY 0.08715574274765817
@@ -52,8 +53,8 @@ static double surface_along(const anatomy_field *f, double level, const double f
 }
 
 /*
- * Follows the surface outward in the direction `way`. Returns the distance of the rim from the axis, or 0
- * without a rim. If the surface continues and climbs to another part of the bone, the distance is negative.
+ * Follows the surface outward in the direction `way`. Returns the distance of the rim from the axis, or 0 if there is
+ * no rim. If the surface continues and climbs to another part of the bone, the distance is negative.
  */
 static double trace(const anatomy_field *f, double level, const anatomy_face *face, const double way[3],
                     double rim[3], double crest[3])

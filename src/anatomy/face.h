@@ -23,13 +23,13 @@ typedef struct anatomy_variant {
 } anatomy_variant;
 
 typedef struct anatomy_face {
-    double centre[3], inward[3];  /* centre of the face; unit vector along the axis into the bone */
+    double centre[3], inward[3];  /* centre of the face, and unit vector along the axis into the bone */
     double rim[OST_RIM_MAX][3];   /* positions on the rim; rim[k] is valid only if seen[k] */
     double crest[OST_RIM_MAX][3]; /* highest position in each direction up to the rim; the plane is fitted to these
                                    * positions */
     bool seen[OST_RIM_MAX];
-    double seen_share;            /* share of the directions in which the rim was found */
-    double residual;              /* RMS distance of the crest points from their plane, mm */
+    double seen_share;            /* share of the directions in which the rim was found, from 0 to 1 */
+    double residual;              /* RMS distance in mm of the crest points from their plane */
 } anatomy_face;
 
 /*

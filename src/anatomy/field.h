@@ -14,7 +14,7 @@
 
 typedef struct anatomy_field {
     int32_t n[3];            /* number of cells along each axis */
-    double origin[3], step[3]; /* centre of cell (0, 0, 0); size of a cell */
+    double origin[3], step[3]; /* centre of cell (0, 0, 0), and size of a cell */
     float *share;            /* owned; share of bone in each cell, x fastest */
 } anatomy_field;
 

@@ -28,11 +28,12 @@ enum {
 };
 #define STEP_MM 1.5         /* cell width of the field */
 #define VOTE_MM 2.0         /* cell width of the vote grid */
-#define APART_MM 10.0       /* least distance between the centres of two spheres */
+#define APART_MM 10.0       /* minimum distance between the centres of two spheres */
 #define COARSE_MM 3.0       /* maximum distance of a point from the sphere in the first fit; FINE_MM applies in the
                              * last fit */
 #define FINE_MM 1.2
-#define ALIGNED 0.85        /* smallest cosine between a point's normal and the normal of the sphere at this point */
+/* minimum cosine of the angle between a point's normal and the normal of the sphere at this point */
+#define ALIGNED 0.85
 #define COVERAGE_MIN 0.15
 #define AREA_MIN_MM2 200.0
 
@@ -41,7 +42,7 @@ typedef struct search {
     const ost_sphere_options *options;
     double sign;            /* -1 if the centre lies inward along the normals, 1 if it lies outward */
     double least, most;     /* limits of the radius in mm */
-    double lo[3], cell;     /* corner of the vote grid; cell width */
+    double lo[3], cell;     /* corner of the vote grid, and cell width */
     int32_t n[3];
     uint32_t *votes, *copy; /* owned */
 } search;
@@ -168,7 +169,7 @@ static bool next_maximum(search *s, double centre[3])
 /* --------------------------------------------------------------------- fit */
 
 /*
- * Computes the distance from the centre to a point, and the unit vector along it. Returns false if the point's
+ * Computes the distance from the centre to a point, and the unit vector in this direction. Returns false if the point's
  * normal is not aligned with this vector.
  */
 static bool seen_from(const search *s, const double centre[3], const anatomy_point *p, double along[3], double *far)
@@ -220,8 +221,8 @@ static int bin_of(const double v[3])
 }
 
 /*
- * Computes the area, residual, coverage and direction of a sphere from the points within `within` mm. Stores
- * these points in `inliers` and returns their number.
+ * Computes the area, residual, coverage and direction of a sphere from the points within `within` mm of the sphere.
+ * Stores these points in `inliers` and returns their number.
  */
 static size_t measure(const search *s, fitted *f, double within, double (*inliers)[3])
 {

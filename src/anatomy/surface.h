@@ -6,7 +6,7 @@
 #include "anatomy/field.h"
 
 typedef struct anatomy_point {
-    double at[3], normal[3]; /* position in mm; outward unit vector */
+    double at[3], normal[3]; /* position in mm, and outward unit vector */
     double area;             /* area in mm2 that the point represents */
 } anatomy_point;
 

@@ -67,14 +67,14 @@ typedef enum pattern_input {
     PATTERN_BEFORE       /* `in` is the bone before the event */
 } pattern_input;
 
-enum { PATTERN_WEIGHT_ONE = 1 << 15 }; /* the sum of the two weights of an axis */
+enum { PATTERN_WEIGHT_ONE = 1 << 15 }; /* sum of the two weights of an axis */
 
 typedef struct pattern_view {
     const int16_t *a, *b;
-    ost_dims dims, dims_b;    /* if the two dims differ, only axis-swap is checked */
+    ost_dims dims, dims_b;    /* dims of the grids A and B; if they differ, only axis-swap is checked */
     int32_t solid_a, solid_b; /* lowest value of a solid voxel */
     bool tool;
-    int chunk;                /* voxels along a chunk's edge */
+    int chunk;                /* edge length of a chunk in voxels */
     pattern_input input;
     const int16_t *in;
     ost_dims in_dims;
@@ -82,8 +82,8 @@ typedef struct pattern_view {
     /* For each axis, the weight of the voxel after the source voxel, in units of 1 / PATTERN_WEIGHT_ONE. A
        voxel with the weight 0 is not read. */
     const int32_t *weight[3];
-    /* For each voxel, the number of samples after the voxel's last sample in the batch, or -1 if the voxel has no
-       sample. NULL if unknown. */
+    /* For each voxel, the number of samples in the batch that follow the voxel's last sample, or -1 if the voxel has no
+       sample. NULL if these numbers are unknown. */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;
@@ -91,11 +91,11 @@ typedef struct pattern_view {
 enum { PATTERN_TEXT = 200 };
 typedef struct pattern_list {
     bool holds[PATTERNS];
-    char text[PATTERNS][PATTERN_TEXT]; /* evidence for each pattern that holds */
+    char text[PATTERNS][PATTERN_TEXT]; /* evidence for each pattern that holds, in the order of the patterns */
     pattern of_all;                    /* the class */
 } pattern_list;
 
-/* Checks all patterns. At least one voxel or the dims must differ. */
+/* Checks all patterns. The dims or at least one voxel must differ. */
 void ost_pattern_find(const pattern_view *view, pattern_list *out);
 
 #endif

@@ -2,9 +2,13 @@
 /* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
 #include "difference/pattern_parts.h"
 
+
 #include <string.h>
 
-/* Number of work-items in a work-group. At most this many samples are lost at the end of a batch. */
+/*
+ * The number of work-items in a work-group, which is the maximum number of samples that can be lost at the end of a
+ * batch.
+ */
 enum { GROUP = 256 };
 
 typedef struct chunk_counts {
@@ -57,10 +61,10 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 }
 
 typedef struct chunk_sums {
-    /* numbers of chunks; one_sided counts the chunks that are solid in only one grid */
+    /* numbers of chunks; one_sided is the number of chunks that are solid in only one of the grids */
     int64_t differ, undone, one_sided;
-    /* hit_after counts chunks after the first chunk with a difference; a chunk counts if it has a hit but no
-       difference */
+    /* `hit` is the number of chunks with a hit; hit_after is the number of chunks with a hit and without a difference
+       that follow the first chunk with a difference */
     int64_t hit, hit_after;
 } chunk_sums;
 

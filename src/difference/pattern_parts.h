@@ -11,7 +11,7 @@
 
 #include "difference/pattern.h"
 
-/* Smallest number of voxels for which a pattern is significant. */
+/* Minimum number of voxels for which a pattern is significant. */
 enum { PATTERN_TELLING = 8 };
 
 /* The view, and the properties of D, the set of differing voxels, that all rules use. */
@@ -19,7 +19,7 @@ typedef struct pattern_scan {
     const pattern_view *v;
     int64_t count;         /* number of voxels in D */
     int64_t first;         /* lowest index of a voxel in D */
-    int32_t lo[3], hi[3];  /* bounds of D, half-open */
+    int32_t lo[3], hi[3];  /* bounds of D as a half-open box */
     bool several;          /* true if B has more than one non-zero value in D */
 } pattern_scan;
 

@@ -6,12 +6,12 @@
 
 static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
 
-/* A wrong way to read the input: at an offset of `step` voxels, with the axes in a different order in memory, or with
+/* A wrong way to read the input: at an offset of `step` voxels, with a different order of the axes in memory, or with
    rows (along x) of a different length. */
 typedef struct reading {
     int step[3];
     const int *order;
-    int64_t row; /* length of a row in voxels; 0 means the correct length */
+    int64_t row; /* length of a row in voxels; 0 selects the correct length */
 } reading;
 
 /* Resamples voxel p from an input that is read as described by *how. Returns false if a source voxel is outside the

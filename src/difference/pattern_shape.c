@@ -20,7 +20,7 @@ static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
    they cannot be covered by runs. */
 static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
 {
-    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* smallest number of runs that cover [from, x), plus one */
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* minimum number of runs that cover [from, x), plus one */
     least[from] = 1;
     for (int32_t x = from; x < end; x++) {
         if (!least[x])
@@ -122,7 +122,7 @@ bool ost_pattern_boundary_layer(const pattern_scan *s, char *text)
             return false;
         known += can;
     }
-    /* If most solid voxels are on the surface, any differences are also likely to be there, so the pattern is not
+    /* If most solid voxels are on the surface, most differences are on the surface too, so the pattern is not
        significant. */
     int64_t solid = 0, surface = 0;
     int32_t p[3];

@@ -24,7 +24,7 @@ typedef struct balance {
     /* part of each point's speed of advance, in m/s, that does not depend on u */
     double given[OST_SHELL_MAX];
     double j[6][OST_SHELL_MAX];
-    double advance[OST_SHELL_MAX]; /* speed of advance of each point in the solution, m/s */
+    double advance[OST_SHELL_MAX]; /* speed of advance of each point in the solution, in m/s */
 } balance;
 
 /*

@@ -75,7 +75,7 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
             out->inward[a][i] = (float)p->inward[a];
             out->outside[a][i] = (float)(p->at[a] - spacing * p->inward[a]);
         }
-        /* Seen along -z, the tool rotates clockwise (AR-MOTOR): a point at (x, y) moves along (y, -x). */
+        /* Viewed along -z, the tool rotates clockwise (AR-MOTOR): a point at (x, y) moves along (y, -x). */
         out->against[0][i] = radius > 0 ? (float)(-p->at[1] / radius) : 0;
         out->against[1][i] = radius > 0 ? (float)(p->at[0] / radius) : 0;
         out->area[i] = (float)p->area;
@@ -105,7 +105,7 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
  * The large part, `origin`, is an integer; the remaining terms are floats.
  */
 typedef struct to_voxels {
-    float to[3][3], part[3]; /* part: from 0 to 1 */
+    float to[3][3], part[3]; /* the elements of `part` are from 0 to 1 */
     int32_t origin[3];
 } to_voxels;
 

@@ -17,22 +17,24 @@
 #include <osteon/force.h>
 
 #define OST_M_PER_PM 1e-12
-#define OST_RIGID 1e12 /* resistance per area of a point that does not cut, N s/m^3 */
+#define OST_RIGID 1e12 /* resistance per area, in N s/m^3, of a point that does not cut */
 
 /* The points of a tool, stored by component. Elements after the last point are zero. */
 typedef struct contact_shell {
     size_t count;
     float at[3][OST_SHELL_MAX], inward[3][OST_SHELL_MAX];
     float outside[3][OST_SHELL_MAX]; /* position one voxel outward of each point, at which bone is looked up */
-    /* x and y of the unit vector opposite to the motion of the point due to the tool's rotation */
+    /*
+     * x and y of a unit vector; this vector is opposite to the motion of the point that is due to the tool's rotation
+     */
     float against[2][OST_SHELL_MAX];
-    float spin[OST_SHELL_MAX];       /* speed of the point due to the tool's rotation, m/s */
+    float spin[OST_SHELL_MAX];       /* speed of the point in m/s that is due to the tool's rotation */
     float area[OST_SHELL_MAX];
-    /* resistance to the advance of the point in bone of the reference density, N s/m */
+    /* resistance in N s/m to the advance of the point in bone of the reference density */
     float give[OST_SHELL_MAX];
     bool cutting[OST_SHELL_MAX];     /* true if the point can cut and the tool rotates */
     bool edge[OST_SHELL_MAX];        /* true if the point can cut */
-    /* largest distance from the tool's origin to a point or to the point's position in `outside` */
+    /* maximum distance from the tool's origin to a point or to the point's position in `outside` */
     double reach;
 } contact_shell;
 

@@ -46,27 +46,27 @@ typedef struct grip {
     bool coupled;       /* true if a tool is coupled; the other fields are then valid */
     int tool;
     contact_pose pose;  /* pose of the tool */
-    double facing[4];   /* orientation of the tool as a quaternion */
+    double facing[4];   /* orientation of the tool as a quaternion w x y z */
     ost_pose device;    /* pose of the device in the last tick */
-    double velocity[3]; /* filtered velocity of the device, m/s */
-    double turning[3];  /* filtered angular velocity of the device, rad/s */
-    double drag[3];     /* lateral force of cutting, low-pass filtered, N */
+    double velocity[3]; /* filtered velocity of the device in m/s */
+    double turning[3];  /* filtered angular velocity of the device in rad/s */
+    double drag[3];     /* lateral force of cutting in N, low-pass filtered */
     double drag_nm[3];
-    double spun;        /* angle by which the tool has rotated, rad */
-    double turned;      /* sum of the angles by which ost_force_motor turned the pose, rad */
+    double spun;        /* angle in rad by which the tool has rotated */
+    double turned;      /* sum in rad of the angles by which ost_force_motor has turned the pose */
 } grip;
 
 struct ost_force {
     const ost_bone *bone;
     ost_force_params params;
-    double spacing; /* spacing of the bone, m */
+    double spacing; /* spacing of the bone in m */
     int tools;
     contact_shell *shells[TOOLS_MAX];
     grip grip;
     /* Scratch for one tick. */
     contact contact;
     balance balance;
-    double size[OST_SHELL_MAX]; /* force of each touching point, N */
+    double size[OST_SHELL_MAX]; /* force of each touching point in N */
 };
 
 /* ------------------------------------------------------------------ making */
@@ -79,7 +79,7 @@ ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params
         return ost_fail(err, OST_ERR_USAGE, "a force needs a bone");
     ost_status status = ost_force_params_check(&chosen, err);
     if (status == OST_OK)
-        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* also copies a bone on a device to host memory */
+        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* also copies a bone that is on a device to host memory */
     if (status != OST_OK)
         return status;
     ost_force *f = calloc(1, sizeof *f);

@@ -24,7 +24,7 @@ enum { REACH = 5, SIDES = 6 };
 
 typedef struct sum {
     double area, at[3], inward[3];
-    double cutting; /* area of the cutting faces */
+    double cutting; /* area of those faces that cut */
 } sum;
 
 static bool solid(const ost_tool_volume *t, int x, int y, int z)
@@ -140,7 +140,7 @@ static int side_of(const double n[3])
 typedef struct cells {
     ost_dims dims;
     int size;
-    sum *sums; /* owned; SIDES per cell */
+    sum *sums; /* owned; SIDES elements per cell */
 } cells;
 
 static void add_face(const ost_tool_volume *t, const face *f, cells *c)

@@ -240,7 +240,7 @@ static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
     const uint64_t one = 1;
     b->bridge_signals[b->out.back] = (bridge_signals){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
-    /* The write fails only if 2^64 - 1 poses have not been read. */
+    /* This write fails only if 2^64 - 1 poses have not been read. */
     if (write(b->wake, &one, sizeof one) < 0)
         return;
 }

@@ -26,15 +26,15 @@
 enum { BRIDGE_LIMP_MS = 50, BRIDGE_PATIENCE_MS = 5000, BRIDGE_ADDRESS = 128 };
 
 typedef struct bridge_options {
-    const char *to;        /* "host:port" or "[address]:port" */
+    const char *to;        /* address of the simulation, "host:port" or "[address]:port" */
     const char *key;       /* path of the file that contains the key */
-    /* number of ticks; if 0, the bridge runs until the device or the simulation ends, or until stop_requested() returns
-       true */
+    /* number of ticks; 0 means that the bridge runs until the device or the simulation ends, or until stop_requested()
+       returns true */
     uint64_t ticks;
     /* timeout in ms for the first answer; 0 selects BRIDGE_PATIENCE_MS */
     int64_t patience_ms;
     bool no_realtime;
-    bool (*stop_requested)(void); /* called once per tick; returns true to end the run; may be NULL */
+    bool (*stop_requested)(void); /* called once per tick; returns true to end the run; NULL if not used */
 } bridge_options;
 
 typedef struct bridge_report {

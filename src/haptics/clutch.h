@@ -20,7 +20,7 @@ typedef struct haptic_clutch {
     double given_at[3], given_q[4];
     double base_at[3], base_q[4];    /* pose of the tool when the clutch engaged */
     double from_at[3], from_q[4];    /* pose of the body when the clutch engaged */
-    double world[4];                 /* rotates the body's frame into the bone's frame */
+    double world[4];                 /* rotation from the body's frame to the bone's frame */
     bool engaged, laid;
 } haptic_clutch;
 
@@ -29,7 +29,7 @@ void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 /*
- * Aligns the body's frame with the tool's start pose, regardless of the body's first orientation. Called for devices
+ * Aligns the body's frame with the tool's start pose, whatever the body's first orientation is. Called for devices
  * whose axes have a fixed meaning, such as right and up.
  */
 void haptic_clutch_lay(haptic_clutch *clutch);

@@ -26,18 +26,21 @@ typedef struct haptic_driver {
     double max_force_n, max_stiffness_n_m;
     /* buttons[i] has bit i in the state of the buttons; the list ends before the first entry without a name */
     ost_button buttons[OST_BUTTONS_MAX];
-    bool (*usable)(char reason[256]); /* NULL if the device is always usable */
-    bool (*answers)(char reason[256]); /* may be NULL; the device is then assumed to respond */
+    bool (*usable)(char reason[256]); /* returns true if the device can be used; NULL if the device is always usable */
+    /* returns true if the device responds; NULL if the device is assumed to respond */
+    bool (*answers)(char reason[256]);
     ost_status (*open)(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err);
     void (*close)(haptic_instance *instance);
     ost_haptic_answer (*read)(haptic_instance *instance, ost_haptic_state *state);
-    void (*write)(haptic_instance *instance, const ost_wrench *wrench); /* NULL without OST_HAPTIC_FORCE */
-    void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);          /* NULL if there is no text */
-    /* If NULL, the device reports no limits. *out is zero before the call. */
+    /* NULL if the device does not have the flag OST_HAPTIC_FORCE */
+    void (*write)(haptic_instance *instance, const ost_wrench *wrench);
+    /* writes a description of the device; NULL if there is none */
+    void (*about)(haptic_instance *instance, char text[OST_HAPTIC_TEXT]);
+    /* Writes the limits of the device to *out, which is zero before the call. NULL if the device reports no limits. */
     void (*limits)(haptic_instance *instance, ost_haptic_limits *out);
-    /* may be NULL; the driver then has no counters */
+    /* returns the driver's counters; NULL if the driver has no counters */
     int (*counts)(haptic_instance *instance, ost_haptic_tally out[OST_HAPTIC_COUNTS]);
-    /* set only for drivers with the flag OST_HAPTIC_OWN_CLOCK */
+    /* NULL unless the driver has the flag OST_HAPTIC_OWN_CLOCK */
     ost_status (*run)(haptic_instance *instance, haptic_beat *beat, void *user, ost_error *err);
 } haptic_driver;
 

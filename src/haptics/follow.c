@@ -4,7 +4,7 @@
 #include <math.h>
 
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
-static const double TURN = 0.0188;            /* greatest rotation per tick, in radians: three revolutions per second */
+static const double TURN = 0.0188;            /* maximum rotation per tick in radians: three revolutions per second */
 
 void haptic_follow_take(const ost_pose *pose, double at[3], double q[4])
 {

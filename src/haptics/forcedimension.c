@@ -151,7 +151,7 @@ const haptic_driver haptic_dhd = {
     .name = "dhd",
     .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 8, /* maximum force of the Falcon, the weakest of these devices */
+    .max_force_n = 8, /* maximum force in N of the Falcon, the weakest of these devices */
     .max_stiffness_n_m = 3000,
     .buttons = {{"button1", OST_ACTION_MOTOR},
                 {"button2", OST_ACTION_TOOL},

@@ -16,7 +16,7 @@ typedef struct ost_hand_sample {
 
 enum { OST_HAND_TRIGGER = 1, OST_HAND_MENU = 2, OST_HAND_SQUEEZE = 4 };
 
-/* Creates an input whose hand is not tracked. The caller frees the input after closing the device. */
+/* Creates an input whose hand is initially not tracked. The caller frees the input after closing the device. */
 ost_status ost_hand_input_create(ost_hand_input **out, ost_error *err);
 void ost_hand_input_free(ost_hand_input *input); /* NULL is allowed */
 /* Sets the newest sample. Only one thread may call this function. */

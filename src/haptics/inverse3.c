@@ -44,8 +44,8 @@
 enum {
     PORT = 10001,
     MESSAGE_MOST = 65536,  /* maximum size of a state in bytes; the service sends a few hundred bytes */
-    OPEN_MS = 3000,        /* timeout for the first state in ms */
-    CLOSE_MS = 500,        /* timeout for the last force in ms */
+    OPEN_MS = 3000,        /* time limit in ms for the first state */
+    CLOSE_MS = 500,        /* time limit in ms for the last force */
     PATIENT_TICKS = 4,
     LOST_TICKS = 500,
     GARBAGE_MOST = 100,    /* number of consecutive invalid messages after which the device fails */
@@ -76,7 +76,7 @@ struct haptic_instance {
     char message[MESSAGE_MOST];
     size_t size;
     char why[160];        /* reason for the failure */
-    int bad;              /* consecutive invalid messages */
+    int bad;              /* number of consecutive invalid messages */
     bool has_met, has_greeted, has_ended;
     int64_t sent_ns, stop_ns;
     /* The following fields are used only in the tick. */
@@ -513,7 +513,7 @@ const haptic_driver haptic_inverse3 = {
     .name = "inverse3",
     .description = "Haply's Inverse3 with a VerseGrip, by the vendor's service",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION,
-    .max_force_n = 3.3, /* greatest force that the driver sends to the device */
+    .max_force_n = 3.3, /* maximum force in N that the driver sends to the device */
     .max_stiffness_n_m = 300,
     .buttons = {{"a", OST_ACTION_MOTOR}, {"b", OST_ACTION_TOOL}, {"c", OST_ACTION_CLUTCH}, {"d", OST_ACTION_HOME}},
     .usable = USABLE,

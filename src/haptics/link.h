@@ -41,9 +41,9 @@ enum {
 typedef struct link_packet {
     uint8_t type;
     uint16_t flags;
-    /* random numbers that identify the two sides for this run; `simulation` is 0 in a hello packet */
+    /* random numbers that identify the two sides during this run; `simulation` is 0 in a hello packet */
     uint64_t bridge, simulation;
-    uint64_t sequence;           /* number of this packet, counted by the sender */
+    uint64_t sequence;           /* sequence number of this packet, counted by the sender */
     /* in a state packet, the maximum sequence number of the poses that the simulation has accepted */
     uint64_t answers;
     /* in a hello or pose packet, the time on the sender's clock, only for diagnosis */
@@ -51,12 +51,12 @@ typedef struct link_packet {
     /* in a hello or pose packet, the pose of the device; in a state packet, the pose to which the force belongs */
     ost_pose pose;
     uint32_t buttons;
-    int32_t tool;                /* -1 if the device does not select a tool */
+    int32_t tool;                /* index of the selected tool; -1 if the device does not select a tool */
     int32_t force_un[3], torque_unm[3];
-    uint32_t stiffness, damping; /* stiffness and damping along the force, in mN/m and mN s/m */
+    uint32_t stiffness, damping; /* stiffness in mN/m and damping in mN s/m along the force */
 } link_packet;
 
-/* Result of checking received bytes. */
+/* The result of checking received bytes. */
 typedef enum link_verdict { LINK_GOOD, LINK_MALFORMED, LINK_WRONG_KEY } link_verdict;
 
 /*
@@ -90,7 +90,8 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* Records which packets of a sender have arrived, for the newest packet and the 63 packets before it. */
 typedef struct link_window {
-    uint64_t last, seen; /* bit i of `seen` is set if packet last - i has arrived */
+    /* `last` is the newest sequence number; bit i of `seen` is set if packet last - i has arrived */
+    uint64_t last, seen;
 } link_window;
 
 typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;

@@ -2,7 +2,7 @@
 /*
  * The `motion` driver: plays back a tracked hand's motion from a path in text form (io/path_csv.c).
  *
- *   rows   *  *  *  *  .  .  .  .  *  *  *        . no pose
+ *   rows   *  *  *  *  .  .  .  .  *  *  *        . row without a pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
  *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
  *                                 ^ begins lifted; the clutch engages where the tool is

@@ -20,12 +20,12 @@
 #include "haptics/newest.h"
 #include "haptics/workspace.h"
 
-static const double STEP_M = 0.25e-3;         /* greatest motion per tick, in m */
+static const double STEP_M = 0.25e-3;         /* maximum motion per tick in m */
 
 struct ost_mouse_input {
     newest newest; /* passes the newest state from the window's thread to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    /* lifts[i] is the number of lifts that preceded state[i]; `lifted` is the total number of lifts */
+    /* lifts[i] is the number of lifts before state[i] was set; `lifted` is the total number of lifts */
     uint32_t lifts[NEWEST_SLOTS], lifted;
 };
 

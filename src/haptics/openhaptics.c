@@ -24,7 +24,7 @@
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
 
-/* Has the layout of the vendor's HDErrorInfo. */
+/* This struct has the layout of the vendor's HDErrorInfo. */
 typedef struct hd_error {
     unsigned code;
     int internal;

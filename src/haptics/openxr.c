@@ -16,7 +16,7 @@
 #include "haptics/newest.h"
 #include "haptics/workspace.h"
 
-/* greatest motion per tick, in m; a fifth of the jump that an operation treats as a fault */
+/* maximum motion per tick in m; a fifth of the jump that an operation treats as a fault */
 static const double STEP_M = 1e-3;
 
 struct ost_hand_input {

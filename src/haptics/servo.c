@@ -7,7 +7,7 @@
  *    |--wake--[read, tick,   write]-----|       |         done after 1 was due:
  *                  missed:   tick 0, 1 skipped  ^ next    two deadlines missed
  *
- *   due 1 - lead: wake, rehearse, wait without sleep until due 1
+ *   due 1 - lead: the loop wakes, rehearses, and waits without sleep until due 1
  *
  *   wake        time from the moment when a tick is due until it begins
  *   exec        time from its beginning until the wrench is written

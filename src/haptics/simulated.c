@@ -52,7 +52,7 @@ struct haptic_instance {
     size_t next;
     grip hand;
     double friction; /* Coulomb, N */
-    double tremor;   /* largest amplitude of the tremor along an axis */
+    double tremor;   /* maximum amplitude of the tremor along an axis */
     uint64_t random;
     double shake[3], x[3], v[3], force[3];
 };

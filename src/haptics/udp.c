@@ -70,7 +70,7 @@ typedef struct goes {
 } goes;
 
 struct haptic_instance {
-    int socket, stop;      /* stop: an eventfd */
+    int socket, stop;      /* `stop` is an eventfd */
     pthread_t thread;
     link_key *key;
     char where[OST_HAPTIC_TEXT];
@@ -136,7 +136,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
 {
     uint64_t missing;
     if (p->simulation != u->simulation) {
-        count(u, REPLAYED, 1); /* this packet was sent during a different run */
+        count(u, REPLAYED, 1); /* this packet belongs to a different run of the simulation */
         return false;
     }
     const int64_t now = ost_clock_ns();

@@ -2,11 +2,11 @@
 /*
  * Loads a vendor's library only when a device that needs it is requested.
  *
- *   file named by the environment variable, else each name in turn --dlopen--> every symbol, or
- *   none
+ *   the file that the environment variable names, or, if it is not set,
+ *   the first library that is found under one of the names --dlopen--> all symbols, or none
  *
- * The build needs no vendor files, because this project declares the prototypes itself. A library
- * stays loaded, because some libraries have threads that outlive their devices.
+ * The build needs no vendor files, because this project declares the prototypes itself. A library stays loaded, because
+ * some libraries have threads that outlive their devices.
  */
 #ifndef OST_HAPTICS_VENDOR_H
 #define OST_HAPTICS_VENDOR_H
@@ -23,8 +23,8 @@ typedef struct vendor_symbol {
 
 typedef struct vendor_library {
     const char *variable;        /* environment variable that names another file to load instead */
-    const char *const *names;    /* names that are passed to dlopen, in this order; the list ends with NULL */
-    const char *product;         /* product that the user must install; named in messages */
+    const char *const *names;    /* names that are passed to dlopen one after the other; the list ends with NULL */
+    const char *product;         /* product that the user must install, for messages */
     const vendor_symbol *symbols;
     size_t count;
 } vendor_library;

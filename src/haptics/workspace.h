@@ -14,12 +14,12 @@
 #include <osteon/haptics.h>
 
 typedef struct haptic_workspace {
-    double at[3];          /* position of start, m */
+    double at[3];          /* position of `start` in m */
     /* element [row][column] of the rotation from the device's frame to the bone's frame */
     double turn[3][3];
     /* rotation from the tool's frame to the device's frame while the handle is upright */
     double identity[3][3];
-    double scale;          /* metres in the bone's frame per metre of the device */
+    double scale;          /* motion in metres in the bone's frame per metre of motion of the device */
 } haptic_workspace;
 
 /*

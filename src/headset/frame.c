@@ -9,7 +9,7 @@ typedef struct frame {
     headset_swapchain *swapchain; /* swapchain of the eye that is being drawn */
     XrTime time;
     XrCompositionLayerProjectionView views[EYES];
-    bool shown;                   /* true if both eyes were drawn */
+    bool shown;                   /* true if both eyes were drawn, so that the frame can be shown */
 } frame;
 
 static ost_status begin_here(void *user, ost_error *err)

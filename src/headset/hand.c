@@ -5,7 +5,7 @@
 
 /* For one type of controller, the input that triggers each action. The paths are relative to the path of the hand. */
 typedef struct profile {
-    const char *path, *button[HAND_BUTTONS]; /* NULL if the controller has no such button */
+    const char *path, *button[HAND_BUTTONS]; /* input paths; button[i] is NULL if the controller has no such button */
 } profile;
 
 static const profile profiles[] = {

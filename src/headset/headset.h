@@ -18,13 +18,13 @@
 typedef struct ost_headset ost_headset;
 
 typedef struct ost_headset_info {
-    char runtime[160]; /* name and version, for example "Monado(XRT) by Collabora et al 25.0.0" */
+    char runtime[160]; /* name and version of the runtime, for example "Monado(XRT) by Collabora et al 25.0.0" */
     char system[256];  /* name of the headset */
-    int width, height; /* pixels of an eye */
+    int width, height; /* size of an eye's picture in pixels */
 } ost_headset_info;
 
 typedef struct ost_headset_view {
-    double at[3], q[4]; /* pose of the eye: metres; unit quaternion w x y z */
+    double at[3], q[4]; /* pose of the eye: position in metres, and unit quaternion w x y z */
     ost_headset_projection projection;
     int width, height;  /* pixels */
 } ost_headset_view;
@@ -32,8 +32,8 @@ typedef struct ost_headset_view {
 enum { OST_HEADSET_TRIGGER = 1, OST_HEADSET_MENU = 2, OST_HEADSET_SQUEEZE = 4 };
 typedef struct ost_headset_hand {
     bool tracked;       /* if false, the other fields are zero */
-    double at[3], q[4]; /* pose of the grip: metres; unit quaternion w x y z */
-    uint32_t buttons;   /* bits OST_HEADSET_* */
+    double at[3], q[4]; /* pose of the grip: position in metres, and unit quaternion w x y z */
+    uint32_t buttons;   /* bit mask of the pressed buttons (OST_HEADSET_*) */
 } ost_headset_hand;
 
 typedef struct ost_headset_calls {
@@ -44,11 +44,11 @@ typedef struct ost_headset_calls {
 } ost_headset_calls;
 
 typedef struct ost_headset_counts {
-    uint64_t frames;      /* frames that the runtime requested */
-    uint64_t drawn;       /* frames in which both eyes were drawn and shown */
-    uint64_t missed;      /* periods of the display without a new frame */
-    uint64_t untracked;   /* frames without a pose of the head */
-    double display_hz;    /* greatest rate that the runtime stated; 0 before the first frame */
+    uint64_t frames;      /* number of frames that the runtime requested */
+    uint64_t drawn;       /* number of frames in which both eyes were drawn and shown */
+    uint64_t missed;      /* number of periods of the display without a new frame */
+    uint64_t untracked;   /* number of frames for which the runtime had no pose of the head */
+    double display_hz;    /* maximum rate that the runtime reported; 0 before the first frame */
 } ost_headset_counts;
 
 /*

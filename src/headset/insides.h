@@ -15,13 +15,13 @@ enum { EYES = 2, IMAGES_MAX = 8, HAND_BUTTONS = 3 };
 
 typedef struct headset_swapchain {
     XrSwapchain swapchain;
-    uint32_t count, image;          /* number of images; index of the acquired image */
-    uint32_t texture[IMAGES_MAX];   /* names of OpenGL */
+    uint32_t count, image;          /* number of images, and index of the acquired image */
+    uint32_t texture[IMAGES_MAX];   /* OpenGL names of the images */
 } headset_swapchain;
 
 typedef struct headset_actions {
     XrActionSet set;
-    XrAction grip, button[HAND_BUTTONS]; /* in the order of the bits OST_HEADSET_* */
+    XrAction grip, button[HAND_BUTTONS]; /* `button` is in the order of the bits OST_HEADSET_* */
     XrSpace space;
 } headset_actions;
 

@@ -7,7 +7,7 @@ static const double ANGLE_MAX = 1.4835298641951802; /* 85 degrees */
 
 static bool is_usable(double angle)
 {
-    return fabs(angle) <= ANGLE_MAX; /* false if the angle is not a number */
+    return fabs(angle) <= ANGLE_MAX; /* the result is false if the angle is not a number */
 }
 
 bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_headset_projection *out)

@@ -15,8 +15,8 @@
 #define OST_ROOM_AHEAD_M 0.5
 
 typedef struct ost_room {
-    double at[3]; /* the view's target in the bone's frame, in mm */
-    double q[4];  /* rotation from the room's axes to the bone's axes, w x y z */
+    double at[3]; /* position of the view's target in the bone's frame, in mm */
+    double q[4];  /* rotation from the room's axes to the bone's axes, as a quaternion w x y z */
 } ost_room;
 
 /* Creates a room. right, up and back are orthogonal unit vectors in the bone's frame, in a right-handed order. */

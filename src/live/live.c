@@ -39,7 +39,7 @@ struct ost_live_channel {
 
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
-    _Alignas(LINE) unsigned front; /* the viewer's buffer */
+    _Alignas(LINE) unsigned front; /* index of the viewer's buffer */
     bool any;              /* used by the viewer; true if state[front] contains a state */
     uint32_t *seen;        /* owned; used by the viewer; the words of one chunk */
 
@@ -120,7 +120,7 @@ static ost_status make(ost_live_channel *live, ost_error *err)
     status = for_chunks(live, info.chunks, number, err);
     if (status != OST_OK)
         return status;
-    const size_t capacity = (size_t)live->slots + 1; /* greater than 0, even if there are no slots */
+    const size_t capacity = (size_t)live->slots + 1; /* the capacity is greater than 0, even if there are no slots */
     live->chunk_of = malloc(capacity * sizeof *live->chunk_of);
     live->words = malloc(capacity * live->chunk_words * sizeof(_Atomic uint32_t));
     live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
@@ -189,7 +189,7 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
         const int32_t slot = live->slot_of[report->chunks[i].chunk];
         if (slot == NONE || live->waits[slot])
             continue;
-        int32_t last = live->first + live->count; /* no overflow, because slots <= 2^30 (2^10 chunks per axis) */
+        int32_t last = live->first + live->count; /* cannot overflow, because slots <= 2^30 (2^10 chunks per axis) */
         last = last < live->slots ? last : last - live->slots;
         live->waiting[last] = slot;
         live->waits[slot] = true;

@@ -121,8 +121,9 @@ typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
     int64_t nx, ny;          /* numbers of voxel centres along x and y, including an empty border: dims + 2 */
-    uint32_t *slice[2][2];   /* vertex indices of edges: [lower, upper slice][x, y] */
-    uint32_t *between;       /* vertex indices of edges along z */
+    /* vertex indices of the edges along x and y: [0 lower slice, 1 upper slice][0 along x, 1 along y] */
+    uint32_t *slice[2][2];
+    uint32_t *between;       /* vertex indices of the edges along z */
     ost_mesh mesh;
     size_t vertex_capacity, triangle_capacity;
     float *coordinates;      /* position of each vertex on its edge, 0 (lower end) to 1; -1 for the middle of a loop */
@@ -181,8 +182,7 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
 }
 
 /*
- * Limits the position of a vertex to a smallest distance from the ends of its edge, so that no triangle is
- * degenerate.
+ * Limits the position of a vertex to a minimum distance from the ends of its edge, so that no triangle is degenerate.
  */
 static float clamped_off_ends(float t)
 {

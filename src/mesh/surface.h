@@ -33,7 +33,8 @@ typedef enum ost_surface_placement {
 
 /*
  * Extracts the surface of the voxels at or above the threshold. Faces point outward; vertices are in the frame of the
- * volume. Returns OST_ERR_INPUT if no voxel is solid, and OST_ERR_RANGE beyond OST_MESH_TRIANGLES_MAX triangles.
+ * volume. Returns OST_ERR_INPUT if no voxel is solid, and OST_ERR_RANGE if the surface has more than
+ * OST_MESH_TRIANGLES_MAX triangles.
  */
 ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position,
                                ost_mesh *out, ost_error *err);

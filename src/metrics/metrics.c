@@ -34,7 +34,7 @@ typedef struct work {
     double spacing, origin[3];
     ost_plan_frame frame;
     int32_t dims[3];
-    ost_scapular scapular; /* valid if out->scapular */
+    ost_scapular scapular; /* valid if out->scapular is true */
     /* owned array; 1 for voxels that a drill may have removed; NULL if no tool is a drill */
     uint8_t *mark;
     double (*floor)[3]; /* owned array; points of the floor in the coordinates u, v, w */
@@ -83,7 +83,7 @@ static int64_t index_of(const work *k, const int32_t v[3])
     return v[0] + k->dims[0] * (v[1] + (int64_t)k->dims[1] * v[2]);
 }
 
-/* Returns the density at (u, v, w), 0 outside the grid. */
+/* Returns the density at (u, v, w), or 0 outside the grid. */
 static int density_at(const work *k, const ost_volume *volume, double u, double v, double w)
 {
     int32_t at[3];

@@ -87,7 +87,7 @@ static void forces(const ost_motion *m, size_t count, const bool *in, double *sc
 
 static void plunges(const ost_motion *m, size_t count, const bool *in, const double w[3], ost_technique *out)
 {
-    size_t from = 0, broken = 0; /* `broken` is the index after the last tick without contact */
+    size_t from = 0, broken = 0; /* `broken` is the index of the tick after the last tick with contact */
     bool fast = false;
     double begun = 0;
     for (size_t i = 0; i < count; i++) {

@@ -23,13 +23,13 @@ struct ost_operation {
     ost_operation_options options;
     int classes;
     int64_t t_ns;      /* time of the loop's first tick */
-    bool moved;        /* true if a tick was executed; `hand` is then valid */
+    bool moved;        /* true if at least one tick was executed; `hand` is valid only then */
     ost_motor motor;
-    bool on;           /* true if the motor is switched on without a button being held */
+    bool on;           /* true if the motor is switched on, so that it runs without a button being held */
     uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
     int32_t tool;      /* index of the tool that is used if the device does not select a tool */
-    ost_pose hand;     /* pose of the last tick, after the clutch and before the motor's rotation */
+    ost_pose hand;     /* pose of the last tick; the clutch is applied to it, but not the motor's rotation */
     haptic_clutch clutch;
     bool clutched;     /* true if the clutch is applied between device and hand */
     int32_t last_tool;
@@ -111,7 +111,7 @@ static uint32_t at_most_32(uint64_t n)
 static void put(ost_operation *o, const ost_record *record)
 {
     if (o->options.recorder)
-        ost_recorder_put(o->options.recorder, record); /* the recorder counts lost records */
+        ost_recorder_put(o->options.recorder, record); /* the recorder itself counts records that it cannot store */
 }
 
 static void note(ost_operation *o, int64_t t_ns, const char *text)
@@ -320,7 +320,7 @@ void ost_operation_keys(ost_operation *operation, uint32_t active_actions)
 static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed, ost_pose *pose, bool *put)
 {
     if (ost_pose_check(pose, NULL) != OST_OK)
-        return true; /* judge() reports an invalid pose as a fault */
+        return true; /* an invalid pose is reported as a fault by judge() */
     const bool home = is(pressed, OST_ACTION_HOME) &&
                       o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
     const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;

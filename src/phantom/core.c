@@ -29,12 +29,12 @@
 typedef struct recipe {
     double cell;       /* distance between points of the lattice, mm */
     double stretch;    /* ratio of a cell's length along z, the direction of the load, to its width */
-    double jitter;     /* greatest displacement of a point, in cell widths */
+    double jitter;     /* maximum displacement of a point, in cell widths */
     double strut;      /* radius of a strut, mm */
     double wall;       /* half thickness of a wall, mm */
     double walls;      /* share of the possible walls that exist */
     double radius;     /* radius of a core that is drilled along z, mm; 0 for a block */
-    int solid, grain;  /* HU of the solid, and variation of this density between positions */
+    int solid, grain;  /* density of the solid in HU, and variation of this density between positions */
     int filling;       /* density of the filling between the struts, HU */
     int noise;         /* twice the standard deviation of the noise, HU */
 } recipe;
@@ -54,7 +54,7 @@ enum { NEAR_MAX = 1024, ACTIVE = 120 };
 typedef struct seedling {
     double x, y, z;
     uint64_t id;
-    double far2; /* squared distance of the point from the block's middle */
+    double far2; /* squared distance from the point to the block's middle */
 } seedling;
 
 /*

@@ -166,7 +166,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
 /* ---------------------------------------------------------------- humerus */
 
 #define HEAD_RADIUS 24.0
-#define TOUCHING 0.0     /* depth to which the head is inside the cartilage, mm */
+#define TOUCHING 0.0     /* depth in mm by which the head extends into the cartilage */
 #define SHAFT_RADIUS 11.0
 #define SHAFT_LENGTH 90.0
 
@@ -175,7 +175,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
  * ball.
  */
 typedef struct humerus {
-    ost_v3 head, end; /* centre of the head, where the shaft's axis begins, and end of the axis */
+    ost_v3 head, end; /* centre of the head, where the shaft's axis begins, and end of this axis */
     double size;      /* mm of this bone per mm of the mean shape */
 } humerus;
 

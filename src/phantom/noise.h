@@ -52,8 +52,8 @@ static inline int64_t ost_floor64(double v)
 }
 
 /*
- * A cache for the lattice cell that was used last; neighbouring positions are mostly in the same cell.
- * Zero-initialise the cache, and use a separate cache for each seed.
+ * A cache for the lattice cell that was used last. Neighbouring positions are mostly in the same cell. The caller
+ * zero-initialises the cache, and uses a separate cache for each seed.
  */
 typedef struct ost_noise_cell {
     int64_t i, j, k;

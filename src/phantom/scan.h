@@ -20,7 +20,7 @@ typedef struct ost_scan {
     double scale;       /* factor by which the anatomy is enlarged */
     uint64_t seed;
     bool has_humerus;   /* true if a humerus touches the glenoid */
-    const ost_phantom_options *options; /* options; used for progress */
+    const ost_phantom_options *options; /* options of the phantom, used for progress */
 } ost_scan;
 
 #define OST_SCAN_HEAD "phantom_head_mm" /* header fact: centre of the humeral head */

@@ -118,7 +118,7 @@ typedef struct ost_bar_segment {
     ost_v3 middle;
     double reach;   /* maximum distance of the surface from the middle */
     double least_radius, greatest_radius;
-    double flatness; /* at most 1; see ost_bar_near */
+    double flatness; /* at most 1; the comment of ost_bar_near explains this value */
 } ost_bar_segment;
 
 enum { OST_BAR_SEGMENTS = 48 };

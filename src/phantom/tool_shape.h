@@ -54,8 +54,8 @@ ost_pm3 *ost_skin_ring(ost_skin *skin);
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 
 /*
- * Functions that make a tool; there is one for each kind. All lengths must be set and within 0.1 mm to 1 m.
- * segments must be within OST_TOOL_SEGMENTS_MIN to OST_TOOL_SEGMENTS_MAX.
+ * The functions that make a tool, one for each kind. All lengths must be set and within 0.1 mm to 1 m. segments must be
+ * within OST_TOOL_SEGMENTS_MIN to OST_TOOL_SEGMENTS_MAX.
  */
 enum { OST_TOOL_SEGMENTS_MIN = 12, OST_TOOL_SEGMENTS_MAX = 3072 };
 ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, ost_error *err);

@@ -101,7 +101,7 @@ static ost_status run_event(ost_bone *base, const ost_tool *tool, const ost_remo
                                : b->table.collide(bone->own, ((const plugin_tool *)tool)->own, &e, &r, &t.error);
     if (maps != &one)
         free(maps);
-    if (s.status != OST_OK) { /* the plugin may have removed voxels that are not in the report */
+    if (s.status != OST_OK) { /* the plugin may have removed voxels without reporting them */
         bone->lost = apply;
         return s.status;
     }

@@ -40,7 +40,8 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
     for (uint32_t r = sparse->rows[i]; r < sparse->rows[i + 1];) {
         const int32_t begin = sparse->runs[r].begin;
         int32_t end = sparse->runs[r++].end;
-        while (r < sparse->rows[i + 1] && sparse->runs[r].begin == end) /* the next run has another label */
+        /* another run begins where this run ends, so it has another label */
+        while (r < sparse->rows[i + 1] && sparse->runs[r].begin == end)
             end = sparse->runs[r++].end;
         for (int32_t x = begin; x < end; x++) {
             row[x] = begin > 0 ? nearer(FAR, s, x - begin + 1) : FAR;

@@ -17,7 +17,8 @@ typedef struct block {
     const ost_volume *ct;
     ost_volume *labels;
     int32_t air, z, count; /* the block consists of the slices [z, z + count); a voxel below the density `air` is air */
-    bool is_slice;         /* the block is one slice, whose holes are two-dimensional: only x and y have a border */
+    /* true if the block is one slice, whose holes are two-dimensional: only x and y have a border */
+    bool is_slice;
     ost_segment *segments; /* if NULL, the voxels of a hole receive the negative of the surrounding label */
 } block;
 

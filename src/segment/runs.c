@@ -28,7 +28,7 @@ static ost_status add_row(segment_runs *runs, const bool *in, int32_t nx, ost_er
 static uint32_t root(segment_run *items, uint32_t i)
 {
     while (items[i].component != i) {
-        items[i].component = items[items[i].component].component; /* halves the path */
+        items[i].component = items[items[i].component].component; /* halves the length of the path to the root */
         i = items[i].component;
     }
     return i;

@@ -17,7 +17,7 @@ enum { THRESHOLD = 120 };
 
 typedef struct job {
     const ost_volume *ct;
-    ost_segment_options options; /* options in which values of 0 are replaced by the defaults */
+    ost_segment_options options; /* the caller's options, with defaults in place of values of 0 */
     ost_volume *labels;
     ost_segment *segments;       /* all components; after the call of rank(), only the components that have a label */
     size_t count;
@@ -86,7 +86,7 @@ static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 }
 
 typedef struct ranked {
-    uint64_t voxels, first; /* voxels in the component; index of its first voxel in the grid */
+    uint64_t voxels, first; /* number of voxels of the component, and index of its first voxel in the grid */
     uint32_t component;
 } ranked;
 

@@ -17,8 +17,10 @@
 typedef struct segment_sparse_run {
     int32_t begin, end; /* the run consists of the voxels [begin, end) of its row */
     uint32_t first;     /* compact index of voxel `begin` */
-    uint32_t near[4]; /* first run whose end is greater than `begin`, in each of the rows y - 1, y + 1, z - 1, z + 1 */
-    uint32_t past[4];   /* index after the last run of each of these rows; at most near[] if the row has no such run */
+    /* for each of the rows y - 1, y + 1, z - 1, z + 1, the index of the first run whose end is greater than `begin` */
+    uint32_t near[4];
+    /* for each of these rows, the index after the last run of the row; at most near[] if the row has no such run */
+    uint32_t past[4];
     int16_t label;
 } segment_sparse_run;
 

@@ -35,7 +35,7 @@ typedef struct basins {
 static uint32_t root(basin *items, uint32_t b)
 {
     while (items[b].parent != b) {
-        items[b].parent = items[items[b].parent].parent; /* halves the path */
+        items[b].parent = items[items[b].parent].parent; /* halves the length of the path to the root */
         b = items[b].parent;
     }
     return b;

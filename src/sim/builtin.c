@@ -41,7 +41,7 @@ typedef struct plan {
     const char *name;
     ost_pm outside, approach;
     ost_pm depth, feed;
-    int dwell; /* number of ticks at the greatest depth */
+    int dwell; /* number of ticks at the maximum depth */
     ost_pm retreat;
 } plan;
 

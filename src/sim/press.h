@@ -22,7 +22,7 @@
 
 typedef struct press_wheel {
     double c, s;    /* current point on the unit circle */
-    double step[2]; /* rotation per tick */
+    double step[2]; /* cosine and sine of the rotation per tick */
 } press_wheel;
 
 typedef struct press_load {

@@ -22,7 +22,7 @@
 #define FRONT_BEND_MM 60.0
 #define FRONT_RADIUS_MM 18.0
 
-/* Size of the two cylinders around the axis in which the fraction of bone is measured. */
+/* Sizes of the two cylinders around the axis in which the fraction of bone is measured. */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0
 #define CORE_TO_MM 11.0

@@ -56,7 +56,7 @@ void ost_world_saved_free(ost_world *world);
 ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool, ost_error *err);
 /* Called before a tick. If `ticks` is full, copies the bone. */
 ost_status ost_world_save(ost_world *world, ost_error *err);
-/* Called after a completed tick: stores the tick. Cannot fail. */
+/* Stores the tick. Called after a completed tick. Cannot fail. */
 void ost_world_save_tick(ost_world *world, const ost_tick *tick);
 
 /* -------------------------------------------------------------------- world.c */

@@ -5,7 +5,7 @@
 
 #include "core/bits_run.h"
 
-/* SLACK is the number of unchanged pixels that a box may include if this avoids a further box */
+/* SLACK is the number of unchanged pixels that a box may include if this avoids a further box. */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));

@@ -24,7 +24,7 @@ typedef struct ost_changed_box {
 } ost_changed_box;
 
 /*
- * Copies the picture and returns the number of boxes. The boxes do not overlap. The array `shared` has pixels
+ * Copies the picture and returns the number of boxes. The boxes do not overlap. The array `shared` contains pixels
  * 0x00RRGGBB, in rows of the picture's width. If `shared` does not contain the previous picture, the caller sets
  * `everything`, and all pixels are written.
  */

@@ -22,14 +22,14 @@ struct ost_window {
     int first, count;
     bool spilt; /* true if the ring buffer `event` overflowed */
     unsigned mods;
-    int normal[4]; /* position and size before full screen */
-    /* The following fields contain the values that the callbacks reported last. */
+    int normal[4]; /* position and size of the window before full screen */
+    /* The following fields contain the values that the callbacks last reported. */
     int width, height, frame_width, frame_height;
     double scale;
     bool minimised, hidden, damaged;
     int64_t looked_ns;
     /* The following fields belong to the OpenGL context. */
-    int side; /* side length of the largest texture, in pixels */
+    int side; /* maximum side length of a texture in pixels */
     /* name of the extension that reports resets of the driver */
     enum { NO_NOTIFICATION, BY_KHR, BY_ARB } reset_notification;
     int64_t reset_ns[OST_WINDOW_RESETS];

@@ -19,7 +19,7 @@ typedef struct xcb_cookie {
     unsigned sequence;
 } xcb_cookie;
 
-/* Has the layout of XVisualInfo. */
+/* This struct has the layout of XVisualInfo. */
 typedef struct visual_info {
     void *visual;
     unsigned long id;
@@ -28,7 +28,7 @@ typedef struct visual_info {
     int colormap_size, bits_per_rgb;
 } visual_info;
 
-/* Has the layout of the first fields of xcb_get_window_attributes_reply_t. */
+/* This struct has the layout of the first fields of xcb_get_window_attributes_reply_t. */
 typedef struct attributes {
     uint8_t type, backing_store;
     uint16_t sequence;
@@ -75,7 +75,7 @@ struct ost_shm {
     uint32_t window, gc, segment;
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
-    size_t capacity;  /* capacity in pixels */
+    size_t capacity;  /* number of pixels for which memory is reserved */
     /* size of the picture in the shared memory and in the window; 0 if the size is unknown */
     int width, height;
     bool pending;     /* set while the last picture is being copied */

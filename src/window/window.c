@@ -116,7 +116,7 @@ static void learn(ost_window *w)
 {
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    w->side = side >= 1024 ? side : 1024; /* OpenGL 3.3 guarantees at least 1024 */
+    w->side = side >= 1024 ? side : 1024; /* OpenGL 3.3 guarantees at least 1024, so a smaller value is ignored */
     w->reset_notification = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
                                                                                            : NO_NOTIFICATION;

@@ -21,11 +21,11 @@
 typedef struct ost_window ost_window;
 
 typedef enum ost_window_event_kind {
-    OST_WINDOW_KEY,    /* key, pressed, mods */
-    /* button (0 left, 1 right, 2 middle), pressed, mods */
+    OST_WINDOW_KEY,    /* a key; uses the fields key, pressed and mods */
+    /* a mouse button; uses the fields button (0 left, 1 right, 2 middle), pressed and mods */
     OST_WINDOW_BUTTON,
-    OST_WINDOW_MOVE,   /* x, y are the position of the pointer in pixels of the picture */
-    /* y is the number of steps, positive if the wheel is turned away from the user; mods */
+    OST_WINDOW_MOVE,   /* a motion; x and y are the position of the pointer in pixels of the picture */
+    /* the wheel; y is the number of steps, positive if the wheel is turned away from the user; also uses mods */
     OST_WINDOW_WHEEL,
     OST_WINDOW_RELEASE /* events were lost; all keys and buttons count as released */
 } ost_window_event_kind;
@@ -82,7 +82,7 @@ ost_window_info ost_window_info_get(const ost_window *window);
  * greatest size that can be shown; while the window is not visible, the size is 0 x 0. *scale is the ratio of the
  * display's resolution to 96 pixels per inch.
  */
-enum { OST_WINDOW_SIDE = 8192 }; /* greatest width and height */
+enum { OST_WINDOW_SIDE = 8192 }; /* maximum width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
 /* Returns true if the user requested to close the window, or if its display is gone. */
 bool ost_window_closing(const ost_window *window);
@@ -109,9 +109,8 @@ typedef struct ost_window_picture {
     const uint32_t *pixels;
     int stride, width, height;
     /*
-     * The cells that may differ from the last presented picture: one bit for each cell of 16 x 8
-     * pixels, in rows of changed_words words. The last picture must have had the same size. NULL if
-     * any pixel may differ.
+     * The cells that may differ from the last presented picture: one bit for each cell of 16 x 8 pixels, in rows of
+     * changed_words words. The last picture must have had the same size. NULL means that any pixel may differ.
      */
     const uint64_t *changed;
     int changed_words;

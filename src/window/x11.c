@@ -8,7 +8,7 @@
 
 enum { BAD_WINDOW = 3, BAD_DRAWABLE = 9 };
 
-/* Has the layout of XErrorEvent, which is part of libX11's binary interface. */
+/* This struct has the layout of XErrorEvent, which is part of libX11's binary interface. */
 typedef struct x11_error {
     int type;
     void *display;
