@@ -34,8 +34,8 @@ typedef struct ost_anatomy_bone {
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
     bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
-    ost_pm radius_min, radius_max;  /* range of the radius, 5 to 100 mm; 0 and 0 select 17 to 32 mm, or 20 to 45 mm if
-                                     * concave */
+    /* range of the radius, 5 to 100 mm; if both are 0, the range is 17 to 32 mm or, if concave, 20 to 45 mm */
+    ost_pm radius_min, radius_max;
     bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;
     ost_pm reach;
@@ -43,7 +43,7 @@ typedef struct ost_sphere_options {
 
 /* A sphere that fits a part of the surface of a bone. */
 typedef struct ost_sphere {
-    ost_pm3 centre;     /* centre and radius, rounded to 0.01 mm */
+    ost_pm3 centre;     /* centre of the sphere; the centre and the radius are rounded to 0.01 mm */
     ost_pm radius;
     double coverage;    /* share of the sphere's area that lies on the bone's surface, 0 to 1 */
     double area_mm2;    /* area of the bone's surface that lies on the sphere */
@@ -71,10 +71,10 @@ enum { OST_RIM_MAX = 72 }; /* number of directions, 5 degrees apart, in which th
 typedef struct ost_scapula_landmarks {
     ost_pm3 glenoid;       /* centre of the glenoid's face */
     double axis[3];        /* unit vector into the bone, perpendicular to the plane of the rim */
-    ost_pm3 trigonum, inferior; /* trigonum spinae, inferior angle */
+    ost_pm3 trigonum, inferior; /* trigonum spinae and inferior angle */
     bool left;
     ost_sphere curvature;  /* sphere that fits the face */
-    ost_pm height, width;  /* extents of the rim */
+    ost_pm height, width;  /* extents of the rim along and across the superior direction */
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*

@@ -45,7 +45,7 @@ typedef struct ost_backend_info {
     const char *name;        /* "ref" */
     const char *description; /* one sentence */
     bool available;
-    char reason[256]; /* if the backend is not available: the reason, and the package that must be installed */
+    char reason[256]; /* the reason why the backend is not available, and the package that must be installed */
 } ost_backend_info;
 
 /* Returns the number of backends. The backends are numbered from 0 in a fixed order. */
@@ -62,7 +62,7 @@ typedef struct ost_device_info {
     const char *platform; /* name and version of the OpenCL platform */
     const char *name;     /* name of the device and version of its driver */
     bool available;
-    const char *reason; /* if the device is not available: the reason; otherwise "" */
+    const char *reason; /* the reason why the device is not available; "" if it is available */
     const char *notes;  /* floating-point properties of the device, for reports; they do not affect any voxel */
     const char *facts;  /* lines "CL_DEVICE_VENDOR=..." with the properties that the driver reports; may be "" */
 } ost_device_info;
@@ -88,7 +88,8 @@ OST_API const char *ost_backend_name(const ost_backend *backend);
 
 /* Settings of an open backend, which follow from its options, the environment and the machine. */
 typedef struct ost_backend_settings {
-    const char *isa; /* instruction set in use, for instance "avx2"; "" if the backend has no choice */
+    /* instruction set in use, for example "avx2"; "" if the backend has no choice of instruction sets */
+    const char *isa;
     int threads;     /* maximum number of threads, >= 1 */
     /* Indices of the platform and of the device, as in "cl:platform=0,device=1"; -1 if the backend has no devices. */
     int platform, device;

@@ -34,7 +34,7 @@ enum { OST_DIFFERENCE_TEXT = 200, OST_DIFFERENCE_PATTERNS_MAX = 16 };
 /* A pattern that holds. */
 typedef struct ost_difference_pattern {
     const char *name;               /* static, for example "boundary-layer" */
-    char text[OST_DIFFERENCE_TEXT]; /* the evidence, one sentence about A and B */
+    char text[OST_DIFFERENCE_TEXT]; /* the evidence, as one sentence about A and B */
 } ost_difference_pattern;
 
 /* The difference between two grids. */
@@ -43,7 +43,8 @@ typedef struct ost_difference {
     ost_voxel_box box;      /* box that encloses these voxels; empty if there are none */
     const char *class_name; /* name of the class, "unclassified" if no pattern holds; NULL if the grids are equal */
     int pattern_count;
-    ost_difference_pattern patterns[OST_DIFFERENCE_PATTERNS_MAX]; /* the first one determines the class */
+    /* the patterns that hold; the first pattern determines the class */
+    ost_difference_pattern patterns[OST_DIFFERENCE_PATTERNS_MAX];
 } ost_difference;
 
 /*

@@ -60,7 +60,8 @@ typedef struct ost_force_params {
     /* Ratio to shaking_n of the force amplitude at the tooth-passing frequency; 0 means no vibration. */
     double vibration;
     /*
-     * Ratio to shaking_n of the force amplitude perpendicular to the axis at the frequency of rotation; 0: no runout.
+     * Ratio to shaking_n of the force amplitude perpendicular to the axis at the frequency of rotation; 0 means no
+     * runout.
      */
     double runout;
     double teeth;              /* number of teeth that pass a fixed point during one revolution */

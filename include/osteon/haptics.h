@@ -62,7 +62,7 @@ typedef struct ost_haptic_info {
     const char *description; /* one sentence */
     uint32_t caps;           /* OST_HAPTIC_* bits */
     bool available;
-    char reason[256];        /* if the device is not available: the reason, and how to make it available */
+    char reason[256];        /* the reason why the device is not available, and how to make it available */
     double max_force_n;      /* maximum force, N; 0 if the device renders no force */
     double max_stiffness_n_m;
     int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
@@ -147,7 +147,7 @@ typedef struct ost_haptic_limits {
 OST_API bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out);
 /* Returns true if the limits are plausible: a force of 0.1 to 100 N, and a torque of 0 or of 0.001 to 10 N m. */
 OST_API bool ost_haptic_limits_usable(const ost_haptic_limits *limits);
-/* The largest number of counters of a device. */
+/* The maximum number of counters of a device. */
 enum { OST_HAPTIC_COUNTS = 12 };
 /* A counter of a device. */
 typedef struct ost_haptic_tally {
@@ -284,8 +284,9 @@ typedef void ost_servo_rehearse(void *user);
 /* Options of the servo loop. A zero-initialised struct selects the defaults. */
 typedef struct ost_servo_options {
     int64_t period_ns;    /* period of the ticks in ns; 0 selects 1,000,000 */
-    uint64_t ticks; /* number of ticks; if 0, the loop runs until the device ends or the tick function returns false */
-    bool no_clock;        /* true to run ticks without waiting, for devices whose poses do not depend on time */
+    /* number of ticks; 0 means that the loop runs until the device ends or the tick function returns false */
+    uint64_t ticks;
+    bool no_clock;        /* true to run ticks without waiting; for devices whose poses do not depend on time */
     bool no_realtime;     /* true to request neither real-time priority nor locked memory */
     bool pinned;          /* true to run the loop only on `core`; the affinity mask is restored afterwards */
     int core;

@@ -53,7 +53,7 @@ typedef struct ost_dicom_report {
     int64_t interpolated;   /* number of interpolated slices; interpolation is an option */
     ost_pm largest_gap;     /* maximum distance between neighbouring slices */
     ost_pm thickness;       /* SliceThickness; 0 if it is not stated or differs between the images */
-    ost_pm sheared;         /* distance by which slices were shifted to undo a tilt; shifting is an option */
+    ost_pm sheared;         /* distance by which slices were shifted to remove a tilt; shifting is an option */
     uint64_t padded;        /* number of pixels that had a padding value and were set to air */
     bool lossy;             /* true if the pixels were compressed with loss */
     bool no_rescale;        /* true if the files contain no rescale slope and intercept */
@@ -123,10 +123,13 @@ typedef struct ost_dicom_series {
     int64_t localizers;       /* number of localizer images */
     /* True if ost_volume_read can read the series with the options that were passed to ost_dicom_list_read. */
     bool is_volume;
-    ost_geometry geometry;    /* valid if is_volume */
+    ost_geometry geometry;    /* valid if `is_volume` is true */
     char orientation[4];      /* directions of the axes, e.g. "LPS"; valid if `is_volume` is true */
     ost_pm thickness;         /* SliceThickness; 0 if it is not stated or differs between the images */
-    /* If the series has at least two images: the error that prevents reading the series. Otherwise "". */
+    /*
+     * The error that prevents reading the series. "" if there is no such error or if the series has fewer than two
+     * images.
+     */
     char fault[OST_ERROR_TEXT];
 } ost_dicom_series;
 
@@ -136,7 +139,7 @@ typedef struct ost_dicom_list {
     ost_dicom_series *items; /* owned */
     /* Index of the series that ost_volume_read reads with the same options; -1 if there is none. */
     int64_t selected;
-    int64_t files, other_files; /* number of all files; number of files without a DICOM image */
+    int64_t files, other_files; /* number of all files, and number of files without a DICOM image */
 } ost_dicom_list;
 
 /*
@@ -151,8 +154,9 @@ OST_API void ost_dicom_list_free(ost_dicom_list *list);
 typedef struct ost_write_options {
     bool compress;        /* true to compress .nrrd by gzip; .nii.gz is always compressed */
     int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects as many as the positions need */
-    bool omit_empty;      /* for .txt: true to write no lines for voxels of density 0; a reader then finds the box of
-                           * the remaining voxels */
+    /* for .txt: true to write no lines for voxels of density 0; a reader then finds the bounding box of the remaining
+     * voxels */
+    bool omit_empty;
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
     void *progress_user;
 } ost_write_options;
@@ -185,7 +189,7 @@ typedef struct ost_mesh_report {
      * omitted. */
     size_t file_triangles;
     size_t bodies;             /* number of separate meshes in the file, which are joined into one mesh */
-    double bounds_mm[6];       /* min x, y, z, and max x, y, z */
+    double bounds_mm[6];       /* minimum x, y, z and maximum x, y, z */
 } ost_mesh_report;
 
 /*
@@ -295,7 +299,7 @@ typedef struct ost_import_options {
     int chunk_size;           /* side length of a chunk in voxels; 0 selects 32 */
     /* True if `resample` selects the rule. Otherwise the rule is linear or, for a label map, nearest. */
     bool has_resample;
-    ost_resample resample;    /* rule; used only if has_resample is true */
+    ost_resample resample;    /* resampling rule; used only if has_resample is true */
     ost_duplicates duplicates;
     ost_volume_options volume;
     bool crop;                /* true to import only the voxels of the rect grid within crop_box */
@@ -315,7 +319,8 @@ typedef struct ost_import_options {
     const char *mask_names[OST_MASK_LABELS_MAX];
     int mask_name_count;
     const char *mask_names_file;
-    int mask_label_count; /* number of selected labels; if 0 and there are no names, all labels except 0 are selected */
+    /* number of elements of mask_labels; if it is 0 and no names are given, all labels except 0 are selected */
+    int mask_label_count;
     bool mask_fill;           /* true to set selected voxels below the threshold to the threshold */
     /*
      * Function that is called after the mask was applied, or NULL. The bone consists of the voxels to which the

@@ -49,7 +49,7 @@ typedef struct ost_live_state {
     uint64_t missed;        /* number of skipped ticks */
     uint32_t wake_ns, exec_ns; /* delay of the last tick's start, and duration of the last tick */
     uint32_t touching;      /* number of bone voxels that the tool touched or removed in the last tick */
-    int32_t fault;          /* current fault, an ost_fault (operation.h); 0 without a fault */
+    int32_t fault;          /* the current fault, an ost_fault (operation.h); 0 if there is none */
     bool declared;          /* true if the device returned no new pose in the last tick */
 } ost_live_state;
 

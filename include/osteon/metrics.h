@@ -59,7 +59,7 @@ typedef struct ost_motion {
     double t_s, mm[3];
     double axis[3];            /* working direction of the tool (-z of its frame), a unit vector */
     double force_n;            /* hand force, N; 0 if there is no force */
-    uint32_t removed, touched; /* number of removed voxels, number of touched voxels */
+    uint32_t removed, touched; /* number of voxels removed, and number of voxels touched */
     int32_t tool;
 } ost_motion;
 
@@ -99,8 +99,8 @@ typedef struct ost_metrics {
     /* Depth of the fitted sphere below the plan's centre, measured along the plan's axis. */
     double centre_depth_mm;
     /*
-     * Fit of an implant whose back is the fitted sphere. contact_percent is the percentage of the floor with
-     * backing contact. gap_max_mm is the largest gap, without the worst 1 % of the floor.
+     * Fit of an implant whose back is the fitted sphere. contact_percent is the percentage of the floor with backing
+     * contact. gap_max_mm is the largest gap, excluding the worst 1 % of the floor.
      */
     double contact_percent, gap_max_mm;
     /*
@@ -108,7 +108,7 @@ typedef struct ost_metrics {
      * before the operation, and plate_kept_percent is the percentage of this volume that remains.
      */
     double plate_mm3, plate_kept_percent;
-    double over_mm3; /* over-reaming: volume removed more than 1 mm below the planned depth, without drill holes */
+    double over_mm3; /* over-reaming: volume removed more than 1 mm below the planned depth, excluding drill holes */
     /*
      * Percentage of the floor that is more than 1 mm below the planned depth, and maximum depth of the floor below the
      * planned depth.
@@ -174,7 +174,7 @@ typedef struct ost_technique {
     double force_mean_n, force_p95_n, force_max_n;
     /* Angle between the tool's working direction and the plan's axis during contact. */
     double tilt_mean_deg, tilt_max_deg;
-    double inward_max_mm_s;      /* greatest inward speed during contact, averaged over 50 ms */
+    double inward_max_mm_s;      /* maximum inward speed during contact, averaged over 50 ms */
     int plunges;
     double plunge_mm;            /* depth of the deepest plunge */
 } ost_technique;

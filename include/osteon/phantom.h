@@ -65,8 +65,8 @@ typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_T
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 
 typedef struct ost_tool_options {
-    ost_pm diameter; /* diameter; the default is 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
-    /* Length; the default is 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft. */
+    ost_pm diameter; /* the default is 36 mm for a reamer, 6 mm for a peg and 6 mm for a burr */
+    /* The default is 20.3 mm for a reamer's head, 30 mm for a peg and 20 mm for a burr's shaft. */
     ost_pm length;
     int segments;    /* number of segments around the axis; 0 selects 96 */
     ost_tool_part part;

@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-enum { OST_FRAME_MAX = 8192 }; /* greatest width and height of a frame in pixels */
+enum { OST_FRAME_MAX = 8192 }; /* maximum width and height of a frame in pixels */
 
 /*
  * A camera. In its frame, x points to the right of the picture, y points up, and the view direction is -z. The pose
@@ -28,7 +28,7 @@ enum { OST_FRAME_MAX = 8192 }; /* greatest width and height of a frame in pixels
 typedef struct ost_camera {
     ost_pose pose;
     int32_t focal_milli; /* focal length in thousandths of a pixel, 1000 to 100,000,000 */
-    int width, height;   /* pixels, 1 to OST_FRAME_MAX */
+    int width, height;   /* size of the picture in pixels, 1 to OST_FRAME_MAX */
 } ost_camera;
 
 /* Returns OST_ERR_RANGE, with the offending value in err, if a value of the camera is out of its range. */

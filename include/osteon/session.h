@@ -114,7 +114,7 @@ typedef struct ost_record {
 /* The content of a session file, and the amount of data that is missing. */
 typedef struct ost_session_summary {
     uint64_t file_bytes, blocks, records, ticks;
-    uint64_t first_tick, last_tick; /* numbers of the first and last tick; undefined if there are no ticks */
+    uint64_t first_tick, last_tick; /* numbers of the first and the last tick; undefined if there are no ticks */
     int64_t first_t_ns, last_t_ns;
     bool ended;                    /* true if the end record is present */
     uint64_t complete_ticks;       /* number of ticks before the first missing tick; only these ticks can be replayed */
@@ -191,7 +191,7 @@ typedef struct ost_recorder_state {
     uint64_t put, written, lost; /* numbers of records; `put` does not include lost records */
     uint64_t written_bytes;
     bool failing;                /* true if the last attempt to write failed; the write will be repeated */
-    char reason[160];            /* the reason, if `failing` is true */
+    char reason[160];            /* the reason for the failure, if `failing` is true */
 } ost_recorder_state;
 
 /* Creates or replaces the file `path`, writes the header and starts the writer thread. options may be NULL. */

@@ -66,12 +66,13 @@ typedef struct ost_step_result {
     bool removal;               /* true if the tick was an event */
     /* true if the oriented boxes of bone and tool intersect in at least one pose of the sweep */
     bool boxes_meet;
-    int pose_count;             /* number of poses of the sweep; 0 without an event */
+    int pose_count;             /* number of poses of the sweep; 0 if the tick was not an event */
     /* First chunk of the half-open range of chunks that the event can change. If the boxes do not intersect, the
      * range is empty. */
     int32_t chunk_lo[3];
     int32_t chunk_hi[3];
-    const ost_removal_report *report;   /* report of the event, valid until the next step; NULL without an event */
+    /* report of the event, valid until the next step; NULL if the tick was not an event */
+    const ost_removal_report *report;
 } ost_step_result;
 
 /*
