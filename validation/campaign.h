@@ -36,7 +36,7 @@ typedef enum case_verdict {
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; the member text contains the error line */
     CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL; SIGKILL ends the campaign instead */
     CASE_LATE,
-    CASE_NOT_RUN, /* the backend is not available here */
+    CASE_NOT_RUN, /* the backend is not available on this machine or in this build */
     CASE_VERDICTS
 } case_verdict;
 
@@ -51,7 +51,7 @@ typedef struct case_result {
     /* owned; details of the difference if verdict is CASE_DIFFERS; NULL if there are none */
     finding *found;
     char text[200];
-    /* SHA-256 of the digest lines of this backend's results (see digests_of_case); valid if has_made */
+    /* SHA-256 of the digest lines of this backend's results (digests_of_case); valid if has_made is true */
     ost_digest made;
     /* true if the backend's trace contains the case, so that the verdict is equal, differs or failed */
     bool has_made;

@@ -24,7 +24,7 @@ typedef struct stored_trace {
 
 /* The cases of a batch that a backend has not completed yet. */
 typedef struct task {
-    int from; /* next case to run; equal to the batch's end when all cases are done */
+    int from; /* next case to run; equal to the end of the batch when all cases are done */
     bool running;
 } task;
 
@@ -44,7 +44,7 @@ typedef struct batch {
 
 typedef struct slot {
     worker w;
-    int batch, subject_index, trace; /* trace is the descriptor of the worker's trace */
+    int batch, subject_index, trace; /* `trace` is the descriptor of the worker's trace */
 } slot;
 
 /* Maximum number of open batches. The oldest open batch is being compared; the reference already runs the next ones.
@@ -55,14 +55,17 @@ enum { NOBODY = -1 };
 typedef struct runner {
     campaign *c;
     const campaign_options *o;
-    int batches, begun, done; /* numbers of batches: all, begun, and done; batches [done, begun) are open */
+    /*
+     * total number of batches, number of batches begun, and number of batches done; the batches [done, begun) are open
+     */
+    int batches, begun, done;
     batch alive[ALIVE];       /* batch n has index n % ALIVE */
     int *ends;                /* owned; for each batch, the index of the first case after it */
     bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
     /* owned; for each backend that failed permanently, the result that its remaining cases get */
     case_result *last_words;
     slot slots[WORKERS_MAX];
-    int running, finished;    /* number of running workers; number of finished pairs of case and backend */
+    int running, finished;    /* number of running workers, and number of finished pairs of case and backend */
     int judged;               /* index of the backend whose trace is being judged; NOBODY if there is none */
 } runner;
 

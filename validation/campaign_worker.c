@@ -137,7 +137,7 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
     if (subject_index == 0 && r->o->apart)
         b->given = ended->trace;
     else
-        close(ended->trace); /* the mapping remains valid until it is unmapped */
+        close(ended->trace); /* the mapping of the file remains valid until it is unmapped */
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = check_space_left(end, err);

@@ -221,7 +221,7 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    /* all differing words are bounds, which need not be equal */
+    /* The only words that differ are bounds, which need not be equal. */
     if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS)
         return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;

@@ -32,7 +32,10 @@
 
 enum {
     MARGIN_ONE = 1 << 20, /* one voxel */
-    /* bin 0: on the border; bin b: 2^(b-1) <= margin < 2^b; last bin: margin of one voxel or more */
+    /*
+     * The number of bins of a histogram. Bin 0 contains margins of 0, bin b contains margins with 2^(b-1) <= margin <
+     * 2^b, and the last bin contains margins of one voxel or more.
+     */
     MARGIN_BINS = 22
 };
 
@@ -43,7 +46,7 @@ typedef struct margin_stage {
     uint64_t decided; /* number of differing voxels for which a margin was computed */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    /* greatest margin; the members max_item and max_voxel identify the record and the voxel that have it */
+    /* maximum margin; max_item and max_voxel identify the record and the voxel with this margin */
     uint64_t max;
     uint32_t max_item;
     int32_t max_voxel[3];

@@ -215,7 +215,8 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        else if (density == w->s->threshold && got == 0) { /* the other backend may compare with > instead of >= */
+        /* the other backend may have compared with > instead of >= */
+        else if (density == w->s->threshold && got == 0) {
             const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y),
                                    (int32_t)(i / ((size_t)d.x * (size_t)d.y))};
             margin_decided(m, 0, 0, at);

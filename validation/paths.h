@@ -17,7 +17,7 @@
 #include "core/paths.h"
 #include "validation/trace.h"
 
-enum { PATHS_MAX = 1024 }; /* maximum number of paths of one backend */
+enum { PATHS_MAX = 1024 }; /* maximum number of paths per backend */
 
 typedef struct path_count {
     char name[OST_PATH_NAME];

@@ -34,7 +34,7 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     ost_grid *grid = NULL;
     if (s->slices)
         return OST_OK;
-    for (size_t i = 0; i < n; i++) /* in reverse order, so that the last sample is the first one of the case */
+    for (size_t i = 0; i < n; i++) /* reverse order, so that the last sample is the first sample of the case */
         samples[i] = s->samples[n - 1 - i];
     ost_status status = ost_grid_create(p->backend, &other, &grid, err);
     if (status == OST_OK)

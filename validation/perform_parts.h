@@ -32,7 +32,7 @@ typedef struct performer {
     ost_world *world;
     ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
     ost_dims dims;
-    int16_t *was, *is;    /* was: the bone in its last record; is: the bone as last downloaded */
+    int16_t *was, *is;    /* `was` is the bone in its last record, and `is` is the bone as it was last downloaded */
     ost_removal_report collided, removed;
     bool second;          /* true if the second implementation computes the steps; there is no world then */
     bool light;           /* true if only the steps of the ticks are computed; used only if second is true */
@@ -43,11 +43,11 @@ typedef struct performer {
     ost_map *made_maps;
     ost_map *maps;         /* owned; maps of one event; used only if second is true; capacity OST_SWEEP_MAX */
     ost_voxel_box *boxes;
-    /* used only if second is true: the member boxes_meet, and the range of chunks that the event must cover */
+    /* the member boxes_meet, and the range of chunks that the event must cover; used only if second is true */
     ost_step_result range;
     perform_watch *watch;
     void *user;
-    const trace *given; /* the reference's trace for perform_apart, otherwise NULL */
+    const trace *given; /* the reference's trace for perform_apart; NULL in all other cases */
     compare_range in_given;
     /* true if a sample of the CT was rejected or in conflict; the case then ends after the scatter report */
     bool refused;

@@ -125,7 +125,7 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
                                p->made_poses, p->made_maps, err);
     if (status == OST_ERR_UNAVAILABLE)
         return OST_OK;
-    *made = status == OST_OK || status == OST_ERR_RANGE; /* OST_ERR_RANGE: the event is refused */
+    *made = status == OST_OK || status == OST_ERR_RANGE; /* OST_ERR_RANGE means that the event is refused */
     *count = status == OST_OK ? its : status == OST_ERR_RANGE ? 0 : handed;
     return *made ? OST_OK : status;
 }

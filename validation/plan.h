@@ -58,20 +58,20 @@ typedef struct plan_user {
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
-    int number;       /* number within the family, counted from 0; from 1 in PLAN_USER */
-    plan_tier tier;   /* tier of the campaign; cases of larger tiers are larger */
+    int number;       /* number within the family, counted from 0; in PLAN_USER, counted from 1 */
+    plan_tier tier;   /* tier of the campaign; cases of larger tiers have more data */
     uint64_t seed;
     char id[PLAN_ID]; /* "session/3" */
     /* part of the case that is run; NULL means the complete case; owned by the plan if read from a file */
     struct scene_cut *cut;
-    const struct user_store *store; /* for PLAN_USER; borrowed */
+    const struct user_store *store; /* the user's cases, for PLAN_USER; borrowed */
 } plan_case;
 
 typedef struct plan {
     plan_tier tier;
     uint64_t seed;
     int shard, shards; /* 1 <= shard <= shards */
-    const char *only;  /* prefix of case ids, as passed to plan_make; borrowed; may be NULL */
+    const char *only;  /* prefix of case ids, as passed to plan_make; borrowed; NULL if there is none */
     /* file from which the cases were read (locate/case_file.h); borrowed; NULL if the tier determines the cases */
     const char *file;
     const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */

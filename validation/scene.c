@@ -149,7 +149,7 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     if (status == OST_OK)
         status = scene_drive(s, d, ticks[c->tier], draw_between(d, 10 * UM, 60 * UM), 0.008, err);
     if (draw_one_in(d, 3))
-        s->world.removal_period_ns = 3000000; /* 333 Hz, as in the thesis */
+        s->world.removal_period_ns = 3000000; /* 333 Hz, the rate of the thesis */
     s->collide_every = 50;
     return status;
 }
@@ -181,7 +181,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
-    /* densities of metal, so that sums of densities exceed 2^24 */
+    /* densities of metal are used, so that sums of densities exceed 2^24 */
     for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++)
         if (s->samples[i].density >= s->threshold)
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
@@ -199,7 +199,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
        hundreds of poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    /* the event has more hits than the number of voxels in a chunk, and some bone voxels remain */
+    /* the event has more hits than a chunk has voxels, and some bone voxels remain */
     if (status == OST_OK && c->number % 4 == 0) {
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);

@@ -33,12 +33,12 @@ typedef struct scene {
     ost_geometry rect;
     ost_sample *samples; /* owned unless `lent` is true; in the order in which they are scattered */
     bool lent;           /* true if the samples are borrowed from user_store.h; they must not be changed then */
-    size_t sample_count, batch; /* batch: number of samples per call */
+    size_t sample_count, batch; /* number of samples, and number of samples per call */
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
-    /* Slices per call if a CT with one sample per lattice point is uploaded as slices; 0 if the CT is passed as
-       samples. */
+    /* Number of slices per call if a CT with one sample per lattice point is uploaded as slices; 0 if the CT is passed
+       as samples. */
     int32_t slices;
     int chunk_size;
     int32_t threshold;

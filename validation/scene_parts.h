@@ -60,11 +60,11 @@ typedef enum scene_shape {
     SHAPE_PEG,
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped in any orientation */
-    SHAPE_TWICE,    /* the same solid twice: inside by winding number 2, outside by parity */
+    SHAPE_TWICE,    /* the same solid twice, which is inside by winding number 2 and outside by parity */
     SHAPE_HOLLOW,   /* a solid with a cavity, which is a second solid whose faces are turned inside out */
     SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that its mesh is not closed */
     SHAPE_SOUP,     /* triangles that enclose nothing */
-    SHAPE_SLIVERS,  /* thin and tiny triangles, many without area after snapping */
+    SHAPE_SLIVERS,  /* thin and tiny triangles, many of which have no area after snapping */
     SHAPE_COUNT
 } scene_shape;
 

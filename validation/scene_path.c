@@ -218,7 +218,7 @@ ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double tur
             at.y += (ost_pm)(way[1] / left * (double)speed);
             at.z += (ost_pm)(way[2] / left * (double)speed);
         }
-        /* q becomes the normalised product of (1, turn/2 axis) and q, a further rotation by about `turn` */
+        /* q becomes the normalised product of (1, turn/2 axis) and q, which adds a rotation by about `turn` */
         const double h = turn / 2, r[4] = {1, h * axis[1], h * axis[2], h * axis[3]};
         double n[4] = {r[0] * q[0] - r[1] * q[1] - r[2] * q[2] - r[3] * q[3],
                        r[0] * q[1] + r[1] * q[0] + r[2] * q[3] - r[3] * q[2],

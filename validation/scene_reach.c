@@ -217,7 +217,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
                 s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density,
                                                            (uint32_t)(s->sample_count % s->batch)};
             }
-    s->world.classes = scene_classes(counts[kind % 4], 4096); /* 0, 7, 1 or 2 borders between classes */
+    s->world.classes = scene_classes(counts[kind % 4], 4096); /* the classes have 0, 7, 1 or 2 borders between them */
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
     ost_status status = reserve_ticks(s, 3 * ROD_TICKS + 2, err);
     for (int32_t t = 0; t < 3 && status == OST_OK; t++) {

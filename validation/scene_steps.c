@@ -131,7 +131,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
                                   : middle.z) +
                         drawn(d, -6 * s->cubic, 6 * s->cubic, unit);
         }
-        /* In two successive ticks the rotation is 0 and then 90 degrees, the limit of AR-SWEEP-3. */
+        /* In two successive ticks, the rotation is first 0 and then 90 degrees, the limit of AR-SWEEP-3. */
         if (!handle_path && !wide && (i % 8 == 4 || i % 8 == 5))
             memcpy(q, i % 8 == 4 ? upright : quarter, sizeof q);
         if (status == OST_OK)
@@ -155,7 +155,7 @@ ost_status scene_steps(scene *s, draw *d, int number, ost_error *err)
     ost_status status = make_tool(s, d, fine, 20, err);
     if (status == OST_OK)
         status = make_tool(s, d, draw_between(d, 200, 900) * 2048000, 900, err);
-    if (status == OST_OK) /* too wide for a removal; the mesh is snapped with 9 or 8 fraction bits */
+    if (status == OST_OK) /* this tool is too wide for a removal; its mesh is snapped with 9 or 8 fraction bits */
         status = make_tool(s, d, draw_between(d, 200, 400) * 2048000, number % 4 < 2 ? 1500 : 4000, err);
     return status == OST_OK ? make_ticks(s, d, number, unit, err) : status;
 }

@@ -324,7 +324,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     cutting->triangle_count = leaking->triangle_count = 0;
     put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
-    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the face at the upper end along x is missing */
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the box has no face at its upper end along x */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
         for (int c = 0; c < 3; c++, corners++) { /* the corners lie on one line along x and on three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;

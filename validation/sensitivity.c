@@ -202,8 +202,8 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes that are made in one scene. */
 typedef struct share {
-    /* Range of the mistakes of this scene, as numbers within the pass. Every kind of mistake has the same share of
-       the numbers. */
+    /* Range of the numbers of this scene's mistakes within the pass. Every kind of mistake has the same share of the
+       numbers. */
     uint64_t first, count;
     const deviation *only;       /* if not NULL, only this mistake is made */
     /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */

@@ -64,7 +64,7 @@ void signal_cleanup_worker_gone(pid_t pid)
    which is not allowed in a signal handler. */
 static void empty_folder(int folder, int depth)
 {
-    /* struct linux_dirent64: inode (64 bits), offset (64 bits), length (16 bits), type (8 bits), name */
+    /* The layout of struct linux_dirent64: inode (64 bits), offset (64 bits), length (16 bits), type (8 bits), name. */
     enum { LENGTH = 16, NAME = 19 };
     char buffer[4096];
     long got;

@@ -15,7 +15,7 @@ enum {
     LEAF_SIDE = 32,
     LEAF_BYTES = 1 + 2 * LEAF_SIDE * LEAF_SIDE * LEAF_SIDE,
     ROOT_HEADER = 1 + 128,
-    LEVELS = 40 /* a grid has fewer than 2^39 leaves */
+    LEVELS = 40 /* sufficient, because a grid has fewer than 2^39 leaves */
 };
 
 static size_t little_endian(uint8_t *at, uint64_t value, size_t bytes)

@@ -30,16 +30,16 @@
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
-    char what[SUBJECT_REASON]; /* description: device and driver, instruction set */
+    char what[SUBJECT_REASON]; /* description of the subject, such as device, driver and instruction set */
     /* OpenCL device as listed by ost_backend_devices, independent of the spec that selected it; "" if there is none */
     char device[64];
     bool available;
-    char reason[SUBJECT_REASON]; /* reason why the subject is not available */
+    char reason[SUBJECT_REASON]; /* the reason why the subject is not available */
 } subject;
 
 typedef struct subject_list {
     int count;
-    subject *subjects; /* owned; the reference first */
+    subject *subjects; /* owned; the reference is the first subject */
     bool opencl;       /* true if at least one available subject is an OpenCL device */
     char no_opencl[SUBJECT_REASON]; /* the reason why no available subject is an OpenCL device */
 } subject_list;

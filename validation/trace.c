@@ -82,7 +82,8 @@ bool trace_word_is_bound(trace_stage stage, size_t word)
 {
     return stage == TRACE_STEPS
                ? steps_word_is_bound(word)
-               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10)); /* boxes_meet; range of chunks */
+               /* boxes_meet, and the range of chunks */
+               : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10));
 }
 
 bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const uint8_t *least)
@@ -255,7 +256,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
         if (memcmp(head, magic, 4) != 0 || u32_at(head + 4) >= TRACE_STAGES)
             return ost_fail(err, OST_ERR_INPUT, "%s: offset %zu: no record of a trace begins here", path, at);
         if (body > t->size - at - HEAD)
-            return OST_OK; /* the writer was stopped within a record */
+            return OST_OK; /* the writer stopped within a record, which is ignored */
         if (t->count == capacity) {
             capacity = capacity ? 2 * capacity : 1024;
             trace_record *grown = realloc(t->records, capacity * sizeof *grown);

@@ -52,7 +52,7 @@ typedef struct worker {
    follows from such a run. */
 enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* maximum number of workers per call of worker_wait_any */
-/* descriptors in the worker: of its trace, and of the store of the user's cases */
+/* the worker's descriptors of its trace and of the store of the user's cases */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 };
 
 /* Writes the path of this program's file, which is passed to workers as argv[0]. */

@@ -26,7 +26,7 @@ typedef struct check_how {
     const plan_user *own;  /* the user's own cases; NULL if the bundle has none */
     const char *backend;   /* spec for ost_backend_open; NULL means only the reference */
     double limit_s;        /* time limit in seconds for all cases of one backend */
-    void (*show)(void *user, const char *what, double share); /* may be NULL */
+    void (*show)(void *user, const char *what, double share); /* called to report progress; may be NULL */
     void *show_user;
 } check_how;
 

@@ -379,7 +379,7 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
                 strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
-            json_object_del(row, "records"); /* omitted, because cases.jsonl contains the records */
+            json_object_del(row, "records"); /* the records are omitted, because cases.jsonl contains them */
             json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
             json_object_set_new(row, "backend", json_string(name));
             json_array_append_new(list, row);

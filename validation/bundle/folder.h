@@ -19,12 +19,12 @@
 #include "validation/bundle/bundle.h"
 
 typedef struct folder_file {
-    char *name; /* "pictures/after.png" */
+    char *name; /* name of the file, for example "pictures/after.png" */
     int64_t size;
 } folder_file;
 
 typedef struct folder_files {
-    folder_file *files; /* owned; sorted by name */
+    folder_file *files; /* owned; the files, sorted by name */
     size_t count;
 } folder_files;
 

@@ -244,7 +244,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
     if (verdict < 0)
         report(j, "has no verdict");
     else if (verdict == CASE_DIFFERS && differs_in_bound(r))
-        return; /* the difference is in a bound, which no digest contains */
+        return; /* the difference is in a bound, which is part of no digest */
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)

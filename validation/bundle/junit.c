@@ -79,7 +79,7 @@ static void put_machine(const page *p)
 {
     char begun[32];
     snprintf(begun, sizeof begun, "%.31s", least(p->times, "begun"));
-    begun[strcspn(begun, "Z")] = '\0'; /* the format of harnesses has no time zone */
+    begun[strcspn(begun, "Z")] = '\0'; /* the format of test harnesses has no time zone */
     put_attribute(p->to, "timestamp", begun);
     put_attribute(p->to, "hostname", least(p->environment, "host"));
 }

@@ -45,7 +45,7 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
 
 typedef struct visit {
     json_t *libraries, *needed;
-    bool incomplete; /* memory was exhausted */
+    bool incomplete; /* true if memory was exhausted, so that the list is incomplete */
 } visit;
 
 /* Writes the build id that the linker stored in the file. It is in the note with type 3 and name "GNU". */
@@ -284,7 +284,7 @@ static ost_status name_package(json_t *row, const json_t *owner, const json_t *v
     const ost_status status = copyright_of(package ? package : "", licence, err);
     if (status != OST_OK)
         return status;
-    if (!its) { /* the file name contains the version, as in libz.so.1.2.13 */
+    if (!its) { /* the version is then taken from the file name, as in libz.so.1.2.13 */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }

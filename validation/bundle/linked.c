@@ -129,7 +129,8 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     const ost_status status = all_checked(c) ? subjects_cpu(tier_of(c->protocol), here, &expected, err) : OST_OK;
     for (int s = 0; s < expected.count; s++) {
         const char *spec = expected.subjects[s].spec;
-        if (backend_named(c, spec) || strstr(spec, "embree")) /* another build may lack Embree */
+        /* a backend of Embree may be missing, because the bundle's build may lack Embree */
+        if (backend_named(c, spec) || strstr(spec, "embree"))
             continue;
         snprintf(text, sizeof text, "the processor can run the backend %.200s, and the protocol does not have it",
                  spec);

@@ -15,7 +15,7 @@
 typedef struct merged {
     json_t *protocol, *cases;     /* protocol and cases of the complete campaign; owned */
     json_t *environment, *times;  /* {"1/3": ...}; owned */
-    json_t *faults;               /* the first shard's sensitivity.json, or NULL if it has none; owned */
+    json_t *faults;               /* owned; sensitivity.json of the first shard; NULL if the shard has none */
     json_t *suite, *suite_limit;  /* owned; the first shard's suite.json and the protocol's member "suite", or NULL */
     int shards;
 } merged;

@@ -56,8 +56,8 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        status = devices_of(subjects, &devices, err); /* must precede tools_of, which lists the drivers that
-                                                         devices_of loads */
+        /* this call must precede tools_of, which lists the drivers that devices_of loads */
+        status = devices_of(subjects, &devices, err);
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);
     if (status == OST_OK)

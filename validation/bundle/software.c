@@ -214,7 +214,7 @@ static void soup(FILE *to, json_t *tools)
         put_csv(to, licence_of(k, one), ',');
         put_csv(to, k->limits, ',');
         put_csv(to, k->anomalies, ',');
-        fputs(",", to); /* an empty field for a date, which the reviewer enters */
+        fputs(",", to); /* an empty field for the date that the reviewer enters */
         put_csv(to,
                 json_is_true(json_object_get(one, "linked")) ? "linked" : "loaded by another library or as a driver",
                 ',');

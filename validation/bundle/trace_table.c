@@ -71,7 +71,7 @@ typedef struct outcome {
 
 typedef struct outcomes {
     outcome of[TRACE_STAGES];
-    json_int_t failed; /* number of results with another verdict, such as failed, crashed or timed out */
+    json_int_t failed; /* number of results with any other verdict, such as failed, crashed or timed out */
 } outcomes;
 
 static int stage_of(const char *name)

@@ -106,9 +106,9 @@ static void layers(lab *l)
 }
 
 /*
- * Checks a cube from 0 to 2 mm with voxels of 1 mm. RHE rounds half to even. The grid's corner is RHE(-1 /
- * 2) = 0 less one voxel, -1. Its end is RHE(5 / 2) = 2 plus one voxel, 3. This gives 4 voxels per axis with
- * centres at -0.5, 0.5, 1.5, 2.5; the second and third are inside.
+ * Checks a cube from 0 to 2 mm with voxels of 1 mm. RHE rounds half to even. The grid's corner is RHE(-1 / 2) = 0 minus
+ * one voxel, which is -1. Its end is RHE(5 / 2) = 2 plus one voxel, which is 3. This gives 4 voxels per axis with
+ * centres at -0.5, 0.5, 1.5 and 2.5; the second and the third centre are inside the cube.
  */
 static void cube(lab *l)
 {

@@ -207,7 +207,7 @@ static void mesh_laws(lab *l)
         if (l->status == OST_OK) {
             reversed += differ_tools(&v[0], &v[1]);
             for (int64_t i = 0; i < ost_dims_count(grid.dims); i++) {
-                /* a voxel of the box must be in exactly one half */
+                /* Each voxel of the box must be in exactly one half. */
                 halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i];
                 solid += v[0].voxels[i];
             }

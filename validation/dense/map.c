@@ -102,7 +102,7 @@ static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3
     const int32_t d[3] = {dims.x, dims.y, dims.z};
     int64_t at[3];
     for (int a = 0; a < 3; a++) {
-        at[a] = u[a] >> 20; /* floor(u / 2^20), AR-CC-1 */
+        at[a] = u[a] >> 20; /* floor(u / 2^20) (AR-CC-1) */
         const int64_t right = at[a];
         if (p->negative_cut)
             at[a] = u[a] / ONE;

@@ -50,7 +50,7 @@ struct dense_grid {
 typedef struct dense_bone {
     ost_bone base;
     int16_t *density;
-    uint8_t *active; /* 1 for each voxel whose occupancy bit is set, else 0 */
+    uint8_t *active; /* 1 for each voxel whose occupancy bit is set, and 0 for all other voxels */
 } dense_bone;
 
 typedef struct dense_tool {
@@ -141,7 +141,7 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
    and the poses at which it lies in a non-cutting voxel of the tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
-    uint8_t *met; /* 1 for each chunk that contains a marked voxel, else 0 */
+    uint8_t *met; /* 1 for each chunk that contains a marked voxel, and 0 for all other chunks */
 } dense_marks;
 
 /* Counts a tool voxel of class `found` at bone voxel v. */

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const int64_t turn = 60000000000; /* U of AR-MOTOR */
+static const int64_t turn = 60000000000; /* the U of AR-MOTOR */
 
 static wide way_of(int64_t from, int64_t to, int64_t rpm)
 {

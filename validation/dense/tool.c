@@ -55,8 +55,8 @@ typedef struct manner {
 
 /* The counts of triangles in one row of voxels. */
 typedef struct row {
-    int32_t *count;  /* dims.x counts of AR-VOX-3 */
-    uint32_t *times; /* dims.x counts of AR-VOX-5 */
+    int32_t *count;  /* the counts of AR-VOX-3; dims.x elements */
+    uint32_t *times; /* the counts of AR-VOX-5; dims.x elements */
     int64_t total;
     uint64_t owners;
 } row;
@@ -115,7 +115,8 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
     const int64_t y = sample_at(how, mesh, j), z = sample_at(how, mesh, k);
     if (!how->own && (y < least(v0[1], v1[1], v2[1]) || y > most(v0[1], v1[1], v2[1]) ||
                       z < least(v0[2], v1[2], v2[2]) || z > most(v0[2], v1[2], v2[2])))
-        return; /* only a mistake can make a triangle own a row that lies beyond all three corners of the triangle */
+        /* only a mistake can cause a triangle to own a row that lies beyond all three corners of the triangle */
+        return;
     const int64_t right_area =
         (int64_t)(v1[1] - v0[1]) * (v2[2] - v0[2]) - (int64_t)(v2[1] - v0[1]) * (v1[2] - v0[2]);
     int64_t area = right_area;

@@ -23,7 +23,7 @@ enum { DUMP_NAME = 200 };
 typedef struct dump_head {
     plan_tier tier;
     uint64_t seed;
-    char only[PLAN_ID];       /* prefix of the ids of the dump's cases, as for plan_make; "" for all cases */
+    char only[PLAN_ID];       /* prefix of the ids of the dump's cases, as for plan_make; "" selects all cases */
     char program[DUMP_NAME];  /* name of the program that made the dump, in one line */
 } dump_head;
 

@@ -23,7 +23,7 @@ typedef struct causes {
 /* Returns the causes of a class; NULL if the class is not in the table. */
 const causes *causes_of(const char *class);
 
-/* Writes a sentence that lists the kinds and their shares as possible causes; "" if no cause is known. */
+/* Writes a sentence that lists the kinds and their shares as possible causes. Writes "" if no cause is known. */
 void causes_text(const char *class, char out[CAUSES_TEXT]);
 
 #endif

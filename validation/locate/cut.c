@@ -129,6 +129,6 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     }
     s->path.count = ticks;
     if (has_bone && !s->sample_count)
-        s->path.count = 0; /* ticks cannot run without a bone */
+        s->path.count = 0; /* ticks are removed, because they cannot run without a bone */
     return status;
 }

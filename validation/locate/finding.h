@@ -18,7 +18,7 @@ typedef struct finding {
        is unknown */
     int32_t chunk[3];
     int chunk_size;
-    const char *class; /* pattern_name, "report-only", or NULL if the grids cannot be compared */
+    const char *class; /* name of the class: pattern_name or "report-only"; NULL if the grids cannot be compared */
     char text[PATTERN_TEXT]; /* the evidence for the class */
     operands operands;
     /* name of a file in the bundle with a small case that shows the same difference; "" if there is no such file */

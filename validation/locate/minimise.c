@@ -12,8 +12,8 @@
 #include "validation/user_store.h"
 #include "validation/worker.h"
 
-/* BATCH is the maximum number of candidates per process, RUNS the maximum number of processes per case, LIMIT the
-   time limit of a process in seconds, and PATH the capacity of a path. */
+/* BATCH is the maximum number of candidates per process, RUNS is the maximum number of processes per case, LIMIT is the
+   time limit of a process in seconds, and PATH is the capacity of a path. */
 enum { BATCH = 12, RUNS = 40, LIMIT = 60, PATH = 1200 };
 
 typedef struct job {

@@ -211,7 +211,7 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 /* The poses of a tick's event. The rules that determine them are those of ost_world_step. */
 typedef struct event_poses {
     bool removal;
-    ost_pose from, to; /* first and last pose of the sweep; the first is valid only if count > 1 */
+    ost_pose from, to; /* first and last pose of the sweep; `from` is valid only if count > 1 */
     int count;
     int64_t since; /* number of the tick whose pose is `from`; -1 if there is none */
 } event_poses;
@@ -261,7 +261,7 @@ typedef struct mapped {
     bool near;       /* true if the voxel's block is near, so that it can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
     int is;          /* class of the tool voxel; -1 if the position is outside the tool's grid */
-    /* Chebyshev distance in 2^-20 voxels to the nearest adjacent tool voxel that gives another result; -1 if there is
+    /* Chebyshev distance, in 2^-20 voxels, to the nearest adjacent tool voxel that gives another result; -1 if there is
        none */
     int32_t gap;
 } mapped;
