@@ -19,7 +19,7 @@ enum { SCENE_THRESHOLD = 250 }; /* excludes cartilage */
 
 typedef struct scene {
     ost_volume ct;
-    /* positions and direction in mm; the glenoid's centre lies on the cartilage */
+    /* positions in mm, and the direction of the glenoid's axis; the glenoid's centre is on the cartilage */
     double glenoid[3], axis[3], trigonum[3], inferior[3];
     bool left;
     double spacing[3];

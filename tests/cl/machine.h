@@ -48,7 +48,7 @@ enum test_kernel {
     K_COUNT
 };
 
-/* A kernel's argument: a buffer if bytes > 0, else a 32-bit number. */
+/* An argument of a kernel. If bytes > 0 it is a buffer; if not, it is a 32-bit number. */
 typedef struct kernel_arg {
     void *data;
     size_t bytes;

@@ -16,20 +16,20 @@ static const struct machine {
     ost_isa_cpuid cpuid;
 } machines[] = {
     {"nothing at all", OST_ISA_SCALAR, {0}},
-    /* SSE4.2, POPCNT; no XSAVE */
+    /* has SSE4.2 and POPCNT, but not XSAVE */
     {"Nehalem", OST_ISA_SCALAR, {.leaf1_c = BIT(19) | BIT(20) | BIT(23)}},
-    /* AVX, XSAVE, OSXSAVE, but no leaf 7 */
+    /* has AVX, XSAVE and OSXSAVE, but no leaf 7 */
     {"Sandy Bridge", OST_ISA_SCALAR, {.leaf1_c = BIT(23) | BIT(26) | BIT(27) | BIT(28), .xcr0 = 1 | XMM | YMM}},
-    /* FMA (12), MOVBE (22); BMI1 (3), AVX2 (5), BMI2 (8) */
+    /* has FMA (bit 12) and MOVBE (22) in leaf 1, and BMI1 (3), AVX2 (5) and BMI2 (8) in leaf 7 */
     {"Haswell",
      OST_ISA_AVX2,
      {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), 0, BIT(5), 1 | XMM | YMM}},
-    /* AVX-512 F (16), PF (26), ER (27), CD (28), no DQ, BW, VL */
+    /* has the AVX-512 extensions F (16), PF (26), ER (27) and CD (28), but not DQ, BW and VL */
     {"Knights Landing",
      OST_ISA_AVX2,
      {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(26) | BIT(27) | BIT(28), 0, BIT(5),
       1 | XMM | YMM | OPMASK | ZMM_HIGH | HIGH_ZMM}},
-    /* F (16), DQ (17), CD (28), BW (30), VL (31) */
+    /* has the AVX-512 extensions F (16), DQ (17), CD (28), BW (30) and VL (31) */
     {"Skylake server",
      OST_ISA_AVX512,
      {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(17) | BIT(28) | BIT(30) | BIT(31), BIT(11),

@@ -47,8 +47,8 @@ struct series {
     std::vector<int> padding;
     std::string syntax = "explicit";
     int fragment = 0;                    /* size of a fragment of a compressed frame in kB; 0 means one fragment */
-    bool offsets = true;                 /* write the basic offset table */
-    bool multiframe = false;             /* one enhanced CT file instead of one file per slice */
+    bool offsets = true;                 /* if true, the basic offset table is written */
+    bool multiframe = false;             /* if true, one enhanced CT file is written instead of one file per slice */
     /* series number, and parts of the UIDs of study, patient and frame of reference */
     int number = 1, study = 1, patient = 1, frame = 1;
     std::string description = "bone", modality = "CT", kernel = "B60s", prefix = "IM";
@@ -62,8 +62,8 @@ struct slice {
     double position[3];
     int instance;
     std::string file;
-    int delta;   /* added to every stored value */
-    int size[2]; /* columns and rows */
+    int delta;   /* number that is added to every stored value */
+    int size[2]; /* numbers of columns and rows */
 };
 
 /* Reads the command line's words after the folder. Returns false with a message if a word is wrong. */

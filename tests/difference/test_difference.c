@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ost_difference_find: counts, box, class and refused arguments. tests/validation/test_locate.c tests every pattern;
- * here, mistakes of a known kind are made in a grid with densities that are different in every voxel.
+ * Tests the results of ost_difference_find (counts, box and class) and the arguments that it refuses. The test makes
+ * mistakes of a known kind in a grid in which every voxel has a different density. tests/validation/test_locate.c tests
+ * all patterns.
  *
  * Covers: REQ-DIFFERENCE
  */
@@ -57,7 +58,10 @@ static void counts_and_class(void **state)
     ost_volume_free(&b);
 }
 
-/* With the bone before the event, a chunk in which nothing was removed is stale or, if the report differs, lost. */
+/*
+ * Tests the comparison of bones after an event, with the bone before the event. A chunk in which nothing was removed is
+ * a stale chunk, or a lost chunk if the reports also differ.
+ */
 static void before_is_used(void **state)
 {
     (void)state;
@@ -65,7 +69,7 @@ static void before_is_used(void **state)
     ost_difference d;
     for (int32_t z = 0; z < SIDE; z++)
         for (int32_t x = 0; x < SIDE; x++) {
-            *at(&a, x, 12, z) = 0; /* an event removed a layer; b has it removed in all chunks but the first */
+            *at(&a, x, 12, z) = 0; /* the event removes a layer of a; in b, the first chunk of the layer remains */
             if (x >= 32 || z >= 32)
                 *at(&b, x, 12, z) = 0;
         }

@@ -12,7 +12,7 @@
  */
 #include "fuzz.h"
 
-#include <errno.h> /* program_invocation_name */
+#include <errno.h> /* declares program_invocation_name */
 #include <fcntl.h>
 #include <limits.h>
 #include <sys/stat.h>

@@ -58,7 +58,7 @@ static size_t nifti_seed(uint8_t *bytes, size_t capacity)
     }
     put(bytes + 70, 2, 2);
     put(bytes + 72, 8, 2);
-    put(bytes + 108, 0x43d80000, 4); /* 432, the offset of the voxels */
+    put(bytes + 108, 0x43d80000, 4); /* the offset of the voxels, 432, as a float */
     bytes[123] = 2;                  /* mm */
     memcpy(bytes + 344, "n+1", 4);
     bytes[348] = 1;

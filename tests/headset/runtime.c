@@ -15,10 +15,10 @@
 
 #define EXPORT __attribute__((visibility("default")))
 #define HANDLE(TYPE, NUMBER) ((TYPE)(uintptr_t)(NUMBER))
-#define PERIOD 13888889 /* ns: 72 frames per second */
+#define PERIOD 13888889 /* in ns, for 72 frames per second */
 
 extern fake_xr_state fake_xr;
-/* The values are those of a program that sets none: a tracked head and hand, and frames at the display's rate. */
+/* The initial state has a tracked head, a tracked hand, and frames at the display's rate. */
 EXPORT fake_xr_state fake_xr = {.eye_x = {-0.03f, 0.03f},
                                 .fov = {{-0.8f, 0.7f, 0.7f, -0.7f}, {-0.7f, 0.8f, 0.7f, -0.7f}},
                                 .head_tracked = true,
@@ -28,7 +28,7 @@ EXPORT fake_xr_state fake_xr = {.eye_x = {-0.03f, 0.03f},
 
 static struct {
     GLuint texture[2];
-    int acquired[2];      /* 0 free, 1 acquired, 2 waited for */
+    int acquired[2];      /* 0: free, 1: acquired, 2: acquired and waited for */
     XrSessionState queue[8];
     int queued, next;
     XrTime time;
@@ -411,7 +411,7 @@ static XrResult my_SyncActions(XrSession session, const XrActionsSyncInfo *what)
     return XR_SUCCESS;
 }
 
-/* The first action is the pose of the grip. */
+/* Action 20 is the pose of the grip, so the boolean actions begin at 21. */
 static XrResult my_GetActionStateBoolean(XrSession session, const XrActionStateGetInfo *what, XrActionStateBoolean *out)
 {
     (void)session;
@@ -445,7 +445,7 @@ static XrResult my_GetInstanceProcAddr(XrInstance instance, const char *name, PF
     return *out ? XR_SUCCESS : XR_ERROR_FUNCTION_UNSUPPORTED;
 }
 
-/* The structs that the loader passes to a runtime, as in the loader's specification. */
+/* The structs that the loader passes to a runtime, as defined by the loader's specification. */
 typedef struct runtime_request {
     int type;
     uint32_t version;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the arithmetic of a headset. A point that is projected by the matrix of the OpenXR specification must be at the
- * same pixel as the point that the eye's focal length and axis give. A pose in the room must be at the stated place of
- * the bone.
- * Covers: REQ-HEADSET
+ * pixel that is computed from the eye's focal length and axis. A pose in the room must be at the right position in the
+ * bone's frame. Covers: REQ-HEADSET
  */
 #include <math.h>
 
@@ -18,7 +17,7 @@ static double real(test_rng *rng, double lo, double hi)
     return lo + (hi - lo) * (double)rng_range(rng, 0, 1000000) / 1e6;
 }
 
-/* The clip coordinates of the point x, y, -1, by the usual asymmetric projection matrix from four angles. */
+/* Computes the clip coordinates of the point (x, y, -1) with the usual asymmetric projection matrix of four angles. */
 static void clip_of(const ost_headset_fov *fov, double x, double y, double out[2])
 {
     const double left = tan(fov->left), right = tan(fov->right), up = tan(fov->up), down = tan(fov->down);
@@ -39,7 +38,7 @@ static void a_point_is_where_the_matrix_puts_it(void **state)
         ost_headset_projection p;
         double clip[2];
         assert_true(ost_headset_project(&fov, width, height, &p));
-        /* The picture covers the angles, and on one axis no more than them. */
+        /* The picture must cover all angles. On one axis it must not cover more. */
         assert_true(p.fov.left <= fov.left + 1e-12 && p.fov.right >= fov.right - 1e-12);
         assert_true(p.fov.up >= fov.up - 1e-12 && p.fov.down <= fov.down + 1e-12);
         const double wider = tan(p.fov.right) - tan(p.fov.left) - tan(fov.right) + tan(fov.left),
@@ -72,10 +71,10 @@ static void unusable_angles_are_refused(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(ost_headset_project(&bad[i], 640, 480, &p));
     const ost_headset_fov good = {-1, 1, 1, -1};
-    assert_false(ost_headset_project(&good, 1, 1, &p)); /* the focal length is less than a pixel */
+    assert_false(ost_headset_project(&good, 1, 1, &p)); /* the focal length would be less than a pixel */
 }
 
-/* A view along -x with z up: right is y, up is z, back is x. */
+/* The view is along -x, and z is up. Therefore right is y, up is z, and back is x. */
 static const double RIGHT[3] = {0, 1, 0}, UP[3] = {0, 0, 1}, BACK[3] = {1, 0, 0}, AT[3] = {10, 20, 30};
 
 static void the_target_is_half_a_metre_ahead(void **state)
@@ -95,18 +94,18 @@ static void the_target_is_half_a_metre_ahead(void **state)
     assert_true(llabs(pose.t.y - 120 * OST_PM_PER_MM) < 1000 && llabs(pose.t.z - 230 * OST_PM_PER_MM) < 1000);
 }
 
-/* The pose's axes are the room's axes, turned by the orientation in the room. */
+/* The axes of the pose must be the axes of the room, rotated by the orientation that is given relative to the room. */
 static void orientations_are_turned_with_the_room(void **state)
 {
     (void)state;
     const ost_room room = ost_room_make(AT, RIGHT, UP, BACK);
-    const double at[3] = {0, 0, 0}, h = sqrt(0.5), about_y[4] = {h, 0, h, 0}; /* z turns to x, x to -z */
+    const double at[3] = {0, 0, 0}, h = sqrt(0.5), about_y[4] = {h, 0, h, 0}; /* rotates z to x, and x to -z */
     ost_error err = {0};
     ost_pose pose;
     double mm[3], q[4];
     assert_ok(ost_room_pose(&room, at, about_y, &pose, &err));
     ost_pose_to_doubles(&pose, mm, q);
-    /* The third column of the rotation is the pose's z axis: the room's x, which is the bone's y. */
+    /* The third column of the rotation is the pose's z axis. This is the room's x axis, which is the bone's y axis. */
     const double z[3] = {2 * (q[1] * q[3] + q[0] * q[2]), 2 * (q[2] * q[3] - q[0] * q[1]),
                          1 - 2 * (q[1] * q[1] + q[2] * q[2])};
     assert_true(fabs(z[0]) < 1e-6 && fabs(z[1] - 1) < 1e-6 && fabs(z[2]) < 1e-6);
@@ -149,12 +148,12 @@ static void the_device_follows_the_hand(void **state)
     assert_true(ost_hand_input_is_left(input));
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_NOT_TRACKED);
 
-    /* The tool moves to a hand that appears at once, and reports that it was lifted. */
+    /* When a hand appears, the tool must move to it at once and be reported as lifted. */
     ost_hand_input_put(input, &(ost_hand_sample){true, at_mm(500), OST_HAND_TRIGGER});
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
     assert_true(s.lifted && s.pose.t.x == 500 * OST_PM_PER_MM && s.buttons == OST_HAND_TRIGGER && s.tool == -1);
 
-    /* It follows a moved hand in small steps and reaches it. */
+    /* When the hand moves, the tool must follow in small steps until it reaches the hand. */
     ost_hand_input_put(input, &(ost_hand_sample){true, at_mm(600), 0});
     int64_t last = s.pose.t.x;
     for (int i = 0; i < 400; i++) {
@@ -164,7 +163,7 @@ static void the_device_follows_the_hand(void **state)
     }
     assert_true(llabs(last - 600 * OST_PM_PER_MM) < OST_PM_PER_MM / 1000);
 
-    /* After a drop-out, it moves to the hand again without a sweep. */
+    /* When a lost hand appears again, the tool must move to it without a sweep. */
     ost_hand_input_put(input, &(ost_hand_sample){.tracked = false});
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_NOT_TRACKED);
     ost_hand_input_put(input, &(ost_hand_sample){true, at_mm(0), 0});

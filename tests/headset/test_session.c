@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a session with a runtime for tests (runtime.h): what an eye sees must be the part of a larger symmetric picture
- * that its angles enclose, the calls must be in the order that OpenXR requires, and every failure of the runtime must
- * end in one error, without a session that remains. The test is skipped if OpenGL without a display is not available.
+ * Tests a session with a runtime for tests (runtime.h). The picture of an eye must equal the part of a larger symmetric
+ * picture within the eye's angles. The calls must be in the order that OpenXR requires. Every failure of the runtime
+ * must cause one error, and no session may remain. The test is skipped if OpenGL without a display is not available.
  * Covers: REQ-HEADSET
  */
 #include <dlfcn.h>
@@ -26,7 +26,7 @@ static char reason[OST_ERROR_TEXT];
 
 static const double RIGHT[3] = {0, 1, 0}, UP[3] = {0, 0, 1}, BACK[3] = {1, 0, 0}, AT[3] = {35, 30, 25};
 
-/* A block of bone with grooves, which differs on all sides. */
+/* Makes a block of bone with grooves. It looks different from each side. */
 static void make_bone(void)
 {
     ost_error err = {0};
@@ -129,9 +129,9 @@ static void close_session(ost_headset *h)
 }
 
 /*
- * Returns the pixels of an eye that differ from the processor's symmetric picture with the same focal length, in which
- * the axis is moved by whole pixels. The focal length is chosen by the angles, so the axis is at a half or whole pixel
- * only approximately; the pixels at edges may differ.
+ * Compares an eye's picture with a symmetric picture that the processor draws with the same focal length. The part of
+ * the symmetric picture is selected by whole pixels. Returns the number of pixels that differ. The eye's axis follows
+ * from the angles and is only approximately at a whole pixel, so pixels at edges may differ.
  */
 static int differing(int eye, const ost_headset_projection *p)
 {
@@ -142,7 +142,7 @@ static int differing(int eye, const ost_headset_projection *p)
     const int x0 = (int)lrint(W / 2 - p->middle[0]), y0 = (int)lrint(H / 2 - p->middle[1]);
     int count = 0, bone = 0;
     ost_gl *gl = viewer.gl;
-    viewer.gl = NULL; /* the processor draws */
+    viewer.gl = NULL; /* forces drawing by the processor */
     assert_ok(ost_room_pose(&room, at, none, &camera.pose, &err));
     assert_ok(ost_viewer_draw(&viewer, &camera, &err));
     viewer.gl = gl;
@@ -163,7 +163,7 @@ static void each_eye_sees_its_part_of_the_scene(void **state)
 {
     (void)state;
     ost_headset *h = session();
-    /* Angles whose axis is at a whole pixel, and whose pixels are square. */
+    /* For these angles, the eye's axis is at a whole pixel and the pixels are square. */
     const double focal = 1000, middle[2][2] = {{60, 70}, {100, 70}};
     for (int i = 0; i < 2; i++) {
         fake->fov[i][0] = (float)-atan(middle[i][0] / focal);
@@ -212,7 +212,10 @@ static void missed_periods_are_counted(void **state)
     assert_int_equal(counts.drawn, 6);
     assert_int_equal(counts.missed, 4);
     assert_true(fabs(counts.display_hz - 72) < 0.01);
-    /* A runtime that requests only every third frame does not hide the other two. */
+    /*
+     * The runtime announces a period of three display periods. The two display periods without a frame must still be
+     * counted as missed.
+     */
     fake->slow = 3;
     run(h, 5);
     assert_int_equal(ost_headset_counts_get(h).missed, 4 + 5 * 2);
@@ -220,7 +223,10 @@ static void missed_periods_are_counted(void **state)
     close_session(h);
 }
 
-/* A head that is not tracked or too far away, and a runtime that hides the picture, show no layer. */
+/*
+ * If the head is not tracked or an eye is too far away, or if the runtime hides the picture, frames must end without a
+ * layer.
+ */
 static void frames_without_a_picture_end_properly(void **state)
 {
     (void)state;
@@ -292,7 +298,7 @@ static void every_failure_is_one_error(void **state)
         ost_headset_close(h);
         assert_int_equal(fake->sessions, 0);
     }
-    /* This is the last test, because the loader keeps the list of extensions of a runtime that it has opened. */
+    /* This must be the last test, because the loader caches the extension list of a runtime that it has opened. */
     reset(NULL);
     fake->no_egl = true;
     assert_int_equal(ost_headset_open(&h, &err), OST_ERR_UNAVAILABLE);

@@ -256,7 +256,8 @@ static void the_digest_is_of_these_bytes(void **state)
         /* corner -1 0 5 */
         0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0,
         10, 0, 0, 0,                                                                 /* f */
-        3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,      /* vertices, triangles, dropped */
+        /* numbers of vertices, triangles and dropped triangles */
+        3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0,
         0, 4, 0, 0, 0, 8, 0, 0, 1, 0, 0, 0,                                          /* first vertex: 1024 2048 1 */
         2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 6, 0, 0, 0, 7, 0, 0, 0,      /* the other two vertices */
         /* the vertex numbers of the triangle: 2 0 1 */

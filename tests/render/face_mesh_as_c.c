@@ -35,7 +35,10 @@ static void call(kernel k, const buffers *b)
     }
 }
 
-/* Runs the items of a range that is rounded up, in steps that have no common divisor with their number. */
+/*
+ * Runs the kernel for all items of the range and for up to 63 additional items per chunk. Successive items are a
+ * constant step apart. The step has no common divisor with the number of items, so every item runs once.
+ */
 static void run(kernel k, uint32_t range, uint32_t chunks, test_rng *rng, const buffers *b)
 {
     const uint64_t across = (uint64_t)range + (uint64_t)rng_range(rng, 0, 63), all = across * chunks;
@@ -57,7 +60,7 @@ static void run(kernel k, uint32_t range, uint32_t chunks, test_rng *rng, const 
     }
 }
 
-/* The layout of a cluster as the kernel documents it, voxel by voxel. */
+/* Packs a cluster voxel by voxel, in the layout that is documented in the kernel. */
 static void pack(const ost_face_cluster *c, uint32_t words[CLUSTER_WORDS])
 {
     memset(words, 0, CLUSTER_WORDS * sizeof *words);

@@ -6,8 +6,8 @@
 #include "core/face_mesh.h"
 
 /*
- * Meshes chunks by the kernels, whose items run one after the other in an order that the seed determines. The caller
- * frees mesh by ost_face_mesh_free.
+ * Meshes chunks with the kernels. The items of a kernel run one after the other, in an order that depends on the seed.
+ * The caller must free the mesh with ost_face_mesh_free.
  */
 void face_mesh_as_c(const ost_face_cluster *clusters, uint32_t count, uint64_t seed, ost_face_mesh *mesh);
 

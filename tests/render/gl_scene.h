@@ -62,7 +62,7 @@ static inline ost_camera look(const ost_geometry *g, double x, double y, double 
 }
 
 typedef struct difference {
-    int colour, face, depth; /* numbers of pixels that differ */
+    int colour, face, depth; /* numbers of pixels that differ in colour, face and depth */
 } difference;
 
 static inline difference compare(const ost_frame *a, const ost_frame *b)

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the antialiasing of edges: each pixel against a second implementation, which searches every run pixel by pixel
- * and integrates the line above it; every instruction set; a part of a picture that is computed again; and the error of
- * straight lines and discs against the area that they cover of each pixel.
+ * Tests the antialiasing of edges. Each pixel is compared with a second implementation, which searches every run pixel
+ * by pixel and integrates the line above the run. This is done with every instruction set, and for a part of a picture
+ * that is computed again. For straight lines and discs, the error relative to the exact coverage of each pixel is also
+ * tested.
+ *
  * Covers: REQ-ANTIALIAS
  */
 #include <math.h>
@@ -29,7 +31,7 @@ static uint32_t any_colour(test_rng *rng)
     return (uint32_t)rng_range(rng, 0, 0xffffff);
 }
 
-/* A picture of half planes and boxes over each other, with some single pixels. Unused columns have random colours. */
+/* Makes a picture of overlapping half planes and boxes with some single pixels. Unused columns have random colours. */
 static picture *make_picture(test_rng *rng)
 {
     picture *p = calloc(1, sizeof *p);
@@ -63,7 +65,7 @@ static bool is_in(const picture *p, int x, int y)
     return x >= 0 && x < p->width && y >= 0 && y < p->height;
 }
 
-/* Returns true if two pixels of the picture differ. */
+/* Returns true if the colours of two pixels of the picture differ by at least 24 in any channel. */
 static bool differ(const picture *p, int x, int y, int x2, int y2)
 {
     if (!is_in(p, x, y) || !is_in(p, x2, y2))
@@ -83,8 +85,8 @@ static double area_under(int k, int length)
 }
 
 /*
- * Returns the share that the neighbour at (x + u, y + v) has in the pixel (x, y), in 256ths. The edge between them runs
- * along (|v|, |u|).
+ * Returns the weight of the neighbour at (x + u, y + v) in the smoothed pixel (x, y), in 256ths. The edge between the
+ * two pixels runs along (|v|, |u|).
  */
 static int share_of(const picture *p, int x, int y, int u, int v)
 {
@@ -98,7 +100,7 @@ static int share_of(const picture *p, int x, int y, int u, int v)
         int n = 0;
         while (n < 16 && differ(p, x + (n + 1) * dx, y + (n + 1) * dy, x + u + (n + 1) * dx, y + v + (n + 1) * dy))
             n++;
-        /* the edge goes on next to the pixel's own row, and not next to the neighbour's */
+        /* true if the edge turns into the pixel's own row, and not into the neighbour's row */
         const int last_x = x + n * dx, last_y = y + n * dy;
         bend[end] = n < 16 && differ(p, last_x, last_y, last_x + dx, last_y + dy) &&
                     !differ(p, last_x + u, last_y + v, last_x + u + dx, last_y + v + dy);
@@ -214,7 +216,7 @@ static void smooth_all(const picture *p, uint32_t *got)
     ost_cells_free(&cells);
 }
 
-/* Straight edges along rows and columns, and small differences, remain. */
+/* Straight edges along rows and columns must not change, and neither must small differences of colour. */
 static void boxes_remain(void **state)
 {
     (void)state;
@@ -231,7 +233,7 @@ static void boxes_remain(void **state)
     free(got);
 }
 
-/* Returns the part of a pixel that a shape covers, from 32 x 32 samples. */
+/* Returns true if a shape contains the point (x, y). */
 typedef bool shape_has(const double shape[3], double x, double y);
 static bool line_has(const double s[3], double x, double y)
 {
@@ -252,11 +254,12 @@ static double covered(shape_has *has, const double shape[3], int x, int y)
 }
 
 typedef struct errors {
-    double before, after, mean; /* sums of squares, and of differences after */
-    int pixels;                 /* that are covered in part */
+    /* sums of squared errors before and after antialiasing; sum of errors after antialiasing */
+    double before, after, mean;
+    int pixels;                 /* number of partly covered pixels */
 } errors;
 
-/* Draws a shape of grey level 200 over 0, and adds the errors of the picture before and after antialiasing. */
+/* Draws a shape of grey level 200 on black, and adds the errors of the picture before and after antialiasing to *e. */
 static void add_errors(shape_has *has, const double shape[3], errors *e)
 {
     enum { BRIGHT = 200, MARGIN = 18 };
@@ -290,8 +293,9 @@ static void assert_better(const char *what, const errors *e, double most, double
 }
 
 /*
- * Without antialiasing, a pixel at an edge is wrong by up to half of its area. The ends of the runs at the four sides
- * of a small disc bend inwards, so that the disc becomes slightly smaller.
+ * Tests that antialiasing reduces the errors. Without antialiasing, a pixel at an edge is wrong by up to half of its
+ * area. Discs may keep larger errors: at the four sides of a small disc, the ends of the runs bend inwards, so that the
+ * disc becomes slightly smaller.
  */
 static void lines_and_discs_are_closer(void **state)
 {

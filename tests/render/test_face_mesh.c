@@ -24,7 +24,7 @@ typedef struct scene {
 
 static const int step[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* The ways in which the voxels of a scene are filled. */
+/* The patterns with which the voxels of a scene are filled. */
 typedef enum filling { SPARSE, HALF, DENSE, FULL, NOTHING, CHECKERED, BALL, FILLINGS } filling;
 
 static bool fill_voxel(filling how, test_rng *rng, int x, int y, int z)
@@ -71,7 +71,7 @@ static const uint32_t *words_at(const scene *s, int x, int y, int z)
     return inside && s->present[z][y][x] ? s->words[z][y][x] : NULL;
 }
 
-/* All chunks of the scene in random order, also those that do not exist. */
+/* Stores all chunks of the scene in random order, including those that do not exist. */
 static void clusters_of(const scene *s, test_rng *rng, ost_face_cluster out[27], int order[27])
 {
     for (int i = 0; i < 27; i++)
@@ -90,8 +90,8 @@ static void clusters_of(const scene *s, test_rng *rng, ost_face_cluster out[27],
 }
 
 /*
- * Checks a chunk's quads: exactly the visible faces of its voxels, in the documented order, and each with the four
- * corners of the face, counter-clockwise as seen from outside.
+ * Checks the quads of a chunk. They must be exactly the visible faces of its voxels, in the documented order. Each quad
+ * must have the four corners of its face, counter-clockwise as seen from outside.
  */
 static void check_chunk(const scene *s, int chunk, const uint32_t *vertices, uint32_t quads)
 {
@@ -162,7 +162,10 @@ static void test_against_oracle(void **state)
     ost_face_mesh_free(&mesh);
 }
 
-/* One chunk without neighbours, and with one neighbour at a time: only the faces at this neighbour disappear. */
+/*
+ * Tests one full chunk without neighbours and with one full neighbour at a time. Only the faces at this neighbour may
+ * disappear.
+ */
 static void test_missing_neighbours(void **state)
 {
     static uint32_t full[ROWS];
@@ -189,7 +192,10 @@ static void test_missing_neighbours(void **state)
     ost_face_mesh_free(&mesh);
 }
 
-/* More chunks than a batch, timed and not timed, into a mesh that has been used before: the words of the reference. */
+/*
+ * Compares meshes of random chunks with the reference's meshes. The numbers of chunks are below and above the size of a
+ * batch, some calls are timed, and all calls reuse the same mesh.
+ */
 static void test_same_words(void **state)
 {
     enum { MOST = 150 };
@@ -237,7 +243,7 @@ static void test_same_words(void **state)
     free(words);
 }
 
-/* The OpenCL kernels as C, with their items in random order: the words of the reference. */
+/* Compares the OpenCL kernels, which are compiled as C and run their items in random order, with the reference. */
 static void test_kernels_as_c(void **state)
 {
     (void)state;

@@ -35,7 +35,7 @@ static void skip_without_gl(void)
     }
 }
 
-/* Returns true if a pixel has the same colour, face and depth in both frames. slack: allowed difference in depth. */
+/* Returns true if a pixel has the same colour, face and depth in both frames. Depths may differ by up to `slack`. */
 static bool same_pixel(const ost_frame *a, const ost_frame *b, size_t at, float slack)
 {
     return a->planes.colour[at] == b->planes.colour[at] && a->planes.face[at] == b->planes.face[at] &&
@@ -124,8 +124,8 @@ static bool shows_near_face(const ost_frame *mesh, int x, int y, const ost_frame
 }
 
 /*
- * Compares the mesh with the points of the processor and of OpenGL. The differences from OpenGL's points are counted,
- * those from the processor's points are explained pixel by pixel.
+ * Compares the mesh with the points of the processor and of OpenGL. Differences from OpenGL's points are only counted.
+ * Every difference from the processor's points must be explained.
  */
 static void check(const char *name, const ost_frame_thing *things, int count, ost_style style)
 {
@@ -158,7 +158,7 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     left = differ;
     for (int i = 0; i < SHIFTS && left; i++) {
         static const int direction[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-        /* the greatest distance first, which explains the most */
+        /* the greatest distance is used first, because it explains most of the differences */
         const float by = (float)(MOVES - i / 8) / (128 * MOVES);
         left = 0;
         draw_moved(&moved, things, count, by * (float)direction[i % 8][0], by * (float)direction[i % 8][1]);
@@ -189,7 +189,10 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     assert_true(covered > 500);
     assert_int_equal(left, 0);
     assert_in_range(narrow, 0, differ / 20 + 1);
-    /* an edge has about one pixel in 128 whose ray is that close; bone has edges everywhere */
+    /*
+     * Along an edge, the rays of about one pixel in 128 are this close to the edge, and a picture of bone has edges
+     * everywhere.
+     */
     assert_in_range(differ, 0, covered / 50 + 10);
     free(open);
     for (int i = 0; i < 4; i++)
@@ -310,8 +313,8 @@ static uint64_t faces_of(const ost_surface_block *b)
 }
 
 /*
- * After bone was removed, exactly the chunks whose visible faces changed are meshed again, and the picture is that of a
- * surface that was never drawn before. A change of colours meshes nothing.
+ * After bone is removed, exactly the chunks whose visible faces changed must be meshed again, and the picture must
+ * equal that of a new surface. For a change that affects only colours, no chunk must be meshed.
  */
 static void test_removal(void **state)
 {
@@ -346,7 +349,9 @@ static void test_removal(void **state)
             counts[i] = b->count;
             version[i] = b->version;
         }
-        /* a cube at a chunk's corner, at a chunk's face, or at a random position */
+        /*
+         * the first cube is at a chunk's corner, the second at a chunk's face, and the others are at random positions
+         */
         int at[3];
         for (int a = 0; a < 3; a++)
             at[a] = round == 0 ? 28 : round == 1 && a == 0 ? 30 : (int)rng_range(&rng, 20, 62);
@@ -385,7 +390,7 @@ static void test_removal(void **state)
     ost_volume_free(&v);
 }
 
-/* All backends make the same mesh, so the pictures are bit-identical. */
+/* All backends must make the same mesh, so that pictures are bit-identical. */
 static void test_backends(void **state)
 {
     (void)state;
@@ -418,7 +423,7 @@ static void test_backends(void **state)
     ost_volume_free(&v);
 }
 
-/* A missing mesher, and a backend without meshes, are refused with a reason. */
+/* Drawing must be refused if no mesher is set. A backend without meshes must be refused with a reason. */
 static void test_refusals(void **state)
 {
     (void)state;

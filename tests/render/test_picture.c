@@ -311,7 +311,10 @@ static void test_colours_between_voxels(void **state)
             v.voxels[e] = (int16_t)(-500 + 900 * (along ? e / 3 % 3 : e % 3));
         const ost_slices_options o = {.at = {1, 1, 1}, .pixels = 60};
         assert_ok(ost_picture_slices(&v, NULL, &o, &p, &err));
-        /* 20 pixels per voxel: the pixel at 20 is between the first two voxels, and that at 10 on the first */
+        /*
+         * a voxel is 20 pixels wide: the pixel at 20 is between the first two voxels, and the pixel at 10 is on the
+         * first voxel
+         */
         assert_in_range(pixel(&p, along ? 40 : 20, along ? 20 : 40)[0], 64, 70);
         assert_in_range(pixel(&p, along ? 40 : 45, along ? 45 : 40)[0], 222, 230);
         assert_in_range(pixel(&p, along ? 40 : 9, along ? 9 : 40)[0], 0, 1);

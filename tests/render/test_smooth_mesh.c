@@ -224,7 +224,7 @@ static double determinant(const double a[3], const double b[3], const double c[3
 
 /*
  * Intersects the ray at a position in the picture with a triangle. Returns the depth, or 0 if they do not meet. *margin
- * is the smallest share of a corner in the intersection, which is negative outside the triangle and 0 on a side.
+ * is the smallest barycentric coordinate of the intersection: it is negative outside the triangle and 0 on a side.
  */
 static double meet(const ost_eye *e, const ost_smooth_triangle *t, double x, double y, double *margin)
 {
@@ -251,7 +251,10 @@ static double meet(const ost_eye *e, const ost_smooth_triangle *t, double x, dou
     return s * e->focal;
 }
 
-/* A triangle at a pixel. Corners are rounded to 256ths of a pixel, which changes the depth by up to `slack`. */
+/*
+ * The intersection of a pixel's ray with a triangle. Corners are rounded to 256ths of a pixel, which changes the depth
+ * by up to `slack`.
+ */
 typedef struct candidate {
     double depth, slack;
 } candidate;
@@ -347,8 +350,8 @@ static void assert_same(const picture *a, const picture *b)
     assert_memory_equal(a->over.bit, b->over.bit, (size_t)a->over.words * (size_t)a->over.rows * sizeof *a->over.bit);
 }
 
-/* Triangles around the eye, some with corners so far away that their place in the picture is limited, are drawn alike
-   by every instruction set and in every band. */
+/* Draws triangles around the eye. Some corners are so far away that their positions in the picture are clamped. Every
+   instruction set and every division into bands must give the same picture. */
 static void far_corners(void **state)
 {
     (void)state;

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The compared removal methods: each removes exactly the set of voxels that its definition demands.
- *
- * The oracle is written from the texts (AR-MAP-1 to AR-MAP-4, AR-REM-1; reproduction/methods/points.h) with
- * fractions of 128-bit integers, and calls no function of the methods or of src/core. It is compared with every
- * method on random small scenes, and with the functions that define the sets in a measurement.
+ * Tests the compared removal methods: each must remove exactly the set of voxels that its definition requires. The
+ * oracle implements AR-MAP-1 to AR-MAP-4, AR-REM-1 and reproduction/methods/points.h with fractions of 128-bit
+ * integers. It calls no function of the methods or of src/core. It is compared with every method in random small
+ * scenes, and with the functions that define the sets of a measurement.
  *
  * Covers: REQ-COMPARED
  */
@@ -28,7 +27,7 @@ static wide floor_of(wide n, wide d)
     return q * d > n ? q - 1 : q;
 }
 
-/* Round half to even, by comparing twice the remainder with the divisor. */
+/* Returns n / d, rounded half to even. Twice the remainder is compared with the divisor. */
 static wide rhe(wide n, wide d)
 {
     const wide q = floor_of(n, d), twice = 2 * (n - q * d);
@@ -65,7 +64,7 @@ static uint8_t class_at(const ost_tool_volume *tool, const wide v[3])
     return tool->voxels[v[0] + d.x * (v[1] + d.y * v[2])];
 }
 
-/* AR-MAP-1 to AR-MAP-4 for one bone voxel: returns true if its tool voxel is cutting. */
+/* Implements AR-MAP-1 to AR-MAP-4 for one bone voxel. Returns true if the tool voxel at its centre is cutting. */
 static bool oracle_covered(const bench_scene *e, const int32_t voxel[3])
 {
     const rotation r = rotation_of(&e->pose);
@@ -86,7 +85,10 @@ static bool oracle_covered(const bench_scene *e, const int32_t voxel[3])
     return class_at(&e->tool, tool_voxel) == OST_TOOL_CUTTING;
 }
 
-/* True if the tool voxel is a point: cutting, and for surface points with a face neighbour that is not cutting. */
+/*
+ * Returns true if the tool voxel is a point. It must be cutting and, for surface points, have a face neighbour that is
+ * not cutting.
+ */
 static bool oracle_point(const ost_tool_volume *tool, methods_points which, int32_t i, int32_t j, int32_t k)
 {
     static const int32_t faces[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -101,7 +103,7 @@ static bool oracle_point(const ost_tool_volume *tool, methods_points which, int3
     return which == METHODS_POINTS_SOLID;
 }
 
-/* The map of points.h. */
+/* The map from tool points to bone voxels that points.h defines, with `fraction` fraction bits. */
 typedef struct oracle_map {
     int fraction;
     wide anchor[3], base[3], step[3][3];
@@ -141,7 +143,9 @@ static oracle_map oracle_map_of(const bench_scene *e)
     return m;
 }
 
-/* Checks the bound of points.h: the fixed-point coordinate of a point is near the exact one. */
+/*
+ * Checks that the fixed-point coordinate of a point differs from the exact coordinate by at most the bound of points.h.
+ */
 static void check_error(const bench_scene *e, const oracle_map *m, const wide half[3], int b, wide u)
 {
     const rotation r = rotation_of(&e->pose);
@@ -152,7 +156,10 @@ static void check_error(const bench_scene *e, const oracle_map *m, const wide ha
     vector(e->pose.t, t);
     vector(e->bone.origin, o);
     const wide dims[3] = {d.x, d.y, d.z};
-    /* The exact position of the point, relative to the anchor: 2 p = 2 corner + (dims + e) s_t in the tool's frame. */
+    /*
+     * The exact position p of the point, relative to the anchor, follows from 2 p = 2 corner + (dims + e) s_t in the
+     * tool's frame.
+     */
     wide n = 2 * r.n * (t[b] - o[b]) + r.n * s - m->anchor[b] * divisor;
     for (int a = 0; a < 3; a++)
         n += r.m[b][a] * (2 * corner[a] + (dims[a] + half[a]) * s_t);
@@ -160,7 +167,7 @@ static void check_error(const bench_scene *e, const oracle_map *m, const wide ha
     assert_true(2 * (off < 0 ? -off : off) <= bound);
 }
 
-/* The sets of the complete bone, one byte per voxel. */
+/* Computes which voxels of the complete bone are removed; one byte per voxel. */
 static void oracle_bone_to_tool(const methods_scene *scene, uint8_t *in)
 {
     const ost_dims d = scene->event.bone.dims;
@@ -201,7 +208,7 @@ static double uniform(test_rng *rng)
     return (double)rng_range(rng, -1000000, 1000000) * 1e-6;
 }
 
-/* A quaternion of length 1, sometimes a rotation by multiples of 90 degrees. */
+/* Chooses a random unit quaternion. Some are rotations by multiples of 90 degrees. */
 static void random_rotation(test_rng *rng, ost_pose *pose)
 {
     double q[4], length = 0;
@@ -219,7 +226,10 @@ static void random_rotation(test_rng *rng, ost_pose *pose)
     pose->qz = (int32_t)lrint(q[3] / length * (1 << 30));
 }
 
-/* A tool of random classes: blobs, so that there are cells of one content, with single voxels of other classes. */
+/*
+ * Makes a tool of random classes. The classes form blobs, so that some cells have a uniform content, and single voxels
+ * have other classes.
+ */
 static void random_tool(test_rng *rng, ost_tool_volume *tool)
 {
     const ost_dims d = tool->geometry.dims;
@@ -261,7 +271,7 @@ static void random_scene(test_rng *rng, methods_scene *scene)
                                       (int32_t)rng_range(rng, 1, 40)},
                              .spacing = {s, s, s},
                              .origin = {rng_range(rng, -50, 50) * s, rng_range(rng, -s, s), 0}};
-    /* tool voxels of 1/4 to 4 bone voxels; s is not a multiple of them */
+    /* tool voxels of 1/4 to 4 bone voxels; the ratio is usually not an integer */
     const ost_tool_geometry grid = {
         .dims = {(int32_t)rng_range(rng, 1, 30), (int32_t)rng_range(rng, 1, 30), (int32_t)rng_range(rng, 1, 30)},
         .voxel = rng_range(rng, s / 4, rng_range(rng, 0, 2) ? s : 4 * s),
@@ -281,7 +291,7 @@ static void random_scene(test_rng *rng, methods_scene *scene)
 
 /* ---------------------------------------------------------------------- checks */
 
-/* Returns the value of a set at a voxel of the bone; 0 outside its box. */
+/* Returns the value of a set at a voxel of the bone, or 0 outside the set's box. */
 static uint8_t set_at(const method_set *set, int32_t i, int32_t j, int32_t k)
 {
     const ost_voxel_box *b = &set->box;
@@ -290,7 +300,7 @@ static uint8_t set_at(const method_set *set, int32_t i, int32_t j, int32_t k)
     return set->in[method_set_row(set, j, k) + (size_t)(i - b->lo[0])];
 }
 
-/* Counts the voxels of the complete bone in which a set and the oracle's differ. */
+/* Counts the voxels of the complete bone that are in only one of the two sets. */
 static int64_t differences(const methods_scene *scene, const method_set *set, const uint8_t *expected)
 {
     const ost_dims d = scene->event.bone.dims;
@@ -308,7 +318,10 @@ static void run_event(const method *m, void *state, const methods_scene *scene, 
     assert_ok(m->result(state, set, &err));
 }
 
-/* The event, the event again, which removes nothing more, and the event after restoring. */
+/*
+ * Checks an event, the same event again, after which nothing more may be removed, and the event after the bone is
+ * restored.
+ */
 static void check_method(const method *m, const methods_scene *scene, const method_setup *setup,
                          const uint8_t *bone_to_tool, const uint8_t *tool_to_bone)
 {
@@ -375,7 +388,10 @@ static void test_all_methods(void **unused)
     method_device_close(device);
 }
 
-/* The functions that define the sets in a measurement agree with the oracle, and differences are counted. */
+/*
+ * The functions that define the sets of a measurement must agree with the oracle, and differences must be counted
+ * correctly.
+ */
 static void test_definitions(void **unused)
 {
     (void)unused;
@@ -415,7 +431,7 @@ static void test_definitions(void **unused)
     }
 }
 
-/* The comparison with the float map reports a voxel that is wrong for another reason than rounding. */
+/* The comparison with the float map must report a voxel that is wrong for a reason other than rounding. */
 static void test_beyond_floats(void **unused)
 {
     (void)unused;
@@ -432,7 +448,7 @@ static void test_beyond_floats(void **unused)
     const size_t count = method_box_count(&event.box);
     for (size_t v = 0; v < count; v++)
         wrong.in[v] ^= v % 100 == 0;
-    /* At most a few voxels are so near to a border that floats may decide otherwise. */
+    /* At most a few voxels are so close to a border that floats may give a different result. */
     const int64_t beyond = method_beyond_floats(&right, &wrong, &event);
     assert_in_range(beyond, count / 100 * 99 / 100, count / 100 + 1);
     method_set_free(&right);
@@ -441,10 +457,10 @@ static void test_beyond_floats(void **unused)
 }
 
 /*
- * The holes of tool points. The tool voxel that covers the centre of a bone voxel has its own centre within
- * sqrt(3)/2 tool voxels of it. If this is less than half a bone voxel, the point is in the bone voxel; so for ratios
- * below 1/sqrt(3) = 0.577, all cutting voxels as points miss nothing. In the other direction, no set of n points hits
- * more than n voxels.
+ * Tests which voxels points of the tool miss. The centre of a bone voxel is at most sqrt(3)/2 tool voxels from the
+ * centre of the tool voxel that covers it. If this is less than half a bone voxel, the tool voxel's point lies in the
+ * bone voxel. Therefore, with all cutting voxels as points, no voxel is missed for ratios below 1/sqrt(3) = 0.577.
+ * Conversely, a set of n points hits at most n voxels.
  */
 static void test_sampling(void **unused)
 {
@@ -464,11 +480,14 @@ static void test_sampling(void **unused)
         assert_int_equal(solid[n].found + solid[n].missed, solid[n].expected);
         assert_true(solid[n].missed_inside <= solid[n].missed);
     }
-    /* A peg of 6 mm and 30 mm is 8,170 bone voxels of 0.47 mm. */
+    /* A peg with a diameter of 6 mm and a length of 30 mm covers 8,170 bone voxels of 0.47 mm. */
     assert_in_range(solid[1].expected, 7800, 8500);
-    /* At ratio 2, there is one point for eight voxels. */
+    /* At ratio 2, there is one point per eight voxels. */
     assert_true(solid[5].missed_share > 0.8 && solid[5].missed_inside > 0);
-    /* The surface points of a static tool leave its inside; along a path, they remove what they pass. */
+    /*
+     * The surface points of a static tool do not remove bone inside the tool. A moving tool removes the bone that its
+     * surface points pass.
+     */
     assert_true(surface[0].missed_inside > surface[0].expected / 5);
     assert_ok(methods_sampling(OST_TOOL_PEG, METHODS_POINTS_SURFACE, 30, ratios, 1, path, &err));
     assert_true(path[0].expected > surface[0].expected);
@@ -493,7 +512,7 @@ static void test_slice(void **unused)
     methods_slice_free(&slice);
 }
 
-/* One repetition of each event. */
+/* Each event is measured once. */
 static const methods_options quick = {.backend = "cpu", .threads = 1, .repeat = 1,
                                       .points = METHODS_POINTS_SURFACE};
 
@@ -514,7 +533,7 @@ static void check_rows(const methods_table *table)
     }
 }
 
-/* The chunks of Tables 3.3 and 3.4. */
+/* Tests the chunk sizes of Tables 3.3 and 3.4. */
 static void test_chunk_sizes(void **unused)
 {
     (void)unused;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Plots as SVG: axes that show all values, series and markers, text that is escaped.
+ * Tests plots as SVG: axes must include all values, series must have markers, and text must be escaped.
+ *
  * Covers: REQ-REPRODUCE-FILES
  */
 #include "harness.h"
@@ -10,7 +11,7 @@
 #include "core/memory_stream.h"
 #include "reproduction/plot.h"
 
-/* Draws a plot into memory, which the caller frees. */
+/* Draws a plot to memory that the caller must free. */
 static char *drawn(const plot *p)
 {
     ost_memory_stream memory;
@@ -29,7 +30,7 @@ static int count(const char *text, const char *word)
     return n;
 }
 
-/* Every element that is opened is closed in its order, and attributes are quoted. */
+/* Checks that elements are closed in the reverse order of their opening and that attributes are quoted. */
 static void assert_well_formed(const char *svg)
 {
     char stack[16][16];
@@ -105,7 +106,10 @@ static void test_lines(void **state)
     assert_well_formed(svg);
     assert_non_null(strstr(svg, "a &lt;b&gt; &amp; &quot;c&quot;"));
     assert_non_null(strstr(svg, "thesis: &lt;GTX&gt;"));
-    /* A logarithmic axis does not show the value 0: two markers and one in the legend; the thesis has three and one. */
+    /*
+     * A logarithmic axis cannot show the value 0, so this series has two markers for values and one in the legend. The
+     * series of the thesis has three and one.
+     */
     assert_int_equal(count(svg, "fill=\"#0072B2\" stroke=\"#0072B2\""), 3);
     assert_int_equal(count(svg, "fill=\"#ffffff\" stroke=\"#000000\""), 4);
     free(svg);
@@ -127,7 +131,8 @@ static void test_bars(void **state)
     char *svg = drawn(&p);
     assert_well_formed(svg);
     assert_non_null(strstr(svg, "R&amp;D"));
-    assert_int_equal(count(svg, "fill=\"#0072B2\""), 2); /* two bars; the title names a single series */
+    /* two bars; there is no legend, because the title names the only series */
+    assert_int_equal(count(svg, "fill=\"#0072B2\""), 2);
     free(svg);
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Results of `osteon reproduce`: JSON that is read again without a change, broken JSON, merging of machines, CSV.
+ * Tests the results of `osteon reproduce`. JSON must be read back without a change, and broken JSON must be refused.
+ * Also tests merging the results of several machines, and CSV.
+ *
  * Covers: REQ-REPRODUCE-FILES, REQ-REPRODUCE-MERGE
  */
 #include "harness.h"
@@ -86,7 +88,7 @@ static void test_broken_json(void **state)
     fill_random(&rng, &a);
     char *text = write_json_text(&a);
     const size_t size = strlen(text);
-    /* The beginning of the text is refused; the text with one changed byte is refused or read without harm. */
+    /* A truncated text must be refused. A text with one changed byte must be refused or read without a crash. */
     for (size_t length = 0; length < size - 2; length += 7) {
         ost_error err = {0};
         result b;
@@ -107,7 +109,7 @@ static void test_broken_json(void **state)
         result_free(&b);
         free(changed);
     }
-    /* A name with a folder would be read from there. */
+    /* A picture's name that contains a folder must be refused, because the picture would be read from that folder. */
     char *name = strstr(text, "table-9.9.png");
     assert_non_null(name);
     memcpy(name, "/etc/passwd.p", 13);

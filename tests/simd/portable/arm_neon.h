@@ -12,7 +12,10 @@
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/arm/neon.h>
 
-/* SIMDe's name is a macro, which takes the commas of a compound literal for those of its arguments. */
+/*
+ * SIMDe defines vcltq_f64 as a macro with parameters. Commas in a compound literal would separate its arguments, so the
+ * macro is replaced by the function.
+ */
 #undef vcltq_f64
 #define vcltq_f64 simde_vcltq_f64
 

@@ -5,7 +5,10 @@
 
 #include <stdint.h>
 
-/* Arguments. Of `a` and `b`, some lanes are equal and some are small, for comparisons and counts of shifts. */
+/*
+ * The arguments of the intrinsics. Some lanes of `a` and `b` are equal, for comparisons, and some are small, for shift
+ * counts.
+ */
 typedef struct intrinsic_input {
     _Alignas(64) uint8_t a[64], b[64];
     _Alignas(64) float f[16], g[16];
@@ -20,7 +23,7 @@ typedef struct intrinsic_case {
     void (*run)(const intrinsic_input *in, uint8_t out[64]); /* changes only the bytes of the result */
 } intrinsic_case;
 
-/* The list ends with a NULL name. The lists are in the same order. */
+/* The list ends with an entry whose name is NULL. Both lists have the same order. */
 extern const intrinsic_case intrinsics_portable[], intrinsics_native[];
 
 #endif

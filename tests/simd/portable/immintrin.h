@@ -2,11 +2,13 @@
 /*
  * Replaces the compiler's header in the portable kernels: x86 intrinsics in portable C, from SIMDe.
  *
- * SIMDe 0.7.4 (Debian 12) lacks some of the intrinsics that the kernels use. They follow here, lane by lane, as Intel's
- * manual defines them; test_intrinsics compares each of them with the results of a processor. A masked load or store
- * accesses only the lanes of its mask, so guard pages find the same errors as with the processor's instructions.
+ * SIMDe 0.7.4 (Debian 12) lacks some of the intrinsics that the kernels use. This file defines them lane by lane,
+ * according to Intel's manual, and test_intrinsics compares each of them with the results of a processor. A masked load
+ * or store accesses only the lanes of its mask, so guard pages find the same errors as with the processor's
+ * instructions.
  *
- * SIMDe's short names are partly wrong: some have the parameters of another intrinsic. These are defined again.
+ * Some of SIMDe's short names are wrong, because they have the parameters of another intrinsic. This file defines them
+ * again.
  */
 #ifndef OST_TESTS_SIMD_PORTABLE_IMMINTRIN_H
 #define OST_TESTS_SIMD_PORTABLE_IMMINTRIN_H
@@ -22,7 +24,7 @@
 
 #define OST_PORTABLE static inline __attribute__((always_inline))
 
-/* SIMDe 0.8 (Debian 13) defines __mmask64 as another type than simde__mmask64, so its name is replaced. */
+/* SIMDe 0.8 (Debian 13) defines __mmask64 as a different type from simde__mmask64, so the name is replaced. */
 typedef simde__mmask8 __mmask8;
 typedef simde__mmask16 __mmask16;
 #undef __mmask32
@@ -266,7 +268,7 @@ OST_MASK_COMPARE(_mm512_mask_cmplt_epi32_mask, __mmask16, __m512i, _mm512_cmplt_
 OST_MASK_COMPARE(_mm512_mask_cmplt_epu32_mask, __mmask16, __m512i, _mm512_cmplt_epu32_mask)
 OST_MASK_COMPARE(_mm512_mask_cmplt_epu64_mask, __mmask8, __m512i, _mm512_cmplt_epu64_mask)
 
-/* SIMDe's functions return 1 if half of the bits are 0. */
+/* SIMDe's functions return 1 even if only half of the bits are 0. */
 #undef _mm_testz_si128
 #undef _mm256_testz_si256
 OST_PORTABLE int _mm_testz_si128(__m128i a, __m128i b)
@@ -281,7 +283,7 @@ OST_PORTABLE int _mm256_testz_si256(__m256i a, __m256i b)
 }
 
 OST_MASKZ_LOAD(_mm_maskz_loadu_epi32, __mmask8, __m128i, int32_t, 4)
-/* SIMDe's functions also read the other lanes. */
+/* SIMDe's functions also read the lanes that the mask excludes. */
 #undef _mm_maskload_epi32
 #undef _mm256_maskload_epi64
 OST_PORTABLE __m128i _mm_maskload_epi32(const void *from, __m128i mask)
@@ -316,7 +318,10 @@ OST_MASK_GATHER(_mm512_mask_i64gather_epi64, __mmask8, __m512i, int64_t, __m512i
 #define _mm512_i32gather_epi32(index, base, scale) \
     _mm512_mask_i32gather_epi32(simde_mm512_setzero_si512(), 0xffff, index, base, scale)
 
-/* x >> count with the sign, for every count: the shift of a count beyond the last bit is that of the last bit. */
+/*
+ * Shifts x to the right by `count` bits and copies the sign bit, for every count. A count greater than `last` has the
+ * same effect as `last`.
+ */
 #define OST_COUNT(count, last) ((uint64_t)(count) < (last) ? (int)(count) : (last))
 #define OST_SRAI(name, type, lanes, last)                  \
     OST_PORTABLE __m512i name(__m512i a, unsigned count)   \
@@ -351,8 +356,8 @@ OST_UNARY(_mm512_cvtepi32_epi64, __m512i, int64_t, __m256i, int32_t, 8, x)
 OST_UNARY(_mm512_cvtepi64_epi16, __m128i, int16_t, __m512i, int64_t, 8, x)
 OST_UNARY(_mm512_cvtepi32_ps, __m512, float, __m512i, int32_t, 16, x)
 OST_UNARY(_mm512_cvtepi32_pd, __m512d, double, __m256i, int32_t, 8, x)
-/* A value that does not fit becomes INT32_MIN. The sum with 1.5 * 2^52 is rounded to the nearest integer, and a tie to
-   the even one. */
+/* A value that does not fit becomes INT32_MIN. For doubles, adding and subtracting 1.5 * 2^52 rounds to the nearest
+   integer, and a tie to the even one. */
 OST_UNARY(_mm512_cvttps_epi32, __m512i, int32_t, __m512, float, 16,
           x >= -0x1p31f && x < 0x1p31f ? (int32_t)x : INT32_MIN)
 OST_UNARY(_mm512_cvtpd_epi32, __m256i, int32_t, __m512d, double, 8,
@@ -418,7 +423,7 @@ OST_PORTABLE void _mm512_mask_cvtepi32_storeu_epi16(void *to, __mmask16 k, __m51
     _mm512_mask_storeu_epi16(to, k, wide);
 }
 
-/* SIMDe's functions do not round. `mode` is a rounding without a scale. */
+/* SIMDe's functions do not round. Here, `mode` must be a rounding mode without a scale. */
 #undef _mm512_roundscale_pd
 #undef _mm512_roundscale_ps
 OST_PORTABLE double ost_portable_round(double x, int mode)

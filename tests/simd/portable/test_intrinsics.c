@@ -3,7 +3,7 @@
  * Compares the intrinsics that immintrin.h supplies with a processor's instructions: with hashes of recorded results on
  * every machine, and with the instructions themselves where the processor has them.
  *
- * A new intrinsic is recorded on a processor with AVX-512: there, a failure prints the hash to record in cases.c.
+ * To add an intrinsic, run the test on a processor with AVX-512. The failure prints the hash to record in cases.c.
  */
 #include <inttypes.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 
 enum { ROUNDS = 500 };
 
-/* Replaces some lanes by values at which the definitions have cases of their own. */
+/* Replaces some lanes by values for which the definitions of the intrinsics have special cases. */
 static void set_input(test_rng *rng, intrinsic_input *in)
 {
     static const float floats[] = {0.0f, -0.0f, 0.5f, -0.5f, 1.5f, 2147483520.0f, 2147483648.0f, -2147483648.0f, 3e9f};
