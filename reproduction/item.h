@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The tables and figures of the thesis that `osteon reproduce` makes again. An item is a function that measures,
- * counts or draws, and fills a result:
+ * The tables and figures of the thesis that `osteon reproduce` reproduces. An item is a function that measures, counts
+ * or draws, and fills a result:
  *
  *   items[] --run(setting)--> result --write.h--> files
  *                 |
@@ -18,15 +18,15 @@
 #include "reproduction/models.h"
 #include "reproduction/result.h"
 
-enum { REPRODUCTION_MODELS = 5 }; /* models that are drawn */
+enum { REPRODUCTION_MODELS = 5 }; /* number of models of which frames are drawn */
 
 /* The settings of a run, which all items share. */
 typedef struct reproduction {
-    bench_options bench;    /* backend, threads, quick; show and filter are not used */
+    bench_options bench;    /* backend, threads and quick; the members show and filter are not used */
     result_machine machine;
     model_store models;
-    char cl[64];            /* device of the backend cl, "cl:platform=0,device=0"; "" with another backend */
-    /* measurements that several items share; empty until they are made */
+    char cl[64];            /* the device of the backend cl, such as "cl:platform=0,device=0"; "" for another backend */
+    /* measurements that several items share; empty before the first of these items is run */
     methods_table by_chunks, by_resolution;
     bench_voxel_frames frames[REPRODUCTION_MODELS][BENCH_VOXEL_METHODS];
     bool frames_measured[REPRODUCTION_MODELS];
@@ -43,7 +43,7 @@ extern const char *const reproduction_kind_names[3];
 
 typedef struct reproduction_item {
     const char *id;    /* "table-3.3" */
-    const char *title; /* the caption, in our words */
+    const char *title; /* the caption, in other words than in the thesis */
     reproduction_kind kind;
     ost_status (*run)(reproduction *r, result *out, ost_error *err);
 } reproduction_item;
@@ -57,8 +57,8 @@ typedef struct reproduction_absent {
 /* The tables and figures of the thesis that are not reproduced; the last element has the id NULL. */
 extern const reproduction_absent reproduction_missing[];
 
-/* Returns the item that a name selects, such as "table-3.3", "Table 3.3", "fig-3.10" or a bare number; NULL if there is
-   none or, for a bare number, more than one. */
+/* Returns the item with a name such as "table-3.3", "Table 3.3", "fig-3.10" or a bare number. Returns NULL if no item
+   has this name, or if more than one item has this bare number. */
 const reproduction_item *reproduction_find(const char *name);
 
 /* Reads the user's CTs, and describes this machine and the settings in r->machine. Returns an error if a CT cannot be
@@ -69,7 +69,7 @@ void reproduction_end(reproduction *r);
 /* Reports the work in progress. */
 void reproduction_show(const reproduction *r, const char *stage, double share);
 
-/* The functions of the items, one per file in items/ or per measurement. */
+/* The functions of the items. Each file in items/ defines one or several of them. */
 ost_status item_model_grids(reproduction *r, result *out, ost_error *err);
 ost_status item_model_chunks(reproduction *r, result *out, ost_error *err);
 ost_status item_model_memory(reproduction *r, result *out, ost_error *err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The list of items, in the order of the thesis, and the tables and figures that are missing. */
+/* The list of items, in the order of the thesis, and the list of tables and figures that are not reproduced. */
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>

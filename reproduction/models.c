@@ -22,7 +22,10 @@ bool model_is_own(const model_store *store, model_id id)
     return store->ct[id] != NULL;
 }
 
-/* Reads a CT given as text, whose grid ost_import determines, or any other volume. */
+/*
+ * Reads a CT. A CT in text form is imported, because ost_import determines its grid. Any other volume is read with
+ * ost_volume_read.
+ */
 static ost_status read_ct(const model_store *store, const char *path, ost_volume *out, ost_error *err)
 {
     ost_file_kind kind;

@@ -26,7 +26,7 @@ void plot_text(FILE *to, const char *text)
 
 /* ------------------------------------------------------------------- axis */
 
-/* Returns the least of 1, 2 or 5 times a power of ten that is not below `least`. */
+/* Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least `least`. */
 static double round_step(double least)
 {
     const double power = pow(10, floor(log10(least)));
@@ -47,8 +47,8 @@ static plot_axis linear_axis(double least, double most, bool zero)
     return axis;
 }
 
-/* Rounds a value down or, if `up` is set, up to a tick of a logarithmic axis. Ticks are powers of ten and, on a fine
-   axis, 2 and 5 times powers of ten. */
+/* Rounds a value to a tick of a logarithmic axis: up if `up` is set, down if not. Ticks are powers of ten and, on a
+   fine axis, also 2 and 5 times powers of ten. */
 static double log_tick(double value, bool fine, bool up)
 {
     static const double mantissa[] = {1, 2, 5, 10};
@@ -98,7 +98,7 @@ static bool shows(bool log, double value)
     return isfinite(value) && (!log || value > 0);
 }
 
-/* Computes the range of the values of one coordinate. Returns false if there are none. */
+/* Computes the range of the values of one coordinate. Returns false if there are no values. */
 static bool range_of(const plot *p, bool of_x, double *least, double *most)
 {
     bool any = false;
@@ -115,13 +115,14 @@ static bool range_of(const plot *p, bool of_x, double *least, double *most)
 }
 
 /*
- * Returns the horizontal axis. If there are few different values and they are far enough apart, they are the ticks, and
- * the axis extends a little beyond them.
+ * Returns the horizontal axis. If the plot has at most FEW different values and they are far enough apart, the values
+ * are the ticks, and the axis extends a little beyond them.
  */
 static plot_axis x_axis(const plot *p, double least, double most)
 {
     enum { FEW = 9 };
-    static const double BEYOND = 0.04, APART = 0.055; /* shares of the axis */
+    /* fractions of the axis' length: the extension at each end, and the least distance of two ticks */
+    static const double BEYOND = 0.04, APART = 0.055;
     plot_axis axis = {.log = p->log_x};
     const plot_axis round = plot_axis_make(least, most, p->log_x, false);
     for (int s = 0; s < p->count; s++)
@@ -156,8 +157,8 @@ typedef struct canvas {
     FILE *to;
     const plot *p;
     plot_axis x, y;
-    double height; /* of the drawing */
-    int below;     /* height of the second and further lines of the categories' names */
+    double height; /* height of the drawing */
+    int below;     /* additional height for category names with more than one line */
 } canvas;
 
 static double across(double share)
@@ -170,7 +171,10 @@ static double down(double share)
     return TOP + (1 - share) * PLOT_HEIGHT;
 }
 
-/* Colour, dashes and marker of a series. The series of the thesis are black and do not use up a colour. */
+/*
+ * Returns the number that determines the colour, dashes and marker of a series. The series of the thesis and those of
+ * this run are counted separately, because the thesis' series are black.
+ */
 static int style_of(const plot *p, int series)
 {
     int style = 0;
@@ -184,7 +188,7 @@ static const char *colour_of(const plot *p, int series)
     return p->series[series].thesis ? "#000000" : colours[style_of(p, series) % COLOURS];
 }
 
-/* The fill of a bar. Bars of the thesis are white or grey. */
+/* Returns the fill of a bar. The thesis' bars are white or grey. */
 static const char *fill_of(const plot *p, int series)
 {
     static const char *const greys[] = {"#ffffff", "#d0d0d0"};
@@ -254,7 +258,7 @@ static void lines(const canvas *c)
         }
         fprintf(c->to, "%s\" fill=\"none\" stroke=\"%s\" stroke-width=\"1.8\"", pen ? "" : "M0 0", colour_of(c->p, s));
         fprintf(c->to, *dash ? " stroke-dasharray=\"%s\"/>\n" : "%s/>\n", dash);
-        /* Markers that would touch each other are thinned out. */
+        /* If a series has more than 40 values, some markers are omitted, because they would touch each other. */
         const size_t step = series->count > 40 ? series->count / 20 : 1;
         for (size_t i = 0; i < series->count; i += step)
             if (shows(c->p->log_x, series->x[i]) && shows(c->p->log_y, series->y[i]))
@@ -281,7 +285,7 @@ static size_t category_width(const plot *p)
     return fits > 4 ? fits : 4;
 }
 
-/* Returns the length of the next line of a name: as many words as fit, and at least one. */
+/* Returns the length of the next line of a name. A line contains as many words as fit, but at least one. */
 static size_t line_length(const char *name, size_t fits)
 {
     size_t length = strcspn(name, " ");
@@ -294,7 +298,7 @@ static size_t line_length(const char *name, size_t fits)
     return length;
 }
 
-/* Returns the greatest number of lines of a category's name. */
+/* Returns the number of lines of the category name that has the most lines. */
 static int category_lines(const plot *p)
 {
     int most = 1;
@@ -368,7 +372,7 @@ static void legend(const canvas *c)
 
 void plot_write(FILE *to, const plot *p)
 {
-    const bool named = p->count > 1; /* the title names a single series */
+    const bool named = p->count > 1; /* if there is only one series, the title names it */
     const int below = NAME_LINE * (category_lines(p) - 1);
     canvas c = {.to = to,
                 .p = p,

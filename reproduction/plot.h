@@ -8,9 +8,8 @@
  *        |  / \/                                          readers (colours of Okabe and Ito)
  *        '--------- x
  *
- * The values of the thesis are black with hollow markers and dashes; bars of the thesis are white with a
- * dashed outline. Sizes are in units of 1/96 inch. Values that a logarithmic axis cannot show (0 and less) are
- * omitted.
+ * The values of the thesis are black with hollow markers and dashes; the thesis' bars are white or grey with a dashed
+ * outline. Sizes are in units of 1/96 inch. Values that a logarithmic axis cannot show (0 and less) are omitted.
  */
 #ifndef OST_REPRODUCTION_PLOT_H
 #define OST_REPRODUCTION_PLOT_H
@@ -23,9 +22,9 @@ enum { PLOT_SERIES = 24, PLOT_LABEL = 200, PLOT_TICKS = 64 };
 
 typedef struct plot_series {
     char label[PLOT_LABEL];
-    bool thesis;            /* the values are those that the thesis states */
+    bool thesis;            /* true if the thesis states the values */
     size_t count;
-    const double *x, *y;    /* borrowed; bars: x is the index of the category */
+    const double *x, *y;    /* borrowed; in a plot with bars, x is the index of the category */
 } plot_series;
 
 typedef struct plot {
@@ -37,14 +36,14 @@ typedef struct plot {
     plot_series series[PLOT_SERIES];
 } plot;
 
-/* Writes the plot as a complete SVG document without an XML declaration, so that it can also be part of a page. A plot
-   without any value contains a sentence that says so. */
+/* Writes the plot as a complete SVG document. The document has no XML declaration, so it can also be a part of a page.
+   A plot without values contains a sentence that states this. */
 void plot_write(FILE *to, const plot *p);
 
-/* Writes text for XML: < > & and quotation marks become entities, control characters '?'. */
+/* Writes a text to XML. The characters < > & and quotation marks become entities, and control characters become '?'. */
 void plot_text(FILE *to, const char *text);
 
-/* The ticks of an axis from `least` to `most`. */
+/* An axis from `least` to `most`, and the values of its ticks. */
 typedef struct plot_axis {
     bool log;
     double least, most; /* ends of the axis, least < most */

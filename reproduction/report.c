@@ -36,7 +36,7 @@ static const char head[] =
     "*{-webkit-print-color-adjust:exact;print-color-adjust:exact}}\n"
     "</style></head><body>\n";
 
-/* A verdict is shown by a sign and a word, so that it needs no colour. */
+/* A verdict is shown by a sign and a word, so that readers need not distinguish colours. */
 static const char *const signs[RESULT_VERDICTS] = {"&#10003;", "&#10007;", "&#8776;", "&#8594;"};
 
 /* Writes "Table 3.3" for "table-3.3". */

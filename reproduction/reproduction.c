@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The settings and the machine of a run. */
+/* Determines the settings and the machine of a run. */
 #include <stdio.h>
 #include <string.h>
 
@@ -28,7 +28,7 @@ typedef struct device_of {
     result_machine *machine;
 } device_of;
 
-/* Stores the device whose specification contains the numbers of the open backend. */
+/* Stores the device if its options string contains the platform and device numbers of the open backend. */
 static void take_device(const ost_device_info *device, void *user)
 {
     const device_of *of = user;

@@ -182,7 +182,10 @@ static bool has_label(const result *r, const char *label)
     return false;
 }
 
-/* Appends the machines of `from`. A label that occurs already gets a number, so that the rows stay distinct. */
+/*
+ * Appends the machines of `from`. If a label already occurs in the result, a number is added to it, so that rows remain
+ * distinguishable.
+ */
 static ost_status merge_machines(result *into, const result *from, ost_error *err)
 {
     if (into->machine_count + from->machine_count > RESULT_MACHINES)

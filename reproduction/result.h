@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The result of one item, that is, of a table or a figure of the thesis: rows with the values of this
- * run next to those that the thesis states, and the plots, pictures, remarks and findings that belong
- * to them.
+ * The result of one item, that is, of a table or a figure of the thesis. Its rows contain the values of this run and
+ * the values that the thesis states. A result also has plots, pictures, remarks and findings.
  *
  *   item's measurement --> result --> CSV, JSON, SVG (write.h), report (report.h)
  *   JSON of other runs --> result --merge--> result with the rows of several machines
@@ -10,9 +9,8 @@
  * Every row refers to the machine on which it was measured. A result of one run has one machine; a merged
  * result has several.
  *
- * Memory: the first failed allocation is stored in out_of_memory, and later calls then have no effect. The
- * writers check it, so that an item need not check every call.
- * Threads: a result is used by one thread at a time.
+ * Memory: the first failed allocation is stored in out_of_memory, and later calls then have no effect. The writers
+ * check this member, so an item need not check every call. Threads: a result is used by one thread at a time.
  */
 #ifndef OST_REPRODUCTION_RESULT_H
 #define OST_REPRODUCTION_RESULT_H
@@ -34,29 +32,29 @@ enum {
 
 /* The machine, the device and the settings of a run. */
 typedef struct result_machine {
-    char label[RESULT_LABEL]; /* short name in rows and legends: "AMD EPYC, cpu avx512, 2 threads" */
+    char label[RESULT_LABEL]; /* short name in rows and legends, such as "AMD EPYC, cpu avx512, 2 threads" */
     char cpu[RESULT_LABEL];
-    char backend[RESULT_LABEL]; /* as given to --backend */
-    char device[RESULT_LABEL];  /* name and driver of the OpenCL device; "" on the processor */
+    char backend[RESULT_LABEL]; /* the argument of --backend */
+    char device[RESULT_LABEL];  /* name and driver of the OpenCL device; "" if the backend has none */
     char isa[16];
     char compiler[RESULT_LABEL];
     char version[32];           /* version of osteon */
     int threads, processors;
-    double memory_gb;           /* memory that was available when the run began */
-    bool quick;                 /* the run was made with --quick */
+    double memory_gb;           /* memory that was free when the run began, in GB */
+    bool quick;                 /* true if the run was made with --quick */
 } result_machine;
 
 typedef struct result_column {
-    char key[RESULT_KEY];     /* name in CSV and JSON; it ends with the unit: "event_us" */
+    char key[RESULT_KEY];     /* name in CSV and JSON; the name ends with the unit, as in "event_us" */
     char title[RESULT_LABEL]; /* heading in the report */
-    char unit[16];            /* "us", "ms", "MB", "mm" or "" */
-    bool text;                /* the cells contain texts */
-    bool has_thesis;          /* at least one cell contains a value of the thesis */
+    char unit[16];            /* "us", "ms", "MB", "mm" or ""; "" for a number without a unit */
+    bool text;                /* true if the cells contain texts */
+    bool has_thesis;          /* true if at least one cell has a value that the thesis states */
 } result_column;
 
 typedef struct result_cell {
-    bool known;    /* value was measured or computed in this run */
-    bool stated;   /* thesis is a value that the thesis states */
+    bool known;    /* true if `value` was measured or computed in this run */
+    bool stated;   /* true if `thesis` is a value that the thesis states */
     double value, thesis;
     char text[RESULT_LABEL];
 } result_cell;
@@ -66,12 +64,12 @@ typedef struct result_row {
     result_cell cell[RESULT_COLUMNS];
 } result_row;
 
-/* The outcome for a statement of the thesis. */
+/* The verdict on a statement of the thesis. */
 typedef enum result_verdict {
     RESULT_CONFIRMED,
     RESULT_CONTRADICTED,
     RESULT_UNDECIDED, /* the difference is within the uncertainty of the measurement */
-    RESULT_ANSWERED,  /* the thesis leaves the question open */
+    RESULT_ANSWERED,  /* this run answers a question that the thesis leaves open */
     RESULT_VERDICTS
 } result_verdict;
 extern const char *const result_verdict_names[RESULT_VERDICTS];
@@ -79,9 +77,9 @@ extern const char *const result_verdict_names[RESULT_VERDICTS];
 typedef struct result_finding {
     int machine;
     result_verdict verdict;
-    char claim[RESULT_TEXT];  /* the statement, as a sentence */
-    char source[RESULT_LABEL]; /* section or table of the thesis */
-    char reason[RESULT_TEXT]; /* what was measured, and why it agrees or differs */
+    char claim[RESULT_TEXT];  /* the statement of the thesis, as a sentence */
+    char source[RESULT_LABEL]; /* section or table in which the thesis makes the statement */
+    char reason[RESULT_TEXT]; /* the measured result, and why it agrees or disagrees with the statement */
 } result_finding;
 
 typedef struct result_remark {
@@ -92,21 +90,22 @@ typedef struct result_remark {
 typedef enum result_plot_kind { RESULT_PLOT_LINES, RESULT_PLOT_BARS } result_plot_kind;
 
 /*
- * Selects columns for a plot. Each column of `value` yields one series for each machine and for each distinct text in
- * the column `group`. A further series contains the values that the thesis states.
+ * Selects columns for a plot. Each column in `value` gives one series for each machine and for each distinct text in
+ * the column `group`. The values that the thesis states form additional series.
  */
 typedef struct result_plot {
     result_plot_kind kind;
     char title[RESULT_LABEL], x_label[RESULT_LABEL], y_label[RESULT_LABEL];
-    int x;                            /* column of the abscissa; of bars, a column of texts or numbers */
-    int group;                        /* column of texts; -1: none */
+    /* column with the positions along the x axis; in a plot with bars, a column of texts or numbers */
+    int x;
+    int group;                        /* column of texts by which the rows are grouped; -1 if they are not grouped */
     int value[RESULT_PLOT_VALUES], values;
     bool log_x, log_y;
 } result_plot;
 
 /* A picture: a PNG or an SVG. */
 typedef struct result_picture {
-    char file[RESULT_KEY]; /* name in the output folder: "figure-1.4-scapula.png" */
+    char file[RESULT_KEY]; /* name in the output folder, such as "figure-1.4-scapula.png" */
     char caption[RESULT_TEXT];
     uint8_t *bytes;        /* owned */
     size_t size;
@@ -121,22 +120,22 @@ typedef struct result {
     result_column column[RESULT_COLUMNS];
     result_plot plot[4];
     size_t row_count, row_capacity, finding_count, remark_count, picture_count;
-    result_row *row;          /* owned; so are the following arrays */
+    result_row *row;          /* owned, like the arrays below */
     result_finding *finding;
     result_remark *remark;
     result_picture *picture;
-    result_row spare;         /* row that result_add_row returns if memory is exhausted */
+    result_row spare;         /* the row that result_add_row returns if memory is exhausted */
 } result;
 
-/* Initializes a result without rows. machine is copied. */
+/* Initializes a result without rows. The machine is copied. */
 void result_init(result *r, const char *id, const char *title, const result_machine *machine);
 void result_free(result *r);
 
-/* Appends a column and returns its index. unit "text": the cells contain texts. */
+/* Appends a column and returns its index. If `unit` is "text", the cells contain texts. */
 int result_add_column(result *r, const char *key, const char *title, const char *unit);
-/* Appends a row of the first machine, with empty cells. The pointer is valid until the next call. */
+/* Appends a row of empty cells for the first machine. The pointer is valid until the next call. */
 result_row *result_add_row(result *r);
-/* Each of these functions sets one part of a cell in the last row that was added. */
+/* Each of these functions sets one part of a cell in the last row. */
 void result_set(result *r, int column, double value);
 void result_set_thesis(result *r, int column, double value);
 void result_set_text(result *r, int column, const char *format, ...) OST_PRINTF(3, 4);
@@ -144,22 +143,22 @@ void result_set_text(result *r, int column, const char *format, ...) OST_PRINTF(
 void result_add_remark(result *r, const char *format, ...) OST_PRINTF(2, 3);
 void result_add_finding(result *r, result_verdict verdict, const char *source, const char *claim, const char *format,
                         ...) OST_PRINTF(5, 6);
-/* Appends a picture and takes ownership of bytes, which were allocated by malloc. */
+/* Appends a picture and takes ownership of `bytes`, which must have been allocated with malloc. */
 void result_add_picture(result *r, const char *file, const char *caption, uint8_t *bytes, size_t size);
-/* Returns a further plot, in which x, value and values must be set; group is -1. */
+/* Appends a plot and returns it. The caller must set x, value and values; group is -1. */
 result_plot *result_add_plot(result *r, result_plot_kind kind, const char *title, const char *x_label,
                              const char *y_label);
 
-/* Appends the rows, findings, remarks and pictures of `from`, with the machines on which they were made. The columns
-   must be equal. Pictures that `into` has already are omitted. Returns OST_ERR_INPUT if the columns differ. */
+/* Appends the rows, findings, remarks and pictures of `from`, with their machines. Pictures that `into` already
+   contains are omitted. Returns OST_ERR_INPUT if the columns are different. */
 ost_status result_merge(result *into, const result *from, ost_error *err);
 
 /* Returns OST_ERR_MEMORY if an allocation failed. */
 ost_status result_check(const result *r, ost_error *err);
 
 /*
- * Compares two times of one run. Returns -1 if a is shorter, 1 if b is shorter, and 0 if the difference is not more
- * than the share `tolerance` of the shorter one.
+ * Compares two times of one run. Returns 0 if they differ by at most the share `tolerance` of the shorter time. If they
+ * differ by more, returns -1 if a is shorter and 1 if b is shorter.
  */
 int result_order(double a, double b, double tolerance);
 

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The figures that the thesis states, each with the table or section that contains it. This is the only
- * place at which they are written down.
+ * The figures that the thesis states, each with the table or section that contains it. No other file contains them.
  *
- * Only values that occur in the text of the thesis are included. The values of its plots (Figures 3.2 and
- * 3.8 to 3.16) are drawn but not printed, so they are missing here except for those that the text mentions.
+ * Only values that occur in the text of the thesis are included. The values of its plots (Figures 3.2 and 3.8 to 3.16)
+ * are not printed as numbers, so only those that the text mentions are included.
  *
  * All times were measured on an Intel Core i5 8600 with an Nvidia GTX 1070, unless stated otherwise.
  */
@@ -13,7 +12,7 @@
 
 #include <stdint.h>
 
-/* Models, in the order of Tables 3.1 and 3.2. */
+/* The number of models. They are in the order of Tables 3.1 and 3.2. */
 enum { STATED_MODELS = 5 };
 
 typedef struct stated_model {
@@ -30,7 +29,7 @@ typedef struct stated_model {
 } stated_model;
 extern const stated_model stated_models[STATED_MODELS];
 
-/* Tables 3.3 and 3.4: the static event, for chunks of 16^3, 32^3 and 64^3. */
+/* Tables 3.3 and 3.4: the static event with chunks of 16^3, 32^3 and 64^3 voxels. */
 typedef struct stated_event {
     int chunk;
     double chunks, chunk_ms, event_ms;
@@ -38,27 +37,27 @@ typedef struct stated_event {
 extern const stated_event stated_reamer[3], stated_peg[3];
 
 /*
- * Table 3.5: the reamer with chunks of 32^3 and tool voxels of three sizes. The table exchanges its rows for the
- * time per chunk and the total time (0.982 ms per chunk, 0.0545 ms in total); here they are in the order that the
- * 18 chunks and Table 3.3 imply.
+ * Table 3.5: the reamer with chunks of 32^3 and tool voxels of three sizes. In the printed table, the rows for the time
+ * per chunk and the total time are exchanged (0.982 ms per chunk, 0.0545 ms in total). Here they are in the right
+ * order, which follows from the 18 chunks and from Table 3.3.
  */
 typedef struct stated_tool_voxel {
     double voxel_mm, chunks, chunk_ms, event_ms, voxels;
 } stated_tool_voxel;
 extern const stated_tool_voxel stated_tool_voxels[3];
 
-/* Table 2.1: voxelization of the tools, and the additional pass of the reamer, in ms. */
+/* Table 2.1: times in ms to voxelize the tools, and the time of the additional pass for the reamer. */
 #define STATED_VOXELIZE_REAMER_MS 0.753728
 #define STATED_VOXELIZE_REAMER_PASS_MS 0.442368
 #define STATED_VOXELIZE_PEG_MS 0.559584
 
-/* Section 3.2.3: the reamer's event of 64^3 voxels with the chunk system, and with Reza's method. */
+/* Section 3.2.3: the time of the reamer's event with 64^3 voxels, with the chunk system and with Reza's method. */
 #define STATED_CHUNKS_64_MS 0.44
 #define STATED_REZA_64_MS 0.19
-/* Section 3.2.3, Figure 3.10: at 1024^3, the chunk system is faster for up to 12 chunks. */
+/* Section 3.2.3, Figure 3.10: with 1024^3 voxels, the chunk system is faster for events of up to 12 chunks. */
 #define STATED_CROSSING_CHUNKS 12
 
-/* Table 3.7: the scapula as a triangle mesh (chunks of 0.47 x 0.47 x 1 mm voxels), and as points. */
+/* Table 3.7: the memory of the scapula as a triangle mesh (with chunks of 0.47 x 0.47 x 1 mm voxels) and as points. */
 typedef struct stated_rendering {
     double chunks, active_chunks, voxel_mb, mesh_mb, total_mb;
 } stated_rendering;

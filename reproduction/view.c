@@ -16,7 +16,7 @@ static ost_view_subject subject_of(const view_scene *s)
     return subject;
 }
 
-/* Draws scale bar, directions and legend over the frame. */
+/* Draws the scale bar, the letters of the directions and the legend over the frame. */
 static ost_status draw_marks(const view_scene *s, const ost_viewer *viewer, const ost_orbit *orbit, ost_error *err)
 {
     const ost_sheet sheet = ost_frame_sheet(&viewer->frame);

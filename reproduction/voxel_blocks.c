@@ -10,17 +10,17 @@
 enum { WIDTH = 640, HEIGHT = 520, MARGIN = 12 };
 
 /*
- * The projection. The viewer looks from the octant that is opposite to the direction into the bone, so that three
- * faces of each voxel can be visible: the one on side sign[a] of axis a. Voxels are drawn from far to near.
+ * A parallel projection. The viewer looks from the octant opposite to the direction into the bone. At most three faces
+ * of each voxel are visible: for each axis a, the face on side sign[a]. Voxels are drawn from far to near.
  */
 typedef struct projection {
     const ost_volume *volume;
     const ost_voxel_box *box;
     int32_t threshold;
-    int sign[3];        /* side of an axis that faces the viewer: 1 or -1 */
-    double axis[3][2];  /* displacement in the picture of 1 mm along an axis */
+    int sign[3];        /* for each axis, the side that faces the viewer: 1 or -1 */
+    double axis[3][2];  /* displacement in the picture for 1 mm along an axis */
     double spacing[3];  /* mm */
-    double scale, x, y; /* pixels per mm; position of the box's first corner */
+    double scale, x, y; /* pixels per mm, and the position of the box's first corner in the picture */
 } projection;
 
 static bool is_active(const projection *p, const int32_t at[3])
@@ -32,7 +32,9 @@ static bool is_active(const projection *p, const int32_t at[3])
     return p->volume->voxels[at[0] + d.x * (at[1] + (int64_t)d.y * at[2])] >= p->threshold;
 }
 
-/* Computes the position in the picture of a corner, given in voxels from the box's first corner. */
+/*
+ * Computes the position of a corner in the picture. The corner is given in voxels, relative to the box's first corner.
+ */
 static void project(const projection *p, const double corner[3], double out[2])
 {
     for (int i = 0; i < 2; i++)
@@ -61,7 +63,7 @@ static void fit(projection *p)
 
 static void face(FILE *to, const projection *p, const int32_t at[3], int axis)
 {
-    /* Lightness of the faces across x, y and z. */
+    /* Colours of the faces perpendicular to x, y and z. */
     static const char *const fill[3] = {"#b9ad97", "#9c917d", "#efe7d8"};
     const int b = (axis + 1) % 3, c = (axis + 2) % 3;
     static const int ring[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -100,10 +102,11 @@ static void draw_voxels(FILE *to, const projection *p)
             }
 }
 
-/* Draws a bar of 2 mm along the picture's lower edge. */
+/* Draws a scale bar of 2 mm at the lower edge of the picture. */
 static void draw_scale(FILE *to, const projection *p)
 {
-    const double length = 2 * p->scale * sqrt(3) / 2; /* 1 mm across the picture in the direction of x is cos(30 deg) */
+    /* in the picture, 1 mm along the x axis has a horizontal extent of cos(30 deg) mm */
+    const double length = 2 * p->scale * sqrt(3) / 2;
     fprintf(to,
             "<path d=\"M%d %dv6h%.1fv-6\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.4\"/>"
             "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">2 mm</text>\n",
@@ -121,9 +124,9 @@ ost_status voxel_blocks_draw(const ost_volume *volume, const ost_voxel_box *box,
                     .spacing = {ost_pm_to_mm(s.x), ost_pm_to_mm(s.y), ost_pm_to_mm(s.z)}};
     for (int a = 0; a < 3; a++)
         p.sign[a] = inward[a] > 0 ? -1 : 1;
-    p.sign[2] = 1; /* from above, so that z points up in the picture */
-    /* As they approach the viewer, one of x and y points to the lower left and the other to the lower right, such that
-       the picture is not mirrored. */
+    p.sign[2] = 1; /* the viewer is above the bone, so z points up in the picture */
+    /* Towards the viewer, one of the axes x and y leads to the lower left and the other to the lower right. The choice
+       avoids a mirrored picture. */
     const int side = p.sign[0] * p.sign[1];
     p.axis[0][0] = -cosine * p.sign[0] * side;
     p.axis[0][1] = sine * p.sign[0];

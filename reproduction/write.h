@@ -8,7 +8,7 @@
  *          --> ID.svg ...    the plots; ID-2.svg for the second plot of an item
  *          --> pictures      under their own names
  *
- * Each file appears completely or not at all (io/outfile.h). Values have 12 significant digits in CSV and in JSON.
+ * Every file is written completely or not at all (io/outfile.h). Values have 12 significant digits in CSV and in JSON.
  */
 #ifndef OST_REPRODUCTION_WRITE_H
 #define OST_REPRODUCTION_WRITE_H
@@ -27,8 +27,8 @@ typedef struct write_files {
 /* Writes all files of a result into a folder. *files may be NULL. */
 ost_status write_result(const char *folder, const result *r, write_files *files, ost_error *err);
 
-/* Reads the result ID.json and its pictures. The caller frees *out, also after an error. Returns OST_ERR_INPUT, with
-   the file and what is wrong, if the file is not a result. *absent is set if there is no file. */
+/* Reads the file ID.json and its pictures. The caller must free *out, even after an error. If there is no file, *absent
+   is set. If the file is not a result, returns OST_ERR_INPUT with an error that names the file. */
 ost_status write_read(const char *folder, const char *id, result *out, bool *absent, ost_error *err);
 
 /* Draws plot number `index` of a result. */
@@ -37,7 +37,10 @@ ost_status write_plot(FILE *to, const result *r, int index, ost_error *err);
 /* Joins a folder and a name. Returns OST_ERR_RANGE if the path is too long. */
 ost_status write_path(char path[WRITE_PATH], const char *folder, const char *name, ost_error *err);
 
-/* Formats a value for the report: integers with all digits and a thin grouping, other values with 3 to 4 digits. */
+/*
+ * Formats a value for the report. Integers have all their digits, with narrow spaces between groups; other values have
+ * 3 to 4 significant digits.
+ */
 enum { WRITE_VALUE = 40 };
 const char *write_value(char text[WRITE_VALUE], double value);
 

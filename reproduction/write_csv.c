@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files of a result except for its JSON: CSV, plots and pictures. */
+/* Writes the CSV, the plots and the pictures of a result. */
 #include "reproduction/write.h"
 
 #include <math.h>
@@ -86,12 +86,12 @@ static void csv_row(FILE *to, const result *r, const result_row *row)
 
 /* -------------------------------------------------------------------- plots */
 
-/* The coordinates of one series: a column for a machine and a text of the group. */
+/* The coordinates of one series. A series contains the rows with the same machine and the same text of the group. */
 typedef struct curve {
     double *x, *y;
 } curve;
 
-/* Returns the index of the row's category: the number of distinct texts of column x before it. */
+/* Returns the index of the row's category in `names`, or `count` if the category is not in `names`. */
 static size_t category_of(const result *r, int column, size_t row, const char *const *names, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -110,7 +110,7 @@ static bool begins_group(const result *r, const result_plot *p, size_t row)
     return true;
 }
 
-/* Returns true if more than one column of the plot has values of the thesis. */
+/* Returns true if the plot contains values of the thesis in more than one column. */
 static bool several_stated(const result *r, const result_plot *p)
 {
     int count = 0;
@@ -135,13 +135,13 @@ typedef struct plotting {
     const result *r;
     const result_plot *p;
     plot drawing;
-    const char **names; /* of categories; owned */
+    const char **names; /* names of the categories; owned */
     size_t name_count;
-    double *numbers; /* owned; coordinates of all series */
+    double *numbers; /* coordinates of all series; owned */
     size_t used;
 } plotting;
 
-/* Adds a series, if at least one row has the value. */
+/* Adds the series that begins at row `first`, unless no row of it has a value. */
 static void add_series(plotting *g, size_t first, int value, bool thesis)
 {
     plot *d = &g->drawing;
@@ -198,7 +198,7 @@ ost_status write_plot(FILE *to, const result *r, int index, ost_error *err)
         if (begins_group(r, p, i))
             for (int v = 0; v < p->values; v++)
                 add_series(&g, i, v, false);
-    /* The thesis' values do not depend on the machine of this run, so they are drawn once. */
+    /* The values that the thesis states are the same for every machine, so they are drawn only once. */
     for (size_t i = 0; i < r->row_count; i++)
         if (r->row[i].machine == r->row[0].machine && begins_group(r, p, i))
             for (int v = 0; v < p->values; v++)
@@ -232,7 +232,7 @@ static ost_status write_bytes(const char *folder, const char *name, const void *
     return status;
 }
 
-/* Writes what `fill` writes into a stream. */
+/* Writes a file whose content the function `fill` writes to a stream. */
 static ost_status write_stream(const char *folder, const char *name, const result *r, int index,
                                ost_status (*fill)(FILE *to, const result *r, int index, ost_error *err),
                                write_files *files, ost_error *err)
@@ -291,6 +291,6 @@ ost_status write_result(const char *folder, const result *r, write_files *files,
     }
     for (size_t i = 0; i < r->picture_count && status == OST_OK; i++)
         status = write_bytes(folder, r->picture[i].file, r->picture[i].bytes, r->picture[i].size, files, err);
-    /* The JSON is the last file, so that it refers only to files that exist. */
+    /* The JSON is written last, so that it never refers to a file that does not exist. */
     return status == OST_OK ? write_json_file(folder, r, files, err) : status;
 }

@@ -231,7 +231,7 @@ static bool parse_remark(const json_t *o, result *r)
     return true;
 }
 
-/* A picture's name is part of a path, so that only names without folders are accepted. */
+/* The name of a picture becomes part of a path, so only names without a folder are accepted. */
 static bool parse_picture(const json_t *o, result *r)
 {
     char file[RESULT_KEY], caption[RESULT_TEXT];

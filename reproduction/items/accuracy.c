@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Section 3.2.6 leaves open if a finer grid of the tool cuts more accurately. This item measures it with tools whose
- * exact shape is known: a ball and a cylinder, in random poses, in a bone that is full of active voxels.
+ * Section 3.2.6 leaves open whether a finer grid of the tool cuts more accurately. This item measures the accuracy with
+ * tools whose exact shape is known: a ball and a cylinder, in random poses, in a bone that is full of active voxels.
  *
  *   tool voxel  -->  event  -->  removed voxels  --.
  *                                                  +--> A  centres removed that are outside the solid, and the reverse:
@@ -10,8 +10,8 @@
  *                        '--> voxels whose centre is inside --> C  the same for an exact tool: error of the bone's grid
  *
  * An error is a volume divided by the area of the solid's surface, that is, the mean distance of the cut surface from
- * the exact one. Volumes within a voxel are computed from SUB^3 points. The meshes of the tools have SEGMENTS segments,
- * so that they differ from the solids by less than 0.1 um.
+ * the exact one. Volumes within a voxel are computed from SUB^3 points. The tools' meshes have SEGMENTS segments, so
+ * they differ from the solids by less than 0.1 um.
  */
 #include <math.h>
 #include <stdio.h>
@@ -33,13 +33,13 @@ typedef struct solid {
     const char *name;
     ost_tool_kind kind;
     ost_tool_part part;
-    double radius, length; /* mm; length is 0 for a ball */
+    double radius, length; /* in mm; length is 0 for a ball */
 } solid;
 
 static const solid solids[] = {{"ball, 10 mm", OST_TOOL_BURR, OST_TOOL_HEAD, 5, 0},
                                {"cylinder, 6 x 30 mm", OST_TOOL_PEG, OST_TOOL_COMPLETE, 3, 30}};
 
-/* Returns the signed distance of a point from the surface of the solid; negative inside. */
+/* Returns the signed distance of a point from the surface of the solid. The distance is negative inside. */
 static double distance_from(const solid *s, const double p[3])
 {
     const double across = sqrt(p[0] * p[0] + p[1] * p[1]);
@@ -72,14 +72,14 @@ static double draw(uint64_t *state)
     return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* Returns a pose with a uniformly distributed rotation, whose solid is in the middle of a bone of `side` voxels,
-   displaced by a random part of a voxel. */
+/* Returns a random pose with a uniformly distributed rotation. The solid is in the middle of a bone of side^3 voxels,
+   displaced by a random fraction of a voxel. */
 static ost_status draw_pose(const solid *s, int32_t side, double voxel, uint64_t *state, ost_pose *out, ost_error *err)
 {
     const double u = draw(state), a = 2 * PI * draw(state), b = 2 * PI * draw(state);
     const double q[4] = {sqrt(u) * cos(b), sqrt(1 - u) * sin(a), sqrt(1 - u) * cos(a), sqrt(u) * sin(b)};
     const double middle = s->length == 0 ? s->radius : s->length / 2;
-    /* The middle of the solid is (0, 0, middle) in the tool's frame. */
+    /* In the tool's frame, the middle of the solid is (0, 0, middle). */
     const double turned[3] = {2 * (q[1] * q[3] + q[0] * q[2]) * middle, 2 * (q[2] * q[3] - q[0] * q[1]) * middle,
                               (q[0] * q[0] - q[1] * q[1] - q[2] * q[2] + q[3] * q[3]) * middle};
     double t[3];
@@ -104,7 +104,11 @@ static void to_tool(const double t[3], const double q[4], const double bone[3], 
 
 typedef struct sums {
     double grid, bone, total;      /* volumes of the errors A, C and B, summed over the poses, mm^3 */
-    double removed, worst, voxels; /* removed volume; greatest distance of a wrong centre, mm; wrong voxels */
+    /*
+     * removed volume in mm^3; greatest distance in mm of a wrongly removed or kept centre from the surface; number of
+     * such voxels
+     */
+    double removed, worst, voxels;
     int poses;
 } sums;
 
@@ -117,7 +121,7 @@ typedef struct job {
     ost_error *err;
 } job;
 
-/* Returns the share of the voxel around a point that lies inside the solid. */
+/* Returns the fraction of a voxel's volume that lies inside the solid. The voxel's centre is `centre`. */
 static double share_inside(const job *j, const double t[3], const double q[4], const double centre[3])
 {
     int inside = 0;
@@ -134,7 +138,7 @@ static double share_inside(const job *j, const double t[3], const double q[4], c
     return (double)inside / (SUB * SUB * SUB);
 }
 
-/* Compares the removed voxels with the solid at the pose. */
+/* Compares the removed voxels with the solid at the pose, and adds the errors to *sum. */
 static void compare(const job *j, const ost_pose *pose, sums *sum)
 {
     const ost_dims d = j->bone.dims;
@@ -164,7 +168,7 @@ static void compare(const job *j, const ost_pose *pose, sums *sum)
     sum->poses++;
 }
 
-/* Removes the voxels of a full bone at random poses. The same poses are drawn for every tool voxel. */
+/* Removes voxels from a full bone at random poses. The poses are the same for every size of tool voxels. */
 static ost_status run_poses(job *j, ost_backend *backend, ost_tool *tool, sums *sum)
 {
     const ost_tool_geometry *grid = ost_tool_geometry_get(tool);
@@ -255,7 +259,7 @@ static ost_status run_case(const reproduction *r, result *out, const solid *s, o
     return status;
 }
 
-/* Returns the row of a bone voxel and a tool voxel of the first solid. */
+/* Returns the cells of the first row with these sizes of bone and tool voxels, that is, the row of the first solid. */
 static const result_cell *row_of(const result *out, double bone, double tool)
 {
     for (size_t i = 0; i < out->row_count; i++)

@@ -5,8 +5,8 @@
  *   osteon         the event as a user of the library makes it
  *   thesis' kernel   the thesis' kernel: in C on the processor or, with the backend cl, in OpenCL on the same device
  *
- * Both are measured in turns on the same bone, so that the thesis' statements can be judged for its own algorithm and
- * for osteon's, on the same machine.
+ * The two are measured alternately on the same bone. The thesis' statements can therefore be judged for both algorithms
+ * on the same machine.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "reproduction/item.h"
 #include "reproduction/stated.h"
 
-/* Times of two sizes are called equal if they differ by no more than this share. */
+/* Two times count as equal if they differ by at most this share of the shorter one. */
 #define TOLERANCE 0.05
 
 enum { SIZE, CHUNKS, VOXELS, EVENT, LEAST, STEADY, LOOP, LOOP_LEAST, LOOP_CHUNK, RATIO, REMOVED };
@@ -47,7 +47,7 @@ static void show_row(void *user, const char *row)
     reproduction_show(user, row, 0);
 }
 
-/* Runs the rows of a suite whose names contain the filter. */
+/* Runs the benchmark rows whose names contain the filter. */
 static ost_status run_rows(reproduction *r, const char *filter, bench_table *table, ost_error *err)
 {
     bench_options options = r->bench;
@@ -116,8 +116,8 @@ static void remark_event(const reproduction *r, result *out)
 
 /* --------------------------------------------------------- Tables 3.3 and 3.4 */
 
-/* Compares the times of two rows: those of a column and of the column with the shortest times. Returns -1, 0 or 1 if
-   both agree, otherwise 0. */
+/* Compares two rows by their median times and by their shortest times. Returns the order (-1, 0 or 1) if both
+   comparisons agree, and 0 if they disagree. */
 static int order_rows(const result *out, int a, int b, int median, int least)
 {
     const result_cell *x = out->row[a].cell, *y = out->row[b].cell;
@@ -126,13 +126,13 @@ static int order_rows(const result *out, int a, int b, int median, int least)
     return by_median == by_least ? by_median : 0;
 }
 
-/* With --quick, times have too few repetitions for a verdict. */
+/* Returns the verdict, or RESULT_UNDECIDED for --quick, because few repetitions are not sufficient for a verdict. */
 static result_verdict judged(const reproduction *r, result_verdict verdict)
 {
     return r->bench.quick ? RESULT_UNDECIDED : verdict;
 }
 
-/* Judges the statement that size `best` is the fastest of the three. */
+/* Judges the statement that the chunk size with index `best` is the fastest of the three. */
 static void judge_best(const reproduction *r, result *out, int best, int median, int least, const char *who,
                        const char *source, const char *claim, const char *why)
 {

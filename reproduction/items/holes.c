@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Section 3.2.3: the bone voxels that the methods from tool to bone miss, as a table and as a picture. */
+/* Section 3.2.3: the bone voxels that tool-to-bone methods miss, as a table and as a picture. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,7 +27,7 @@ static ost_status add_holes(result *out, ost_tool_kind tool, methods_points poin
     return status;
 }
 
-/* Draws a slice of the removed voxels as squares. */
+/* Adds a drawing of one slice, in which each removed voxel is a square. */
 static ost_status add_slice(result *out, double ratio, ost_error *err)
 {
     enum { CELL = 7, MARGIN = 8 };

@@ -5,7 +5,7 @@
  *   model --ost_volume_write--> text in TMPDIR --ost_import--> samples, rect, cubic, chunks
  *                                      '--fscanf (baseline, at most LINES lines)
  *
- * The text has one line per voxel of density other than 0, as the thesis' files have. The file is in the page cache.
+ * As in the thesis' files, the text has one line for each voxel whose density is not 0. The file is in the page cache.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,9 @@
 enum { MODEL_COLUMN, LINES_COLUMN, TEXT_MB, READ, RECT, CUBIC, CHUNKS, TOTAL, LINE, FSCANF };
 enum { REPEAT = 3, LINES = 1000000, SCANS = 2, LINE_BYTES = 40, QUICK_SLICES = 40 };
 
-/* Copies the model, with density 0 for all voxels below the threshold. With --quick, only the middle slices. */
+/*
+ * Copies the model and sets the densities below the threshold to 0. With --quick, copies only the slices in the middle.
+ */
 static ost_status active_part(const reproduction *r, const model *m, ost_volume *out, int64_t *lines, ost_error *err)
 {
     ost_geometry g = m->rect.geometry;
@@ -42,7 +44,7 @@ static ost_status active_part(const reproduction *r, const model *m, ost_volume 
     return status;
 }
 
-/* Returns an error if the folder has not enough space for the text. */
+/* Returns an error if the folder has too little free space for the text. */
 static ost_status check_space(const char *folder, double bytes, ost_error *err)
 {
     struct statvfs space;
@@ -91,7 +93,10 @@ static ost_status import_text(reproduction *r, const char *path, ost_pm3 spacing
     return status;
 }
 
-/* Measures fscanf on the first lines of the text, and returns nanoseconds per line; 0 without a baseline. */
+/*
+ * Reads the first lines of the text with fscanf. Returns the time per line in nanoseconds, or 0 if the baseline cannot
+ * run.
+ */
 static double scan_text(const char *path, int64_t lines)
 {
     char reason[BENCH_TEXT];
@@ -131,7 +136,7 @@ static void add_row(const reproduction *r, result *out, model_id id, const char 
     if (scan > 0)
         result_set(out, FSCANF, scan);
     if (r->bench.quick || model_is_own(&r->models, id))
-        return; /* the values of the thesis are those of complete models */
+        return; /* the thesis states values only for complete models */
     result_set_thesis(out, TEXT_MB, s->text_mb);
     result_set_thesis(out, READ, s->read_ms);
     result_set_thesis(out, RECT, s->rect_ms);
@@ -161,7 +166,7 @@ static ost_status measure(reproduction *r, result *out, model_id id, const char 
         status = ost_volume_write(path, &part, &how, err);
     if (status == OST_OK)
         status = ost_file_open(path, &text, err);
-    unlink(path); /* the open file remains until it is closed, and nothing is left if the run is interrupted */
+    unlink(path); /* the open file remains readable until it is closed; if the run is interrupted, no file is left */
     snprintf(path, sizeof path, "/proc/self/fd/%d", text.fd);
     if (status == OST_OK)
         status = import_text(r, path, part.geometry.spacing, &p, err);
@@ -195,7 +200,10 @@ ost_status item_import(reproduction *r, result *out, ost_error *err)
         reproduction_show(r, stated_models[id].name, (double)id / MODELS);
         status = measure(r, out, (model_id)id, folder, &why);
         if (status == OST_ERR_IO || status == OST_ERR_MEMORY) {
-            /* A model whose text does not fit is omitted with the reason; the others are measured. */
+            /*
+             * If the text of a model does not fit, the model is omitted with the reason, and the other models are
+             * measured.
+             */
             result_add_remark(out, "%s was not measured: %.300s.", stated_models[id].name, why.text);
             status = OST_OK;
         } else if (status != OST_OK) {

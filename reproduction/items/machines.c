@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Table 3.6: the machine of the measurements and, in a merged report, all of them; the thesis' computers follow. */
+/*
+ * Table 3.6: the machine of this run or, in a merged report, the machines of all runs, followed by the thesis'
+ * computers.
+ */
 #include <stdio.h>
 
 #include "reproduction/item.h"

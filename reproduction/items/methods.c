@@ -6,8 +6,8 @@
  *   by_chunks       the peg drill in a bone of which 1 to 64 chunks have active voxels: Figs. 3.8, 3.10 to 3.12
  *   by_resolution   the peg drill's static event, tool and bone of 64^3 to 1024^3 voxels: Figs. 3.10 to 3.12
  *
- * Both tables are measured once per run. The time of a method from tool to bone does not depend on the number of
- * chunks, so that its line in a plot is horizontal.
+ * Both tables are measured once per run. The time of a tool-to-bone method does not depend on the number of chunks, so
+ * its line in a plot is horizontal.
  *
  * The file has more than 500 lines because its figures share their measurements and helpers.
  */
@@ -29,7 +29,10 @@ static void show_case(void *user, const char *text)
     reproduction_show(user, text, 0);
 }
 
-/* Returns the name of a method for the run: on the device of the backend cl, the method's variant for devices. */
+/*
+ * Returns the name of the method to use in this run. With the backend cl, this is the method's variant for OpenCL
+ * devices.
+ */
 static const char *method_name(const reproduction *r, const char *base, char name[48])
 {
     snprintf(name, 48, "%s%s", base, r->cl[0] ? "-cl" : "");
@@ -48,7 +51,7 @@ static methods_options options_of(reproduction *r, const char *names)
                              .user = r};
 }
 
-/* Measures the events with 1 to 64 chunks, if this has not been done. */
+/* Measures the events with 1 to 64 chunks, unless they have already been measured. */
 static ost_status measure_by_chunks(reproduction *r, ost_error *err)
 {
     char names[128], a[48], b[48];
@@ -87,7 +90,7 @@ static bool is_method(const reproduction *r, const methods_row *row, const char 
     return strcmp(row->method->name, method_name(r, base, name)) == 0;
 }
 
-/* Returns OST_ERR_DIFFER if a measured method removed other voxels than its definition demands. */
+/* Returns OST_ERR_DIFFER if a measured method removed a set of voxels that differs from its definition. */
 static ost_status check_rows(const methods_table *table, ost_error *err)
 {
     for (size_t i = 0; i < table->count; i++)
@@ -172,7 +175,9 @@ static void plot_by_chunks(result *out, const char *title)
 
 /* -------------------------------------------------------------- Figure 3.8 */
 
-/* Returns the time of a method with a number of chunks, by linear interpolation; 0 if it was not measured. */
+/*
+ * Returns the time of a method for a number of chunks, by linear interpolation. Returns 0 if the time was not measured.
+ */
 static double time_at(const reproduction *r, const char *base, double chunks, bool least)
 {
     const methods_row *below = NULL, *above = NULL;
@@ -254,7 +259,7 @@ ost_status item_chunk_counts(reproduction *r, result *out, ost_error *err)
 
 /* ----------------------------------------------------- Figures 3.10 to 3.12 */
 
-/* Returns the greatest number of chunks for which a method of bone voxels is not slower than `time`; 0 if there is
+/* Returns the greatest number of chunks for which a bone-to-tool method takes at most `time`. Returns 0 if there is
    none. */
 static int crossing(const reproduction *r, const char *base, double time)
 {
@@ -278,7 +283,8 @@ static void describe_crossing(const reproduction *r, char text[64], int n)
         snprintf(text, 64, "for up to %d chunk%s", n, n == 1 ? "" : "s");
 }
 
-/* Judges the crossing point at the highest resolution that was measured. */
+/* Judges the statements about the number of chunks up to which the chunk system is at least as fast as the method, at
+   the lowest and the highest resolution that were measured. */
 static void judge_crossing(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *highest = NULL, *lowest = NULL;
@@ -319,7 +325,7 @@ static void judge_crossing(const reproduction *r, result *out, const char *base,
             n == most_chunks(r) ? "beyond" : "at", n);
 }
 
-/* Judges the growth of a method's time with the tool's resolution, for one bone. */
+/* Judges how the time of a method grows with the tool's resolution, for one bone. */
 static void judge_growth(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *first = NULL, *last = NULL;
@@ -400,7 +406,7 @@ ost_status item_yau(reproduction *r, result *out, ost_error *err)
 
 /* -------------------------------------------------------------- Figure 3.9 */
 
-/* Returns the side of the list that is nearest to the side of a grid, which is a little larger than its tool. */
+/* Returns the element of the list that is closest to the side of a grid. A grid is slightly larger than its tool. */
 static int32_t nearest_side(const int32_t *list, int count, int32_t side)
 {
     int32_t nearest = list[0];

@@ -85,7 +85,9 @@ ost_status item_samples(reproduction *r, result *out, ost_error *err)
         if (status == OST_OK)
             status = model_cubic(m, &j.bone, err);
         snprintf(caption, sizeof caption, "%s %s", letters[id], m->name);
-        /* The nearer edge of a core appears larger than its middle, to which the extent refers. */
+        /*
+         * The extent refers to the middle of the core. The core's near edge appears larger, so the extent is increased.
+         */
         if (status == OST_OK)
             status = add_view(&j,
                               (view_scene){.view = OST_VIEW_OVERVIEW,
@@ -134,7 +136,7 @@ ost_status item_active_chunks(reproduction *r, result *out, ost_error *err)
 
 /* -------------------------------------------------------------- Figure 2.2 */
 
-/* Adds the voxels of a grid in a box around the glenoid as a drawing. */
+/* Adds a drawing of the voxels of a grid in a box around the glenoid. */
 static ost_status add_blocks(job *j, const ost_volume *volume, const char *suffix, const char *caption)
 {
     const ost_geometry *g = &volume->geometry;
@@ -233,7 +235,7 @@ ost_status item_tool_to_bone(reproduction *r, result *out, ost_error *err)
 
 enum { PASSES = 2 };
 
-/* Moves a tool whose motor rotates along its built-in path, and removes bone. */
+/* Removes bone along a built-in path, with a tool whose motor rotates. */
 static ost_status remove_along(ost_bone *bone, const ost_tool *tool, ost_builtin which, const ost_glenoid *glenoid,
                                double share, ost_pose *last, ost_error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tables 3.7 and 3.8, Figures 3.13, 3.14 and 3.16, and section 3.3.3: triangle meshes of the visible faces against
- * GL_POINTs, from the measurements of bench/voxel_methods.h.
+ * Tables 3.7 and 3.8, Figures 3.13, 3.14 and 3.16, and section 3.3.3: comparison of triangle meshes of the visible
+ * faces with GL_POINTs, from the measurements of bench/voxel_methods.h.
  *
  * The frames of a model are measured once per run, for all methods and numbers of chunks.
  */
@@ -13,7 +13,10 @@
 #include "reproduction/stated.h"
 
 enum { REPEAT_FRAMES = 5, REPEAT_FRAMES_QUICK = 1, REPEAT_MESH = 9, CUT_FRAMES = 40, CUT_FRAMES_QUICK = 4 };
-/* With OpenGL on the processor, a frame of the thesis' points takes milliseconds per chunk. */
+/*
+ * The greatest numbers of chunks that are drawn. If the processor executes OpenGL, a frame of the thesis' points takes
+ * milliseconds per chunk.
+ */
 enum { CHUNKS_MOST = 512, CHUNKS_MOST_QUICK = 64 };
 
 static const struct {
@@ -73,7 +76,7 @@ ost_status item_render_memory(reproduction *r, result *out, ost_error *err)
     bench_voxel_model *drawn = NULL;
     bench_voxel_counts counts;
     bench_options options = r->bench;
-    options.quick = false; /* counts of the complete model are quick enough */
+    options.quick = false; /* the counts of the complete model take little time, even with --quick */
     result_add_column(out, "method", "method", "text");
     result_add_column(out, "voxel_mm", "voxel (mm)", "text");
     result_add_column(out, "chunks", "chunks", "");
@@ -159,7 +162,7 @@ ost_status item_mesh_stages(reproduction *r, result *out, ost_error *err)
 
 /* ------------------------------------------------- Figures 3.13, 3.14, 3.16 */
 
-/* Measures the frames of a model by all methods, if this has not been done. */
+/* Measures the frames of a model for all methods, unless they have already been measured. */
 static ost_status measure_frames(reproduction *r, int k, ost_error *err)
 {
     int32_t counts[16];
@@ -177,7 +180,7 @@ static ost_status measure_frames(reproduction *r, int k, ost_error *err)
         counts[count++] = most;
     for (int m = 0; m < BENCH_VOXEL_METHODS && status == OST_OK; m++) {
         reproduction_show(r, method_titles[m], (double)m / BENCH_VOXEL_METHODS);
-        bench_voxel_frames_free(&r->frames[k][m]); /* of an earlier measurement that failed */
+        bench_voxel_frames_free(&r->frames[k][m]); /* frees the frames of an earlier measurement that failed */
         status = bench_voxel_idle(drawn, (bench_voxel_method)m, counts, count,
                                   r->bench.quick ? REPEAT_FRAMES_QUICK : REPEAT_FRAMES, &r->frames[k][m], err);
     }
@@ -198,7 +201,7 @@ static void add_frame_columns(result *out)
     result_add_column(out, "vertices", "vertices", "");
 }
 
-/* Adds the frames of one model and method. Returns OST_ERR_UNAVAILABLE with the reason if there are none. */
+/* Adds the frames of one model and method. Returns OST_ERR_UNAVAILABLE with the reason if no frames were measured. */
 static ost_status add_frames(result *out, const bench_voxel_frames *f, const char *series, ost_error *err)
 {
     if (f->reason[0])
@@ -224,7 +227,7 @@ static void plot_frames(result *out, const char *title)
     p->log_x = p->log_y = true;
 }
 
-/* Adds the frames of all models by one method. */
+/* Adds the frames of all models for one method. */
 static ost_status all_models(reproduction *r, result *out, bench_voxel_method method, const char *title, ost_error *err)
 {
     ost_status status = OST_OK;
@@ -244,7 +247,10 @@ static ost_status all_models(reproduction *r, result *out, bench_voxel_method me
     return OST_OK;
 }
 
-/* Judges the times of idle frames: mesh against the thesis' points, for the most chunks of each model. */
+/*
+ * Judges the times of idle frames by comparing the mesh with the thesis' points, at the greatest number of chunks of
+ * each model.
+ */
 static void judge_idle(const reproduction *r, result *out)
 {
     double least = 0, most = 0;

@@ -5,7 +5,7 @@
  *   scapula, tool at the deepest pose of its built-in path --> event --> chunks in the intersection box, active ones,
  *                                                                        changed ones, removed voxels, time
  *
- * In contrast to the bone of Tables 3.3 to 3.5, this one has air around it, as in an operation.
+ * In contrast to the bone of Tables 3.3 to 3.5, this bone is surrounded by air, as in an operation.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +53,7 @@ static int64_t count_chunks(const job *j, int32_t n, int64_t *all)
     return active;
 }
 
-/* Restores the slices that the event can change. */
+/* Restores the slices that the event may change. */
 static ost_status restore(const job *j, ost_bone *bone)
 {
     const ost_dims d = j->bone.geometry.dims;

@@ -2,8 +2,8 @@
 /*
  * Table 2.1: the time of voxelizing the tools, also for coarser and finer voxels than those of the thesis.
  *
- * A time is that of the public call ost_voxelize, which allocates the tool. Before it is measured, the tool is
- * compared with that of the reference.
+ * Each time is that of the public function ost_voxelize, including the allocation of the tool. Before a tool is
+ * measured, it is compared with the tool of the reference.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,7 +83,7 @@ static ost_status add(job *j, ost_tool_kind kind, ost_pm voxel)
         result_set(j->out, TRIANGLES, (double)mesh.triangle_count);
         result_set(j->out, TIME, bench_series_at(&series, 0.5) / 1e6);
         result_set(j->out, LEAST, bench_series_at(&series, 0) / 1e6);
-        if (voxel == OST_PM_PER_MM / 2) { /* the voxels of the thesis */
+        if (voxel == OST_PM_PER_MM / 2) { /* the voxel size of the thesis */
             result_set_thesis(j->out, TIME, reamer ? STATED_VOXELIZE_REAMER_MS : STATED_VOXELIZE_PEG_MS);
             if (reamer)
                 result_set_thesis(j->out, PASS, STATED_VOXELIZE_REAMER_PASS_MS);

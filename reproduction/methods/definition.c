@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The sets that the methods' definitions demand, computed voxel by voxel and point by point without any shortcut. A
- * method is measured only if its set is the one computed here; tests/reproduction compares these functions with an
- * implementation of their own.
+ * Computes the sets that the methods' definitions require, voxel by voxel and point by point, without any shortcut. A
+ * method is measured only if it removes exactly the set computed here. tests/reproduction compares these functions with
+ * an independent implementation.
  */
 #include <math.h>
 
 #include "core/int128.h"
 #include "reproduction/methods/points.h"
 
-/* Returns true if the tool voxel of bone voxel (i, j, k) is cutting (AR-MAP-4, AR-REM-1). `base` is the base of the
-   voxel's block. */
+/* Returns true if the tool voxel at the centre of bone voxel (i, j, k) is cutting (AR-MAP-4, AR-REM-1). `base` is the
+   base of the bone voxel's block. */
 static bool covered(const bench_scene *event, const int32_t base[3], int32_t i, int32_t j, int32_t k)
 {
     const ost_dims d = event->tool.geometry.dims;
@@ -67,9 +67,9 @@ void method_define_tool_to_bone(method_set *set, const method_points *points, co
     }
 }
 
-/* Returns true if the voxel's position is so close to a border of tool voxels that floats may decide otherwise: four
-   products and three sums are rounded, each by at most 2^-24 of the sum of all magnitudes, and the factors once more.
-   The border of AR-MAP itself is exact to 23 units (AR-MAP-6). */
+/* Returns true if the voxel's position is so close to a border of tool voxels that floats may give a different result.
+   Four products and three sums are rounded, each by at most 2^-24 of the sum of all magnitudes, and the factors are
+   rounded once more. The position computed according to AR-MAP is itself exact to 23 units (AR-MAP-6). */
 static bool near_border(const bench_scene *event, const int32_t v[3])
 {
     const double scale = (double)ost_i128_of(event->map.divisor) * (1 << OST_MAP_FRACTION);

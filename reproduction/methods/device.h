@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The OpenCL device of the methods whose source used a GPU. A build without OpenCL has no device; the functions
- * then report that OpenCL is missing.
+ * The OpenCL device for the methods whose publication used a GPU. In a build without OpenCL, the functions report that
+ * OpenCL is missing.
  */
 #ifndef OST_REPRODUCTION_METHODS_DEVICE_H
 #define OST_REPRODUCTION_METHODS_DEVICE_H
@@ -17,9 +17,9 @@ struct method_device {
     bench_device cl;
 };
 
-/* A program with its kernels' source, built for a device. */
+/* Builds a program from the source of its kernels, for the device. */
 ost_status method_device_build(struct method_device *device, const char *source, cl_program *out, ost_error *err);
-/* Returns OST_ERR_BACKEND with the call's name unless the code is CL_SUCCESS. */
+/* Returns OST_ERR_BACKEND with the name of the call, unless the code is CL_SUCCESS. */
 ost_status method_device_check(cl_int code, const char *call, ost_error *err);
 #endif
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bone as one matrix of densities, the tool's grid as bits, and the loop of bone voxels against the tool's
-   grid over a box. */
+/* Implements matrix.h: the bone as one matrix of densities, the tool's grid as bits, and the loop that compares the
+   bone voxels of a box with the tool's grid. */
 #include "reproduction/methods/matrix.h"
 
 #include <stdlib.h>

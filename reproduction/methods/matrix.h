@@ -4,7 +4,7 @@
  * the tool's grid as bits.
  *
  *   matrix_bone   element i + nx (j + ny k) is the density of voxel (i, j, k) (Alg. 1.1)
- *   matrix_tool   bit i + nx (j + ny k) is 1 if tool voxel (i, j, k) is cutting; a bit takes the least cache
+ *   matrix_tool   bit i + nx (j + ny k) is 1 if tool voxel (i, j, k) is cutting; one bit per voxel uses the least cache
  *   matrix_map    the map of one pose: base and step of the 16^3 block of a voxel (AR-MAP-4)
  */
 #ifndef OST_REPRODUCTION_METHODS_MATRIX_H
@@ -20,9 +20,9 @@ typedef struct matrix_bone {
 
 ost_status matrix_bone_init(matrix_bone *bone, const methods_scene *scene, ost_error *err);
 void matrix_bone_free(matrix_bone *bone);
-/* Restores the voxels of the scene's region and thereby loads them into the caches. */
+/* Restores the voxels of the scene's region. This also loads them into the caches. */
 void matrix_bone_restore(matrix_bone *bone);
-/* Adds the voxels that the scene's bone contains and this bone does not. */
+/* Adds to the set the voxels that are active in the scene's bone but no longer in this bone. */
 void matrix_bone_result(const matrix_bone *bone, method_set *set);
 int64_t matrix_bone_bytes(const matrix_bone *bone);
 
@@ -36,13 +36,13 @@ typedef struct matrix_tool {
 ost_status matrix_tool_init(matrix_tool *tool, const ost_tool_volume *volume, ost_error *err);
 void matrix_tool_free(matrix_tool *tool);
 
-/* Reads `bytes` bytes, so that they are in the caches if the caches are large enough. */
+/* Reads `bytes` bytes, so that as many of them as possible are in the caches. */
 void matrix_touch(const void *data, size_t bytes);
 
 /* The bases of the blocks of 16^3 voxels that a box of voxels overlaps. */
 typedef struct matrix_map {
     int32_t first[3], count[3]; /* the first block and the number of blocks along each axis */
-    int32_t (*base)[3];         /* owned; x fastest. A far block has base MATRIX_FAR on each axis */
+    int32_t (*base)[3];         /* owned; x fastest; the base of a far block is MATRIX_FAR on each axis */
     size_t capacity;
     int32_t step[3][3];
 } matrix_map;
@@ -59,8 +59,8 @@ void matrix_map_free(matrix_map *map);
 
 /*
  * Sets hit[i] to -1 if a cutting tool voxel covers voxel i of a row of 16 voxels of one block, and to 0 otherwise. `u`
- * is the tool coordinate of the first voxel. The number of iterations is constant and the loop has no branch, so that
- * the compiler uses vectors.
+ * is the tool coordinate of the first voxel. The number of iterations is constant and the loop has no branch, so the
+ * compiler can use vector instructions.
  */
 static inline void matrix_hits(int16_t hit[restrict OST_MAP_BLOCK], const int32_t u[3], const int32_t step[3],
                               const matrix_tool *tool)
@@ -78,8 +78,8 @@ static inline void matrix_hits(int16_t hit[restrict OST_MAP_BLOCK], const int32_
     }
 }
 
-/* Removes the hit voxels of a box from a matrix of densities, with one loop over rows; box lies within the
-   blocks of the map. */
+/* Removes the hit voxels of a box from a matrix of densities, row by row. The box must lie within the blocks of the
+   map. */
 void matrix_remove_box(int16_t *voxels, ost_dims bone, const ost_voxel_box *box, const matrix_map *map,
                       const matrix_tool *tool, int threads);
 

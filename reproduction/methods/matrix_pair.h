@@ -12,7 +12,7 @@ typedef struct matrix_pair {
     int threads;
 } matrix_pair;
 
-/* These functions have the contracts of the slots of `method`; the state is a matrix_pair. */
+/* These functions implement the members of `method`. The state is a matrix_pair. */
 ost_status matrix_pair_open(const methods_scene *scene, const method_setup *setup, void **state, ost_error *err);
 void matrix_pair_close(void *state);
 ost_status matrix_pair_restore(void *state, ost_error *err);
@@ -20,7 +20,7 @@ ost_status matrix_pair_result(void *state, method_set *set, ost_error *err);
 
 /* Removes the hit voxels of a box. */
 ost_status matrix_pair_remove(matrix_pair *pair, const ost_voxel_box *box, ost_error *err);
-/* Describes the work of an event that visits `visited` voxels. */
+/* Returns the work of an event in which `visited` voxels are visited. */
 method_work matrix_pair_work(const matrix_pair *pair, int64_t visited);
 
 #endif

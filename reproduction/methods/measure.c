@@ -6,10 +6,10 @@
  *                    --> one untimed event, to estimate the number of repetitions
  *                    --> repetition by repetition, method by method: restore, remove (fresh), remove, remove (steady)
  *
- * A repetition runs all methods in turn, so that other load on the machine affects all of them. All methods are then
- * open at the same time, each with a bone of its own. If half of the free memory is too small for that, the methods are
- * measured one after the other. A method whose set is wrong is not timed; a method for which there is no memory has a
- * row with the reason.
+ * A repetition runs all methods in turn, so other load on the machine affects all of them. For this, all methods must
+ * be open at the same time, each with its own bone. If half of the free memory is too small for all bones, the methods
+ * are measured one after the other. A method whose set is wrong is not timed; a method for which there is no memory has
+ * a row with the reason.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,13 +22,13 @@
 enum { METHODS_MAX = 32, REPEAT = 21, REPEAT_SLOW = 3, QUICK = 3 };
 static const double SLOW_NS = 1e8;
 
-/* One method of a case. */
+/* A method that takes part in a case. */
 typedef struct entrant {
     const method *method;
-    void *state; /* NULL: the method does not run */
+    void *state; /* NULL if the method does not run */
     methods_row row;
     bench_series fresh, steady;
-    double estimate; /* ns of one event */
+    double estimate; /* estimated time of one event in ns */
 } entrant;
 
 void methods_table_free(methods_table *table)
@@ -112,7 +112,7 @@ static void fail_entrant(entrant *e, const ost_error *err)
     close_entrant(e);
 }
 
-/* The sets that the definitions demand. */
+/* The sets that the two definitions require. */
 typedef struct demands {
     method_set bone_to_tool, tool_to_bone;
 } demands;
@@ -146,7 +146,10 @@ static ost_status make_demands(demands *d, const methods_scene *scene, methods_p
     return status;
 }
 
-/* Runs the event once and compares the set. Also measures one event, to choose the number of repetitions. */
+/*
+ * Runs the event once and compares the result with the required set. Also measures one event, to choose the number of
+ * repetitions.
+ */
 static ost_status verify(entrant *e, const demands *d, const methods_scene *scene, ost_error *err)
 {
     const method *m = e->method;
@@ -194,7 +197,7 @@ static ost_status time_event(entrant *e, bench_series *series, ost_error *err)
     return status;
 }
 
-/* One repetition of one method. */
+/* Runs one repetition of one method. Its times are stored only if `keep` is true. */
 static void repeat(entrant *e, bool keep)
 {
     ost_error err = {.status = OST_OK};
@@ -227,7 +230,7 @@ static bench_figures figures_of(bench_series *series)
 static void measure_all(const methods_options *options, entrant *entrants, int count)
 {
     bool more = true;
-    /* Repetition -1 is a warm-up. */
+    /* Repetition -1 is the warm-up. */
     for (int r = -1; more; r++) {
         more = false;
         for (int n = 0; n < count; n++) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One case of a measurement: the selected methods on one scene. */
+/* Measures one case, that is, the selected methods on one scene. */
 #ifndef OST_REPRODUCTION_METHODS_MEASURE_H
 #define OST_REPRODUCTION_METHODS_MEASURE_H
 
 #include "reproduction/methods/method.h"
 
-/* Returns OST_ERR_USAGE for an unknown method, or fewer than one thread. */
+/* Checks the options. Returns OST_ERR_USAGE if a method is unknown or there is less than one thread. */
 ost_status methods_check(const methods_options *options, ost_error *err);
 /* Returns true if the options select the method with this name. */
 bool methods_selected(const methods_options *options, const char *name);
@@ -14,7 +14,7 @@ ost_status methods_table_add(methods_table *table, const methods_row *row, ost_e
 /* Verifies and times the selected methods on a scene, and appends a row for each of them. */
 ost_status methods_measure(const methods_options *options, const methods_scene *scene, int chunk_size,
                            methods_table *table, ost_error *err);
-/* Appends a row with the reason for each selected method; `scene` contains the description of the scene. */
+/* Appends a row with this reason for each selected method. The row `scene` describes the scene. */
 ost_status methods_not_measured(const methods_options *options, const methods_row *scene, const char *reason,
                                 methods_table *table, ost_error *err);
 

@@ -8,8 +8,8 @@
  *                            |  result    the set of removed voxels
  *                            v  close
  *
- * The event of a scene can change only voxels of the scene's region, so restore and result process
- * only these. A method stores its bone as its source describes, in one buffer, in a list or in a tree.
+ * The event of a scene can change only voxels in the scene's region, so restore and result process only these voxels. A
+ * method stores its bone in one buffer, in a list or in a tree, as described in its publication.
  *
  * The files of the methods on the processor are compiled for the machine that builds them
  * (BENCH_CFLAGS); method_open refuses them on a processor that lacks an instruction set.
@@ -22,7 +22,7 @@
 
 /* -------------------------------------------------------------------- scene */
 
-/* A bone, a tool and a pose. Must not move in memory after its initialization. */
+/* A bone, a tool and a pose. A scene must not move in memory after it is initialized. */
 typedef struct methods_scene {
     bench_scene event;    /* tool, geometry of the bone, pose, map, box of voxels */
     int16_t *voxels;      /* owned; the bone's densities, x fastest; 0 or at least SCENE_THRESHOLD */
@@ -30,28 +30,28 @@ typedef struct methods_scene {
 } methods_scene;
 
 /*
- * Makes the static event of a tool (bench/scene.h) with the bone's box of 128^3 voxels of 0.47 mm divided
- * into bone_side^3 voxels. The box and the tool's position in it are the same for every bone_side.
+ * Makes the static event of a tool (bench/scene.h). The bone's box of 128^3 voxels of 0.47 mm is divided into
+ * bone_side^3 voxels. The box and the tool's position in the box are the same for every bone_side.
  */
 ost_status methods_scene_static(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t bone_side,
                                 ost_error *err);
 /*
- * Makes a scene with the tool in the middle of a bone of bone_side^3 voxels. If chunk_count is not 0, only the
- * chunk_count chunks of chunk_size^3 voxels that are nearest to the middle of the event's box have active voxels;
- * OST_ERR_RANGE if the tool's oriented box enters fewer chunks. Only these chunks belong to the event.
+ * Makes a scene with the tool in the middle of a bone of bone_side^3 voxels. If chunk_count is not 0, only chunk_count
+ * chunks of chunk_size^3 voxels have active voxels. They are the chunks closest to the middle of the event's box, and
+ * only they belong to the event. Returns OST_ERR_RANGE if the tool's oriented box enters fewer chunks.
  */
 ost_status methods_scene_middle(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t bone_side,
                                 int chunk_size, int chunk_count, ost_error *err);
 /* Makes the event of methods_scene_middle with a bone of 128^3 voxels of 0.47 mm, without the bone's densities. */
 ost_status methods_middle_event(bench_scene *event, ost_tool_kind tool, ost_pm tool_voxel, ost_error *err);
-/* Computes the region of a scene whose event and voxels were set by the caller. */
+/* Computes the region of a scene after the caller has set its event and voxels. */
 void methods_scene_set_region(methods_scene *scene);
-/* Frees the tool and the voxels. A scene of zeros may be freed. */
+/* Frees the tool and the voxels. A zero-initialized scene may be freed. */
 void methods_scene_free(methods_scene *scene);
 /* Counts the chunks of the event that contain an active voxel. */
 int methods_scene_active_chunks(const methods_scene *scene, int chunk_size);
-/* Returns the bytes of the densities of all chunks of the bone that contain an active voxel, and of a table with one
-   pointer per chunk. */
+/* Computes the memory in bytes for the densities of all chunks of the bone that contain an active voxel, and for a
+   table with one pointer per chunk. */
 void methods_scene_chunk_memory(const methods_scene *scene, int chunk_size, int64_t *voxels, int64_t *table);
 
 /* --------------------------------------------------------------------- sets */
@@ -68,19 +68,19 @@ void method_set_free(method_set *set);
 int64_t method_set_count(const method_set *set);
 /* Returns the number of voxels of a box. */
 size_t method_box_count(const ost_voxel_box *box);
-/* Returns the index of the first voxel of row (j, k) of the set, given in the bone's indices. */
+/* Returns the index in the set of the first voxel of row (j, k). The numbers j and k are those of the bone. */
 size_t method_set_row(const method_set *set, int32_t j, int32_t k);
 
-/* The differences of `set` from `expected`, which have equal boxes. */
+/* The differences between a set and the expected set, which have equal boxes. */
 typedef struct method_difference {
     int64_t expected, removed, missed, missed_inside, extra;
 } method_difference;
 
 void method_set_compare(const method_set *expected, const method_set *set, method_difference *out);
-/* Adds the voxels that are active in the scene and 0 in `voxels`, the densities of the scene's region. The set's
-   box is the region. */
+/* Adds the voxels of the region that are active in the scene and 0 in `voxels`. The array `voxels` contains the
+   densities of the region, which must be the set's box. */
 void method_set_add_removed(method_set *set, const methods_scene *scene, const int16_t *voxels);
-/* Returns true if the voxel at an index of the set and its six neighbours all belong to the set. */
+/* Returns true if the voxel at this index and its six neighbours all belong to the set. */
 bool method_set_inside(const method_set *set, size_t index);
 
 /* -------------------------------------------------------------- definitions */
@@ -89,15 +89,17 @@ struct method_points;
 struct points_map;
 
 /*
- * Add to *set the voxels of its box that a definition demands. These functions are plain and serial, and share no
- * code with the methods. `voxels` are the densities of the complete bone; NULL: all voxels are active.
+ * These functions add to *set the voxels of its box that the definition requires. They are simple and use one thread,
+ * and share no code with the methods. `voxels` contains the densities of the complete bone. If it is NULL, all voxels
+ * are active.
  */
 void method_define_bone_to_tool(method_set *set, const bench_scene *event, const int16_t *voxels);
 void method_define_tool_to_bone(method_set *set, const struct method_points *points, const struct points_map *map,
                                 ost_dims bone, const int16_t *voxels);
 /*
- * Counts the voxels in which `set` differs from `expected`, the set of method_define_bone_to_tool, although their
- * position in the tool's grid is farther from a border of tool voxels than floats of the thesis' map are exact.
+ * Counts the differences between `set` and `expected` that rounding to floats does not explain, because the voxel's
+ * position in the tool's grid is not close enough to a border of tool voxels. `expected` must be the set of
+ * method_define_bone_to_tool.
  */
 int64_t method_beyond_floats(const method_set *expected, const method_set *set, const bench_scene *event);
 
@@ -109,8 +111,8 @@ typedef struct method_setup {
     int chunk_size;
     int threads;
     methods_points points;
-    const char *backend;          /* osteon's backend, without the number of threads */
-    struct method_device *device; /* open device of the methods on OpenCL; NULL: none */
+    const char *backend;          /* osteon's backend; the number of threads is not included */
+    struct method_device *device; /* the open device of the methods on OpenCL, or NULL */
 } method_setup;
 
 typedef struct method_work {
@@ -120,8 +122,8 @@ typedef struct method_work {
 
 typedef struct method {
     methods_info info;
-    bool native; /* compiled for the machine that builds it */
-    /* bytes of memory per voxel of the bone and of the tool that the method needs at most */
+    bool native; /* true if the method is compiled for the machine that builds it */
+    /* greatest number of bytes of memory that the method needs per voxel of the bone and of the tool */
     double per_bone_voxel, per_tool_voxel;
     /* Copies the scene's bone and tool. The scene must outlive the state. */
     ost_status (*open)(const methods_scene *scene, const method_setup *setup, void **state, ost_error *err);
@@ -140,10 +142,10 @@ extern const method method_osteon, method_osteon_cl, method_thesis_chunks, metho
 
 /* Returns method number `index` of methods_info_get. */
 const method *method_get(int index);
-/* Returns the bytes of memory that a method needs for a scene, at most. */
+/* Returns the greatest number of bytes of memory that a method needs for a scene. */
 double method_needs(const method *method, const methods_scene *scene);
-/* Opens a method, if this machine can run it. Returns OST_ERR_UNAVAILABLE with the reason if it cannot, and
-   OST_ERR_MEMORY if it needs more memory than is free. */
+/* Opens a method. Returns OST_ERR_UNAVAILABLE with the reason if this machine cannot run the method, and OST_ERR_MEMORY
+   if the method needs more memory than is free. */
 ost_status method_open(const method *method, const methods_scene *scene, const method_setup *setup, void **state,
                        ost_error *err);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The list of methods, and opening a method if this machine can run it. */
+/* The list of methods, and the function that opens a method if this machine can run it. */
 #include "reproduction/methods/device.h"
 
 static const method *const list[] = {

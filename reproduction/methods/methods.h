@@ -10,12 +10,12 @@
  *               methods_sampling       holes that tool points leave, by the ratio of voxel sizes
  *               methods_sampling_slice a picture of these holes
  *
- * All methods of a case process the same bone, tool and pose (bench/scene.h), and their repetitions
- * alternate. A method's set of removed voxels is compared with the set that the method's definition
- * demands before it is timed; `exact` is the result. Sets of different definitions differ; `missed`,
- * `missed_inside` and `extra` count the differences from osteon's set.
+ * All methods of a case process the same bone, tool and pose (bench/scene.h), and their repetitions alternate. Before a
+ * method is timed, its set of removed voxels is compared with the set that its definition requires; `exact` is the
+ * result. Sets of different definitions differ; `missed`, `missed_inside` and `extra` count the differences from
+ * osteon's set.
  *
- * Threads: one measurement at a time; a measurement uses options->threads threads.
+ * Threads: only one measurement may run at a time. It uses options->threads threads.
  */
 #ifndef OST_REPRODUCTION_METHODS_H
 #define OST_REPRODUCTION_METHODS_H
@@ -27,22 +27,23 @@
 /* The set of voxels that a method removes. An active bone voxel belongs to the set if ... */
 typedef enum methods_definition {
     METHODS_BONE_TO_TOOL,       /* ... its centre is in a cutting tool voxel (AR-REM-1): osteon's set */
-    METHODS_BONE_TO_TOOL_FLOAT, /* ... the same, by a float matrix: the thesis' set */
+    METHODS_BONE_TO_TOOL_FLOAT, /* METHODS_BONE_TO_TOOL with a float matrix: the thesis' set */
     METHODS_TOOL_TO_BONE        /* ... it contains a tool point, which is the centre of a cutting tool voxel */
 } methods_definition;
 
 /* The tool points of the methods that process the tool's voxels. */
 typedef enum methods_points {
-    METHODS_POINTS_SURFACE, /* cutting voxels with a face neighbour that is not cutting, as in the sources */
+    METHODS_POINTS_SURFACE, /* cutting voxels with a face neighbour that is not cutting, as in the publications */
     METHODS_POINTS_SOLID    /* all cutting voxels */
 } methods_points;
 
 typedef struct methods_info {
-    const char *name;   /* "yau", "yau-cl"; a name with the suffix "-cl" is the method on an OpenCL device */
-    const char *title;  /* one line for tables and legends */
-    const char *source; /* the publication or the section of the thesis */
+    /* short name, such as "yau"; the suffix "-cl" denotes the variant for an OpenCL device, such as "yau-cl" */
+    const char *name;
+    const char *title;  /* one line of text for tables and legends */
+    const char *source; /* the publication, or the section of the thesis */
     methods_definition definition;
-    bool device; /* true: runs on the device that options->cl names */
+    bool device; /* true if the method runs on the device options->cl */
 } methods_info;
 
 /* Returns the number of methods. The methods have a fixed order; the first is osteon's event. */
@@ -51,18 +52,18 @@ int methods_count(void);
 const methods_info *methods_info_get(int index);
 
 typedef struct methods_options {
-    const char *backend;  /* osteon's backend, "cpu" */
-    const char *cl;       /* device of the methods on OpenCL, "cl:platform=0,device=0"; NULL: no device */
+    const char *backend;  /* osteon's backend, such as "cpu" */
+    const char *cl;       /* device of the methods on OpenCL, such as "cl:platform=0,device=0"; NULL for no device */
     int threads;          /* threads of all methods on the processor, including osteon's event; at least 1 */
-    int repeat;           /* repetitions; 0: 21, or fewer for events that take longer than 0.1 s */
-    bool quick;           /* true: 3 repetitions and smaller scenes, with the same functions and names */
+    int repeat;           /* number of repetitions; 0 selects 21, or fewer for events that take longer than 0.1 s */
+    bool quick;           /* true selects 3 repetitions and smaller scenes; the functions and names are the same */
     methods_points points;
-    const char *methods;  /* names separated by commas; NULL: all methods */
+    const char *methods;  /* names of methods, separated by commas; NULL selects all methods */
     void (*show)(void *user, const char *text); /* called before a case is measured; may be NULL */
     void *user;
 } methods_options;
 
-/* One method on one scene. */
+/* The result of one method on one scene. */
 typedef struct methods_row {
     const methods_info *method;
     char reason[BENCH_TEXT]; /* reason why the method was not measured; "" if it was measured */
@@ -70,26 +71,27 @@ typedef struct methods_row {
     /* the scene */
     const char *tool;               /* "reamer" or "peg" */
     ost_pm tool_voxel, bone_voxel;  /* edge lengths */
-    int32_t tool_side, bone_side;   /* the tool's greatest dimension, and the bone's dimension, in voxels */
-    int64_t tool_voxels;            /* cutting voxels of the tool */
-    int64_t tool_points;            /* tool points according to options->points */
+    int32_t tool_side, bone_side;   /* greatest dimension of the tool's grid, and dimension of the bone, in voxels */
+    int64_t tool_voxels;            /* number of the tool's cutting voxels */
+    int64_t tool_points;            /* number of the tool's points of the kind options->points */
     int chunk_size;
-    int chunks;                     /* chunks with active voxels that the event processes (Alg. 2.10) */
+    int chunks;                     /* number of chunks with active voxels that the event processes (Alg. 2.10) */
     methods_points points;
-    int threads;                    /* 0 for methods on a device */
+    int threads;                    /* number of threads; 0 for a method on a device */
 
     /* the times of an event, in microseconds */
-    bench_figures fresh;  /* all voxels are there */
-    bench_figures steady; /* the event is repeated; no voxel remains to be removed */
+    bench_figures fresh;  /* times of an event before which all voxels are restored */
+    bench_figures steady; /* times of a repeated event, in which no voxel remains to be removed */
 
     /* the work and the result */
-    int64_t visited;       /* bone voxels or tool points that the method transforms; 0 if it does not count them */
+    /* number of bone voxels or tool points that the method transforms; 0 if the method does not count them */
+    int64_t visited;
     int64_t removed;
-    int64_t expected;      /* size of osteon's set */
-    int64_t missed, extra; /* voxels only in osteon's set; voxels only in the method's set */
-    int64_t missed_inside; /* missed voxels whose six neighbours all belong to osteon's set */
-    bool exact; /* the method's set is the one that its definition demands; false is an error */
-    /* bytes: voxels of the bone; chunk table, positions, nodes or masks; tool */
+    int64_t expected;      /* number of voxels in osteon's set */
+    int64_t missed, extra; /* numbers of voxels that are only in osteon's set, and only in the method's set */
+    int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
+    bool exact; /* true if the method's set is the one that its definition requires; false is an error */
+    /* memory in bytes: voxels of the bone; chunk table, positions, nodes or masks; tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;
 
@@ -101,9 +103,9 @@ typedef struct methods_table {
 void methods_table_free(methods_table *table);
 
 /*
- * The measurements append their rows to *table, which must be zero-initialized before the first call.
- * A method or a case that cannot be measured has rows with the reason. Errors: OST_ERR_MEMORY,
- * OST_ERR_USAGE for an unknown method or backend.
+ * Each of these measurements appends its rows to *table, which must be zero-initialized before the first call. If a
+ * method or a case cannot be measured, its rows contain the reason. Errors: OST_ERR_MEMORY, and OST_ERR_USAGE for an
+ * unknown method or backend.
  */
 
 /* Tables 3.3 and 3.4: the static event of a tool, OST_TOOL_REAMER or OST_TOOL_PEG, in a bone of 128^3
@@ -116,18 +118,18 @@ ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind too
                                ost_error *err);
 
 /*
- * Figs. 3.8 and 3.10 to 3.12: the tool inside a bone of which only the `counts[i]` chunks of 32^3 voxels that
- * are nearest to the tool's centre have active voxels. So that 64 chunks are possible, the voxels of bone and
- * tool are half as long as in the static event for a reamer, and a quarter as long for a peg. A count greater
- * than the number of chunks that the tool's box enters gives rows with a reason.
+ * Figs. 3.8 and 3.10 to 3.12: the tool is inside a bone in which only counts[i] chunks of 32^3 voxels have active
+ * voxels, those closest to the tool's centre. To make 64 chunks possible, the voxels of bone and tool are smaller than
+ * in the static event: half as long for a reamer, and a quarter as long for a peg. If a count exceeds the number of
+ * chunks that the tool's box enters, its rows contain the reason.
  */
 ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind tool, const int *counts, int count,
                                 methods_table *table, ost_error *err);
 
 /*
- * Figs. 3.9 to 3.12: the static event with the bone's box divided into bone_side^3 voxels and the tool's
- * longest side into about tool_side voxels. The physical sizes and the pose are constant. Rows with a
- * reason replace a case that needs more memory than is free.
+ * Figs. 3.9 to 3.12: the static event with the bone's box divided into bone_side^3 voxels and the tool's longest side
+ * into about tool_side voxels. The physical sizes and the pose are constant. If a case needs more memory than is free,
+ * its rows contain the reason.
  */
 ost_status methods_resolutions(const methods_options *options, ost_tool_kind tool, const int32_t *tool_sides,
                                int tool_count, const int32_t *bone_sides, int bone_count, methods_table *table,
@@ -135,17 +137,18 @@ ost_status methods_resolutions(const methods_options *options, ost_tool_kind too
 
 /* ----------------------------------------------------------------- sampling */
 
-/* Tool points against bone voxels, for one ratio of tool voxel to bone voxel. */
+/* The comparison of tool points with bone voxels for one ratio of tool voxel size to bone voxel size. */
 typedef struct methods_sample {
     const char *tool;
     methods_points points;
     double ratio; /* edge of a tool voxel divided by the edge of a bone voxel */
     ost_pm tool_voxel, bone_voxel;
-    int poses;    /* 1: a static event; more: the tool moves by half a bone voxel per pose along its axis */
+    /* number of poses: 1 for a static event; if greater, the tool moves along its axis by half a bone voxel per pose */
+    int poses;
     int64_t tool_points;
-    int64_t expected;      /* size of osteon's set, the union over all poses */
-    int64_t found;         /* voxels of both sets */
-    int64_t missed, extra; /* as in methods_row */
+    int64_t expected;      /* number of voxels in osteon's set, the union over all poses */
+    int64_t found;         /* number of voxels that are in both sets */
+    int64_t missed, extra; /* same meaning as in methods_row */
     int64_t missed_inside;
     double missed_share;   /* missed / expected */
     double missed_inside_share; /* missed_inside / expected */
@@ -163,18 +166,21 @@ enum {
     METHODS_SLICE_NONE,          /* in no set */
     METHODS_SLICE_BOTH,          /* in both sets */
     METHODS_SLICE_MISSED,        /* only in osteon's set */
-    METHODS_SLICE_MISSED_INSIDE, /* the same, and all six neighbours belong to osteon's set */
+    METHODS_SLICE_MISSED_INSIDE, /* only in osteon's set, and all six neighbours belong to osteon's set */
     METHODS_SLICE_EXTRA          /* only in the set of the tool points */
 };
 
-/* A slice of the bone through the middle of the removed voxels, perpendicular to z. */
+/* A slice of the bone perpendicular to z, through the middle of the removed voxels. */
 typedef struct methods_slice {
     int32_t width, height;
-    int32_t x0, y0, z; /* the bone voxel of the first value */
+    int32_t x0, y0, z; /* position of the first value in the bone */
     uint8_t *values;   /* owned; width * height values, x fastest */
 } methods_slice;
 
-/* Computes a slice of the same case as methods_sampling. The caller frees *slice by methods_slice_free. */
+/*
+ * Computes a slice for the case of a call of methods_sampling with the same arguments. The caller frees *slice with
+ * methods_slice_free.
+ */
 ost_status methods_sampling_slice(ost_tool_kind tool, methods_points points, int poses, double ratio,
                                   methods_slice *slice, ost_error *err);
 void methods_slice_free(methods_slice *slice);

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An octree of the bone (thesis, section 3.2.5), visited against the tool, whose nodes are homogeneous in content.
+ * An octree of the bone (thesis, section 3.2.5). An event visits its nodes and compares them with the tool. The nodes
+ * are homogeneous in content.
  *
  *   node    8 children; a child is void (0), a node, or at the lowest level a brick
  *   brick   4^3 voxels: a word with one bit per active voxel, and 64 densities. The word replaces the two lowest
  *           levels of the tree, whose nodes would be larger than their content
- *   tool    flags of cells of 2^3, 4^3, ... tool voxels: a cell contains cutting voxels; contains nothing else
- *
+ *   tool    cells of 2^3, 4^3, ... tool voxels, each with two flags: the cell contains a cutting voxel; the cell
+ *           contains only cutting voxels
  *   event   nodes that overlap the event's box, down to nodes of 16^3 voxels, which have one map (AR-MAP-4)
  *           --> tasks of the threads: the bounds of the node in the tool's grid --> flags of the cells
  *                 no cutting voxel: the node is skipped;  only cutting voxels: the node becomes void
  *                 mixed: the same for its 8 children, and for a mixed brick, its 64 voxels
- *   refresh a node without children becomes void, after each event
+ *   refresh after each event, a node without children becomes void
  *
  * "Homogeneous" means void: densities of a CT differ from voxel to voxel, so nodes of equal densities are rare, and
  * the densities of a node that is not void must be stored. A void node has no memory.
@@ -32,21 +33,21 @@ typedef struct node {
 typedef struct tree {
     node *nodes;        /* owned */
     uint64_t *masks;    /* owned; bit x + 4 (y + 4 z) */
-    int16_t *densities; /* owned; 64 per brick */
+    int16_t *densities; /* owned; 64 densities per brick */
     size_t node_count, node_capacity, brick_count, brick_capacity;
     int32_t root;
 } tree;
 
 typedef struct task {
     int32_t node, corner[3];
-    int64_t tested; /* voxels that were mapped */
+    int64_t tested; /* number of voxels that were mapped to the tool's grid */
     bool is_void;
 } task;
 
 typedef struct octree {
     const methods_scene *scene;
     tree full, live; /* the live tree has the nodes of the full tree at the same indices */
-    int level;       /* of the root, whose edge has 4 << level voxels */
+    int level;       /* level of the root, whose edge is 4 << level voxels */
     matrix_tool tool;
     pyramid cells;
     matrix_map map;
@@ -96,7 +97,7 @@ static bool add_brick(tree *t, const methods_scene *scene, const int32_t corner[
     return true;
 }
 
-/* Builds the subtree of a node of edge 4 << level. Returns false if there is no memory. */
+/* Builds the subtree of a node with an edge of 4 << level voxels. Returns false if memory is exhausted. */
 static bool build(tree *t, const methods_scene *scene, int level, const int32_t corner[3], int32_t *out)
 {
     const ost_dims d = scene->event.bone.dims;
@@ -151,7 +152,10 @@ static bool tree_copy(tree *to, const tree *from)
 
 /* ------------------------------------------------------------------ the event */
 
-/* Determines the content of the tool over a node of edge `edge` with the coordinate u at its first voxel. */
+/*
+ * Determines the content of the tool in the region of a node with this edge. `u` is the tool coordinate of the node's
+ * first voxel.
+ */
 static pyramid_found content_over(const octree *s, const int32_t u[3], int32_t edge)
 {
     int32_t lo[3], hi[3];
@@ -168,7 +172,7 @@ static pyramid_found content_over(const octree *s, const int32_t u[3], int32_t e
     return pyramid_content(&s->cells, lo, hi, s->tool.dims);
 }
 
-/* Returns the bits of the voxels of a brick that cutting tool voxels cover. */
+/* Returns a word with a bit for each voxel of a brick. A bit is set if a cutting tool voxel covers the voxel. */
 static uint64_t hits_of(const octree *s, const int32_t u[3])
 {
     const int32_t nx = s->tool.dims[0], ny = s->tool.dims[1], nz = s->tool.dims[2];
@@ -187,7 +191,7 @@ static uint64_t hits_of(const octree *s, const int32_t u[3])
         hit[n] = (uint8_t)((words[bit >> 5] >> (bit & 31)) & (uint32_t)inside);
     }
     for (int32_t b = 0; b < 8; b++) {
-        /* Gathers the lowest bits of eight bytes in the highest byte of the product. */
+        /* The multiplication collects the lowest bits of eight bytes in the highest byte of the product. */
         uint64_t eight;
         memcpy(&eight, hit + 8 * b, sizeof eight);
         mask |= (eight * UINT64_C(0x0102040810204080) >> 56) << 8 * b;
@@ -215,8 +219,8 @@ static bool remove_from_brick(octree *s, task *t, int32_t brick, const int32_t u
     return *mask == 0;
 }
 
-/* Removes the hit voxels of a node of edge 4 << level, level <= TASK_LEVEL. `corner` is the position of the node's
-   first voxel in its block of 16^3 voxels. Returns true if the node is void afterwards. */
+/* Removes the hit voxels of a node with an edge of 4 << level voxels. `level` must be at most TASK_LEVEL. `corner` is
+   the position of the node's first voxel in its block of 16^3 voxels. Returns true if the node is void afterwards. */
 static bool remove_from(octree *s, task *t, int32_t index, int level, const int32_t corner[3], const int32_t base[3])
 {
     int32_t u[3];
@@ -248,7 +252,7 @@ static bool overlaps(const ost_voxel_box *box, const int32_t corner[3], int32_t 
     return true;
 }
 
-/* Appends the nodes of 16^3 voxels that overlap the event's box. Returns false if there is no memory. */
+/* Appends the nodes of 16^3 voxels that overlap the event's box. Returns false if memory is exhausted. */
 static bool list_tasks(octree *s, int32_t index, int level, const int32_t corner[3])
 {
     if (index == 0 || !overlaps(&s->scene->event.box, corner, BRICK << level))
@@ -279,8 +283,8 @@ static void run_task(octree *s, task *t)
     t->is_void = remove_from(s, t, t->node, TASK_LEVEL, none, m->base[block]);
 }
 
-/* Sets the children of the nodes above the tasks that became void. `next` is the next task in the order of
-   list_tasks. Returns true if the node is void. */
+/* Updates the nodes above the tasks after an event: children that became void are set to 0. `next` is the next task in
+   the order of list_tasks. Returns true if the node is void. */
 static bool refresh(octree *s, int32_t index, int level, const int32_t corner[3], size_t *next)
 {
     if (!overlaps(&s->scene->event.box, corner, BRICK << level))
@@ -406,7 +410,7 @@ static int16_t density_of(const octree *s, int32_t i, int32_t j, int32_t k)
 {
     int32_t index = s->live.root;
     for (int level = s->level; level > 0 && index != 0; level--) {
-        const int bit = level + 1; /* a child has the edge 2^(level + 1) */
+        const int bit = level + 1; /* a child has an edge of 2^(level + 1) voxels */
         index = s->live.nodes[index - 1].child[(i >> bit & 1) + 2 * (j >> bit & 1) + 4 * (k >> bit & 1)];
     }
     if (index == 0)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * osteon's own event, through the function table: on the backend of the processor, and on the backend cl on the
- * device of the other methods. Before an event is timed, the restored bone is compared once with the tool
- * (ost_bone_collide), which changes no voxel and loads the event's data into the caches.
+ * osteon's own removal event, called through the same table of functions as the other methods. It runs on the
+ * processor's backend, or on the backend cl with the device of the other methods. Before an event is timed,
+ * ost_bone_collide compares the restored bone once with the tool. This changes no voxel and loads the event's data into
+ * the caches.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -119,7 +120,7 @@ static ost_status result(void *state, method_set *set, ost_error *err)
     return status;
 }
 
-/* The memory of the tool in a backend is not known. */
+/* The amount of memory that a backend uses for the tool is not known. */
 static void work(void *state, method_work *out)
 {
     own_event *s = state;

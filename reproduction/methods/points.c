@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The list of a tool's points, and the map of a pose from points to bone voxels. */
+/* Makes the list of a tool's points, and the map from points to bone voxels for a pose. */
 #include "reproduction/methods/points.h"
 
 #include <stdlib.h>
@@ -30,8 +30,8 @@ static int16_t half_steps(int32_t i, int32_t dim)
     return (int16_t)(2 * i + 1 - dim);
 }
 
-/* Visits the points of a tool, block after block, and stores the points and the blocks that contain points, if the
-   lists have memory. Sets the number of blocks, and returns the number of points. */
+/* Visits the points of a tool, block after block. If the lists have memory, stores the points and the blocks that
+   contain points. Sets the number of blocks and returns the number of points. */
 static int64_t visit(method_points *points, const ost_tool_volume *tool, methods_points which, ost_dims block)
 {
     const ost_dims d = tool->geometry.dims;

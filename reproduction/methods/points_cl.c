@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Buffers and launches of the methods of tool points on an OpenCL device. */
+/* Manages the buffers and launches of the tool-to-bone methods on an OpenCL device. */
 #include "reproduction/methods/points_cl.h"
 
 #ifdef HAVE_OPENCL
@@ -106,9 +106,10 @@ void points_cl_close(void *state)
     free(s);
 }
 
-/* The region of the scene as the arguments of a copy of a box between buffers with the bone's layout. */
+/* The scene's region, as arguments of a copy between two buffers with the layout of the bone. */
 typedef struct rect {
-    size_t origin[3], size[3], row, slice; /* bytes along x; rows; slices */
+    /* origin and size are in bytes along x, in rows along y, and in slices along z */
+    size_t origin[3], size[3], row, slice;
 } rect;
 
 static rect region_of(const points_cl *s)
@@ -135,8 +136,8 @@ ost_status points_cl_restore(void *state, ost_error *err)
         clEnqueueWriteBufferRect(s->device->cl.queue, s->bone, CL_TRUE, r.origin, r.origin, r.size, r.row, r.slice,
                                  r.row, r.slice, s->scene->voxels, 0, NULL, NULL),
         "clEnqueueWriteBufferRect", err);
-    /* A blocking write may return before the data is on the device. This run waits for it, reads all points, and
-       removes nothing, because no voxel is in an empty box. */
+    /* A blocking write may return before the data is on the device. This launch waits for the data and reads all
+       points. It removes nothing, because the box is empty. */
     const size_t items = s->blocks ? (size_t)s->points.block_count * 64 : points_cl_items(s->points.count);
     if (status == OST_OK)
         status = points_cl_run(s, &nothing, 0, s->points.count, items, s->blocks ? 64 : 0, err);

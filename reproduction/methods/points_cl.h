@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The methods of tool points on an OpenCL device: the bone is one buffer, and the points are a sparse buffer of
- * short4. Each of yau.c, zheng.c and reza.c has its kernel and its launch; the buffers are here.
+ * The code that the tool-to-bone methods on an OpenCL device share. The bone is one buffer, and the points are a sparse
+ * buffer of short4. The files yau.c, zheng.c and reza.c contain the kernels and their launches.
  *
  * Arguments of a kernel, in this order: the bone, the points, base and fraction, anchor, the steps to the bone's x,
  * y and z, the bone's dims, lo and hi of the box, the first point, the number of points; blocks (reza.c).
@@ -14,7 +14,7 @@
 
 #ifdef HAVE_OPENCL
 
-/* Source of the function that removes the voxel which contains a point, and the kernels' arguments. */
+/* The source of the kernels' arguments, and of the function that removes the voxel that contains a point. */
 #define POINTS_CL_SOURCE                                                                                               \
     "#define ARGUMENTS __global short *bone, __global const short4 *points, int4 base, int4 anchor, \\\n"              \
     "    int4 to_x, int4 to_y, int4 to_z, int4 dims, int4 lo, int4 hi, int first, int count\n"                         \
@@ -43,7 +43,7 @@ typedef struct points_cl {
     struct method_device *device; /* borrowed */
     cl_program program;
     cl_kernel kernel;
-    cl_mem bone, buffer, blocks; /* blocks: int8 per block: first, count, lo, hi */
+    cl_mem bone, buffer, blocks; /* `blocks` has one int8 per block: first, count, lo, hi */
     method_points points;
     int64_t visited;
 } points_cl;
@@ -61,8 +61,8 @@ static inline size_t points_cl_items(int32_t count)
     return ((size_t)count + 63) / 64 * 64;
 }
 
-/* Runs the kernel on the points [first, first + count) for the box, with `items` work items in groups of `group`
-   (0: the driver's choice), and waits for its end. */
+/* Runs the kernel on the points [first, first + count) for the box, and waits for its end. The kernel has `items` work
+   items in groups of `group`; if `group` is 0, the driver chooses the size of a group. */
 ost_status points_cl_run(points_cl *s, const ost_voxel_box *box, int32_t first, int32_t count, size_t items,
                          size_t group, ost_error *err);
 

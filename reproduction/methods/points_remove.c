@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loop of the methods that process tool points, on the processor: 256 points at a time are mapped to
- * indices of the bone's buffer, which the compiler does in vectors, and the voxels at these indices are then
- * removed one by one.
+ * The inner loop of the tool-to-bone methods on the processor. It maps 256 points at a time to indices of the bone's
+ * buffer, with vector instructions of the compiler, and then removes the voxels at these indices one by one.
  */
 #include "reproduction/methods/points.h"
 
 enum { TILE = 256 };
 static const uint32_t OUTSIDE = UINT32_MAX;
 
-/* Removes a voxel. Threads may remove the same voxel, so the store is atomic; this costs nothing. */
+/*
+ * Removes a voxel. Several threads may remove the same voxel, so the store is atomic. On common processors, an atomic
+ * store is as fast as a normal one.
+ */
 static inline void clear_voxel(int16_t *voxel)
 {
     if (__atomic_load_n(voxel, __ATOMIC_RELAXED) != 0)
@@ -40,7 +42,7 @@ static void indices_in_box(uint32_t *restrict out, ost_dims bone, const ost_voxe
     }
 }
 
-/* The same without the test of the box. */
+/* Computes the indices without testing whether the points are in the box. */
 static void indices(uint32_t *restrict out, ost_dims bone, const method_points *points, const points_map *map,
                     int32_t first, int32_t count)
 {

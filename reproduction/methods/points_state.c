@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The state that yau.c, zheng.c and reza.c share, and the ranges of a tool's points in a box of the bone. */
+/* The state that yau.c, zheng.c and reza.c share, and the computation of the points' ranges in a box of the bone. */
 #include "reproduction/methods/points.h"
 
 #include <stdlib.h>
@@ -92,7 +92,7 @@ void points_ranges_of_box(const ost_map *map, const ost_voxel_box *box, ost_dims
             least += from < to ? from : to;
             greatest += from < to ? to : from;
         }
-        /* Tool voxel i has its centre at i + 1/2, that is, e = 2 (i + 1/2) - dims. */
+        /* Tool voxel i has its centre at i + 1/2. Therefore e = 2 (i + 1/2) - dims. */
         const double bound = 4.0 * OST_TOOL_DIM_REMOVE_MAX;
         double first = 2 * least - dims[a] - 2, last = 2 * greatest - dims[a] + 2;
         first = first > bound ? bound : first < -bound ? -bound : first;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The levels of a pyramid of a tool's grid, from the tool's voxels upwards, and the content of a box. */
+/* Computes the levels of a pyramid from the tool's voxels upwards, and determines the content of a box. */
 #include "reproduction/methods/pyramid.h"
 
 #include <stdlib.h>
@@ -13,7 +13,10 @@ void pyramid_free(pyramid *p)
     *p = (pyramid){0};
 }
 
-/* Returns the flags of a cell of the level below, or of a tool voxel. Outside the tool's grid, there are no flags. */
+/*
+ * Returns the flags of a cell of the next lower level or, at the lowest level, of a tool voxel. Outside the tool's grid
+ * no flag is set.
+ */
 static uint8_t flags_below(const pyramid *p, int level, const ost_tool_volume *tool, int32_t x, int32_t y, int32_t z)
 {
     if (level > 0) {
@@ -67,7 +70,10 @@ pyramid_found pyramid_content(const pyramid *p, const int32_t lo[3], const int32
         to[a] = hi[a] >= dims[a] ? dims[a] - 1 : hi[a];
         span = to[a] - from[a] > span ? to[a] - from[a] : span;
     }
-    /* The cells of this level are at least half as long as the box, so that it overlaps at most three of them. */
+    /*
+     * On this level, cells are at least half as long as the box, so the box overlaps at most three cells along each
+     * axis.
+     */
     int l = 0;
     while (l + 1 < p->levels && span >> (l + 1) > 1)
         l++;

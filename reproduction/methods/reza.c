@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sparse tool points with an early way out per block (Faieghi, Tutunea-Fatan and Eagleson, "Parallelized collision
- * detection with applications in virtual bone machining", Comput. Methods Programs Biomed. 188, 2020, 105263; in the
- * thesis: Reza et al., section 3.2.3 and Fig. 3.10):
+ * Sparse tool points; blocks of points outside the bone are skipped early (Faieghi, Tutunea-Fatan and Eagleson,
+ * "Parallelized collision detection with applications in virtual bone machining", Comput. Methods Programs Biomed. 188,
+ * 2020, 105263; in the thesis: Reza et al., section 3.2.3 and Fig. 3.10):
  *
  *   the points are grouped in blocks of 16^3 tool voxels, with the bounds of the points of each block
  *   for each block: map the bounds; skip the block if it is outside the bone
  *     for each point of the block: map it to a bone voxel, and remove the voxel
  *
- * The source estimates the possible intersection volume and culls threads by it. On the device, a work group
- * processes a block and ends early. The points of a block that is completely inside the bone's grid are not compared
- * with the grid again. The set is that of yau.c.
+ * The publication estimates the possible intersection volume and uses it to cull threads. On the device, a work group
+ * processes one block and ends early if the block is skipped. The points of a block that is completely inside the
+ * bone's grid are not compared with the grid again. The removed set is the same as in yau.c.
  */
 #include "reproduction/methods/points_cl.h"
 
 enum { BLOCK = 16, GROUP = 64 };
 
-/* Computes the least and the greatest bone voxel of a block of points. Both are exact: a coordinate is a sum of one
-   monotone term per axis. */
+/* Computes the lowest and the highest bone voxel that a block of points can reach. Both are exact, because each
+   coordinate is a sum of one monotone term per axis. */
 static void bounds_of(const points_block *block, const points_map *map, int32_t lo[3], int32_t hi[3])
 {
     for (int b = 0; b < 3; b++) {
@@ -121,7 +121,7 @@ static ost_status remove_cl(void *state, ost_error *err)
     return points_cl_run(s, &all, 0, s->points.count, (size_t)s->points.block_count * GROUP, GROUP, err);
 }
 
-/* Counts the points of the blocks that the kernel does not reject. */
+/* Counts the points in the blocks that the kernel does not skip. */
 static void work_cl(void *state, method_work *out)
 {
     const points_cl *s = state;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The holes that tool points leave in a bone. A bone voxel smaller than a tool voxel can lie between the centres of
- * the tool's voxels, and is then missed, although a cutting tool voxel covers its centre.
+ * The holes that tool points leave in a bone. A bone voxel smaller than a tool voxel can lie between the centres of the
+ * tool's voxels, and is then missed although its centre is in a cutting tool voxel.
  *
  *   pose 1 ... n   bone-to-tool: voxels whose centre is in a cutting tool voxel   --> osteon's set, the union
  *                  tool-to-bone: voxels that contain a tool point                 --> the points' set, the union
  *
  * The tool is in the middle of the bone, turned as in the static event. With several poses, it moves by half a bone
- * voxel per pose along its axis, which is the -z axis of the tool's frame, and is in the middle at half the way.
+ * voxel per pose along its axis, which is the -z axis of the tool's frame, and passes the middle of the bone halfway
+ * along its path.
  */
 #include <stdlib.h>
 
@@ -32,20 +33,20 @@ static void free_sampled(sampled *s)
     method_set_free(&s->points);
 }
 
-/* Places the tool at pose number `n` of `poses`. `middle` is the pose at half the way. */
+/* Places the tool at pose number `n` of `poses`. The pose halfway along the path is `middle`. */
 static ost_status place(bench_scene *scene, const ost_pose *middle, int n, int poses, ost_error *err)
 {
     const ost_rotation r = ost_rotation_of(middle);
     ost_pose pose = *middle;
     ost_pm *const t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};
-    /* Quarters of a bone voxel: n - (poses - 1) / 2 halves. */
+    /* The displacement is n - (poses - 1) / 2 halves of a bone voxel, counted in quarters. */
     const int64_t quarters = 2 * n - (poses - 1);
     for (int a = 0; a < 3; a++)
         *t[a] -= (ost_pm)ost_rhe_div128((ost_i128)r.m[a][2] * quarters * scene->bone.spacing.x, (ost_i128)4 * r.n);
     return bench_scene_set_pose(scene, &pose, err);
 }
 
-/* Grows `box` so that it contains the scene's event, with one voxel on each side, within the bone. */
+/* Extends `box` so that it contains the scene's event and one more voxel on each side, within the bone. */
 static void include(ost_voxel_box *box, const bench_scene *scene)
 {
     const int32_t dims[3] = {scene->bone.dims.x, scene->bone.dims.y, scene->bone.dims.z};
@@ -133,7 +134,10 @@ ost_status methods_sampling(ost_tool_kind tool, methods_points which, int poses,
     return status;
 }
 
-/* Returns the middle of the slices that contain a voxel of the set, or the first slice of its box. */
+/*
+ * Returns the middle one of the slices that contain a voxel of the set. If the set is empty, returns the first slice of
+ * its box.
+ */
 static int32_t middle_slice(const method_set *set)
 {
     const size_t slice = method_set_row(set, set->box.lo[1], set->box.lo[2] + 1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The scenes of the measurements: the static event of bench/scene.h at any resolution, and the tool in the middle of
-   a bone of which only some chunks have active voxels. */
+/* Makes the scenes of the measurements: the static event of bench/scene.h at any resolution, and a tool in the middle
+   of a bone in which only some chunks have active voxels. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "core/rotation.h"
 #include "reproduction/methods/method.h"
 
-/* The edge of the bone's box: 128 voxels of 0.47 mm. */
+/* The edge length of the bone's box, 128 voxels of 0.47 mm. */
 #define BONE_EDGE (SCENE_SIDE * SCENE_SPACING)
 
 void methods_scene_free(methods_scene *scene)
@@ -29,8 +29,8 @@ void methods_scene_set_region(methods_scene *scene)
     }
 }
 
-/* Makes the tool, and the geometry of a bone of side^3 voxels that fills the box of the static event. The caller sets
-   the pose again. */
+/* Makes the tool, and the geometry of a bone of side^3 voxels that fills the box of the static event. The caller must
+   set the pose afterwards. */
 static ost_status make_event(bench_scene *event, ost_tool_kind tool, ost_pm tool_voxel, int32_t side, ost_error *err)
 {
     const ost_pm s = side < 1 ? 0 : BONE_EDGE / side, origin = (s - SCENE_SPACING) / 2;
@@ -43,7 +43,7 @@ static ost_status make_event(bench_scene *event, ost_tool_kind tool, ost_pm tool
     return status;
 }
 
-/* Makes the event, and the voxels of the bone, all of them active. */
+/* Makes the event and the bone's voxels, which are all active. */
 static ost_status make(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t side, ost_error *err)
 {
     *scene = (methods_scene){.voxels = NULL};
@@ -68,7 +68,7 @@ ost_status methods_scene_static(methods_scene *scene, ost_tool_kind tool, ost_pm
     return status;
 }
 
-/* Lists the chunks of the event. Returns NULL if there is no memory; the caller frees the list. */
+/* Lists the chunks of the event. Returns NULL if memory is exhausted. The caller frees the list. */
 static int32_t (*chunks_of(const methods_scene *scene, int chunk_size, int *count))[3]
 {
     *count = bench_scene_chunks(&scene->event, chunk_size, NULL);
@@ -126,8 +126,8 @@ static double distance_of(const methods_scene *scene, const int32_t corner[3], i
     return sum;
 }
 
-/* Moves the `keep` chunks that are nearest to the middle of the event's box to the beginning of the list. Among equal
-   distances, the first chunk of the list is nearer. */
+/* Moves the `keep` chunks that are closest to the middle of the event's box to the beginning of the list. If distances
+   are equal, the chunk that comes first in the list is preferred. */
 static void sort_nearest(const methods_scene *scene, int32_t (*corners)[3], int count, int32_t n, int keep)
 {
     for (int c = 0; c < keep; c++) {
@@ -142,7 +142,7 @@ static void sort_nearest(const methods_scene *scene, int32_t (*corners)[3], int 
     }
 }
 
-/* Sets all voxels to 0 except those of the first `keep` chunks of a list. */
+/* Sets all voxels to 0, except those of the first `keep` chunks of the list. */
 static ost_status clear_others(methods_scene *scene, int32_t (*corners)[3], int32_t n, int keep, ost_error *err)
 {
     const ost_dims d = scene->event.bone.dims;
@@ -163,7 +163,7 @@ static ost_status clear_others(methods_scene *scene, int32_t (*corners)[3], int3
     return OST_OK;
 }
 
-/* Moves the tool so that the centre of its grid, R c + t, is in the middle of the bone's box. */
+/* Moves the tool so that the centre of its grid, R c + t, is at the middle of the bone's box. */
 static ost_status move_to_middle(bench_scene *event, ost_error *err)
 {
     const ost_tool_geometry *tool = &event->tool.geometry;
@@ -188,7 +188,7 @@ ost_status methods_middle_event(bench_scene *event, ost_tool_kind tool, ost_pm t
     return status == OST_OK ? move_to_middle(event, err) : status;
 }
 
-/* Selects the chunks of methods_scene_middle. */
+/* Selects the chunks of the event for methods_scene_middle. */
 static ost_status keep_chunks(methods_scene *scene, int chunk_size, int keep, ost_error *err)
 {
     int count;

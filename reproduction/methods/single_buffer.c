@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The single buffer of thesis section 2.2: one matrix of densities for the complete bone, whose positions follow
- * from the indices. Nothing divides the buffer into regions, so an event processes every voxel of the bone
- * (section 3.1.1: chunks bypass numerous unnecessary voxel checks).
+ * The single buffer of thesis section 2.2: the complete bone is one matrix of densities, and a voxel's position follows
+ * from its index. The buffer is not divided into regions, so an event processes every voxel of the bone (section 3.1.1:
+ * chunks bypass numerous unnecessary voxel checks).
  */
 #include "reproduction/methods/matrix_pair.h"
 

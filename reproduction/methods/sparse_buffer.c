@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The sparse single buffer of thesis section 2.2: a list of the bone's active voxels, each with its position, because
- * the position does not follow from the index. Nothing selects a part of the list, so an event compares all voxels of
- * the list with the tool's grid. The voxels after a removed voxel are then shifted, so that the list has no gaps.
+ * The sparse single buffer of thesis section 2.2: the bone is a list of its active voxels. The list contains the
+ * position of each voxel, because the position does not follow from the index. No part of the list can be selected, so
+ * an event compares all voxels of the list with the tool's grid. The voxels after a removed voxel are then shifted, so
+ * that the list has no gaps.
  *
  *   part by part: mark the hit voxels, close the gaps within the part    (threads)
  *   move the parts together, from the first part with a removed voxel    (one thread, memmove)
@@ -23,10 +24,10 @@ typedef struct voxel_list {
 
 typedef struct sparse_buffer {
     const methods_scene *scene;
-    voxel_list full, live; /* before the event, and modified by it */
+    voxel_list full, live; /* `full` is the list before the event; `live` is modified by the event */
     matrix_tool tool;
     matrix_map map;
-    size_t *kept; /* owned; voxels that remain in each part */
+    size_t *kept; /* owned; number of voxels that remain in each part */
     int threads;
 } sparse_buffer;
 
@@ -112,7 +113,7 @@ static ost_status restore(void *state, ost_error *err)
     return OST_OK;
 }
 
-/* Sets hit[n] to 1 for each voxel [first, first + count) of the list that is hit. */
+/* Sets hit[n] to 1 for each voxel of [first, first + count) that is hit. */
 static void mark(uint8_t *restrict hit, const sparse_buffer *s, size_t first, int32_t count)
 {
     const int16_t *restrict vx = s->live.field[0] + first, *restrict vy = s->live.field[1] + first,

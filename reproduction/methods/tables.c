@@ -50,8 +50,8 @@ ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind too
     return status;
 }
 
-/* Appends rows with the error's text if the scene of a case cannot be made. Memory for the rows themselves is still an
-   error. */
+/* Appends rows that contain the error's text, because the scene of a case cannot be made. Returns an error if there is
+   no memory for the rows. */
 static ost_status not_made(const methods_options *options, ost_tool_kind tool, const methods_row *scene,
                            methods_table *table, ost_error *err)
 {
@@ -62,7 +62,10 @@ static ost_status not_made(const methods_options *options, ost_tool_kind tool, c
     return methods_not_measured(options, &row, reason.text, table, err);
 }
 
-/* The bone's dimension, so that the tool enters at least 64 chunks; a peg is smaller than a reamer. */
+/*
+ * Returns the dimension of the bone that is needed for the tool to enter at least 64 chunks. A peg is smaller than a
+ * reamer, so its bone needs more voxels.
+ */
 static int32_t counts_side(ost_tool_kind tool)
 {
     return tool == OST_TOOL_REAMER ? 2 * SCENE_SIDE : 4 * SCENE_SIDE;
@@ -94,8 +97,8 @@ ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind to
     return status;
 }
 
-/* Returns the edge of the tool voxels for which the tool's longest side has about `side` voxels; the tool's grid is
-   a little larger than the tool. */
+/* Returns the size of the tool voxels for which the longest side of the tool has about `side` voxels. The tool's grid
+   is a little larger than the tool. */
 static ost_pm tool_voxel_of(ost_tool_kind tool, int32_t side)
 {
     const ost_pm longest = tool == OST_TOOL_REAMER ? 36 * OST_PM_PER_MM : 30 * OST_PM_PER_MM;
@@ -107,7 +110,7 @@ static ost_status resolution(const methods_options *options, ost_tool_kind tool,
                              methods_table *table, ost_error *err)
 {
     const double t = tool_side, b = bone_side;
-    /* The scene itself: the bone's densities; the tool's bytes, and what its voxelization needs. */
+    /* The memory in bytes for the bone's densities, and for the tool and its voxelization. */
     const double bytes = 2 * b * b * b + 4 * t * t * t;
     const methods_row row = {.tool_voxel = tool_voxel_of(tool, tool_side), .tool_side = tool_side,
                              .bone_side = bone_side, .bone_voxel = SCENE_SIDE * SCENE_SPACING / bone_side,

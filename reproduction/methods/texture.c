@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Bone and tool as 3D textures (thesis, section 2.2): up to OpenCL 2.0, a kernel cannot read and write the same
- * image, so an event consists of two kernels.
+ * Bone and tool as 3D textures (thesis, section 2.2). Before OpenCL 2.0, a kernel cannot read and write the same image,
+ * so an event consists of two kernels.
  *
  *   mark    for each voxel of the box: read the bone's image and the tool's image; write a mask into a buffer
  *   clear   for each voxel of the box with a mask: write 0 into the bone's image
@@ -153,8 +153,8 @@ static void region_of(const methods_scene *scene, size_t origin[3], size_t size[
 
 static ost_status run_event(texture *s, bool clear, ost_error *err);
 
-/* A blocking write may return before the data is on the device. Marking the voxels waits for it, reads the event's
-   part of the image, and removes nothing. */
+/* A blocking write may return before the data is on the device. The kernel that marks voxels waits for the data and
+   reads the event's part of the image, but removes nothing. */
 static ost_status restore(void *state, ost_error *err)
 {
     texture *s = state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' chunks (Algs. 2.9 and 2.10): for each chunk of the intersection box that is not empty, all of its voxels
- * are compared with the tool's grid by a float matrix. The loop in C is bench/baseline_removal.c, and the kernel in
- * OpenCL, which is enqueued once per chunk, is bench/thesis_cl.c. This file selects the chunks of a scene.
+ * The thesis' chunks (Algs. 2.9 and 2.10): for each chunk of the intersection box that is not empty, all voxels are
+ * mapped by a float matrix and compared with the tool's grid. The loop in C is bench/baseline_removal.c, and the kernel
+ * in OpenCL, which is enqueued once per chunk, is bench/thesis_cl.c. This file selects the chunks of a scene.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +12,8 @@
 
 typedef struct chunks {
     const methods_scene *scene;
-    bench_thesis thesis; /* zeros if the event has no chunk */
-    bench_cl *cl;        /* NULL: the loop in C */
+    bench_thesis thesis; /* zero-initialized if the event has no chunk */
+    bench_cl *cl;        /* NULL if the loop in C is used */
     int threads;
 } chunks;
 
@@ -25,7 +25,9 @@ static void close_chunks(void *state)
     free(s);
 }
 
-/* Copies a chunk from the scene. Voxels outside the bone are 0. Returns true if the chunk has an active voxel. */
+/*
+ * Copies a chunk from the scene. Voxels outside the bone are set to 0. Returns true if the chunk has an active voxel.
+ */
 static bool copy_chunk(int16_t *out, const methods_scene *scene, const int32_t corner[3], int32_t n)
 {
     const ost_dims d = scene->event.bone.dims;
@@ -40,7 +42,7 @@ static bool copy_chunk(int16_t *out, const methods_scene *scene, const int32_t c
     return any;
 }
 
-/* Replaces the full bone of the bench's scene by the scene's voxels, and drops the empty chunks (Alg. 2.10). */
+/* Replaces the full bone of the benchmark's scene by the voxels of this scene, and removes empty chunks (Alg. 2.10). */
 static void take_voxels(bench_thesis *t, const methods_scene *scene)
 {
     const int32_t n = t->event.chunk_size;
@@ -121,7 +123,7 @@ static void work(void *state, method_work *out)
     const chunks *s = state;
     const int64_t tool = ost_dims_count(s->scene->event.tool.geometry.dims) * (int64_t)sizeof(int16_t);
     const int64_t n = s->thesis.event.chunk_size;
-    /* The memory of the thesis' bone is that of all active chunks, and not only of the event's chunks. */
+    /* The thesis' bone needs memory for all active chunks, not only for the chunks of the event. */
     *out = (method_work){.visited = s->thesis.event.chunk_count * n * n * n, .tool_bytes = tool};
     methods_scene_chunk_memory(s->scene, (int)n, &out->bone_bytes, &out->index_bytes);
 }
@@ -168,7 +170,7 @@ static ost_status restore_cl(void *state, ost_error *err)
     chunks *s = state;
     if (s->thesis.event.chunk_count == 0)
         return OST_OK;
-    /* A blocking write may return before the data is on the device. The empty kernel waits for it. */
+    /* A blocking write may return before the data is on the device. The empty kernel waits for the data. */
     return bench_cl_restore(s->cl, &s->thesis) && bench_cl_launch(s->cl) ? OST_OK : device_failed(s, err);
 }
 

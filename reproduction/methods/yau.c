@@ -4,8 +4,8 @@
  *
  *   for each point of the tool: map it to a bone voxel; if the voxel is in the bone's grid, remove it
  *
- * The thesis states neither the layout of the buffers nor the order of the points. Here the points are in the order
- * of the tool's grid, which is the most favourable one for the caches.
+ * The thesis states neither the layout of the buffers nor the order of the points. Here the points are in the order of
+ * the tool's grid, because this order is best for the caches.
  */
 #include "reproduction/methods/points_cl.h"
 

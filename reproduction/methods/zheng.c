@@ -5,12 +5,12 @@
  *   the bone's box, mapped to the tool's grid --> the slices of points that it contains
  *   for each point of these slices: map it to a bone voxel; if the voxel is in the intersection box, remove it
  *
- * The points are sorted by slices of the tool's grid, so the points outside the box are skipped without reading
- * them. The set is that of yau.c, because the box contains every bone voxel that a point can hit.
+ * The points are sorted by slices of the tool's grid, so the points outside the box are skipped without reading them.
+ * The removed set is the same as in yau.c, because the box contains every bone voxel that a point can hit.
  */
 #include "reproduction/methods/points_cl.h"
 
-/* Sets the range of the points in the slices of the tool's grid that the bone's box enters. */
+/* Determines the range of the points in those slices of the tool's grid that the bone's box enters. */
 static void select_points(const bench_scene *event, const method_points *points, int32_t *first, int32_t *count)
 {
     const ost_voxel_box all = points_whole_bone(event->bone.dims);
