@@ -66,13 +66,13 @@ typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT
    them. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
-/* Reads every byte, 64 per step, and returns a sum over them. */
+/* Reads all bytes, 64 at a time, and returns a sum over them. */
 uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
 
 /* ---------------------------------------------------------------------- text */
 
-/* Reads lines of "x y z density" by fscanf, into arrays of `capacity` elements, after lines that begin with '#'.
-   Returns the number of elements. */
+/* Skips lines at the beginning that start with '#', and reads lines of "x y z density" with fscanf into arrays of
+   `capacity` elements. Returns the number of lines read. */
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t capacity);
 
 #endif

@@ -62,7 +62,7 @@ static void note_hit(const struct RTCFilterFunctionNArguments *args)
         if (args->valid[r] != -1)
             continue;
         args->valid[r] = 0;
-        const float x = ((const float *)args->ray)[RAY_TFAR * args->N + r] - 1.0f; /* rays start at -1 */
+        const float x = ((const float *)args->ray)[RAY_TFAR * args->N + r] - 1.0f; /* rays start at x = -1 */
         int32_t i = (int32_t)((x - c->half) * c->per_voxel + 1.0f);
         const unsigned int lane = ((const unsigned int *)args->ray)[RAY_ID * args->N + r];
         if (i >= 0 && i < c->n)

@@ -14,7 +14,7 @@ size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities
     int density, first;
     if (!file)
         return 0;
-    /* Comments, which osteon writes before the first line of voxels. */
+    /* Skips the comments that osteon writes before the first line of voxels. */
     while ((first = fgetc(file)) == '#')
         while (first != '\n' && first != EOF)
             first = fgetc(file);

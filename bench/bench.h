@@ -19,7 +19,7 @@
 #include <osteon/backend.h>
 
 typedef struct bench_options {
-    const char *backend; /* "cpu", "cpu:isa=avx2", "ref" */
+    const char *backend; /* options string of the backend, such as "cpu", "cpu:isa=avx2" or "ref" */
     int threads;         /* number of threads of rows whose name does not end in /1 */
     int repeat;          /* number of repetitions; 0 selects the default of each row */
     /* true to use few repetitions and small inputs; the names of the rows do not change */
@@ -39,7 +39,7 @@ typedef struct bench_series {
     double *ns; /* owned */
 } bench_series;
 
-int64_t bench_now(void); /* CLOCK_MONOTONIC, ns */
+int64_t bench_now(void); /* time of CLOCK_MONOTONIC in ns */
 void bench_series_add(bench_series *series, double ns);
 void bench_series_free(bench_series *series);
 /* Sorts the series and returns its quantile `share` (0 to 1) by nearest rank, or 0 if the series is
@@ -48,7 +48,7 @@ double bench_series_at(bench_series *series, double share);
 double bench_series_mean(const bench_series *series);
 
 typedef struct bench_figures {
-    size_t count; /* number of repetitions; 0 if not measured */
+    size_t count; /* number of repetitions; 0 if nothing was measured */
     double median, min, max; /* times in the row's unit */
 } bench_figures;
 

@@ -17,16 +17,16 @@ typedef struct bench_device {
     char spec[64]; /* options string with which the backend cl opens the same device */
     char name[128];
     cl_device_id id;
-    cl_context context;     /* owned, as is the queue */
+    cl_context context;     /* owned, like the queue */
     cl_command_queue queue;
 } bench_device;
 
 /*
- * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". A
- * number that is omitted is 0; for another backend than cl, both numbers are 0. If there is no such
- * device, returns false and the reason.
+ * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". An omitted number is
+ * 0. If the string names a backend other than cl, both numbers are 0. If there is no such device, returns false and the
+ * reason.
  */
 bool bench_device_open(bench_device *device, const char *backend, char reason[BENCH_TEXT]);
-void bench_device_close(bench_device *device); /* may be called again */
+void bench_device_close(bench_device *device); /* may be called more than once */
 
 #endif

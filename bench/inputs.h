@@ -12,7 +12,10 @@
    tool has its default size. The caller frees *out before it closes the backend. */
 ost_status bench_tool_make(ost_backend *backend, ost_tool_kind kind, const ost_tool_options *options, ost_pm voxel,
                            ost_tool **out, ost_error *err);
-/* The same for a tool of the default size, by the backend that `spec` names, in host memory. The caller frees *out. */
+/*
+ * Voxelizes a parametric tool of the default size on the backend that the string `spec` selects, and copies the tool to
+ * host memory. The caller frees *out.
+ */
 ost_status bench_tool_volume(const char *spec, ost_tool_kind kind, ost_pm voxel, ost_tool_volume *out, ost_error *err);
 
 /* Converts a rect grid to cubic voxels by linear interpolation on a backend. The caller frees *out. */

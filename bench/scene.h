@@ -44,8 +44,8 @@ typedef struct bench_scene {
 /* Creates a scene. The bone has `side` voxels along each axis. The position of the event relative to the bone's far
    corner is the same for every `side`. */
 ost_status bench_scene_init(bench_scene *scene, ost_tool_kind kind, ost_pm tool_voxel, int32_t side, ost_error *err);
-/* Makes the same scene, with the tool voxelized by the backend that the string `backend` selects. All backends
-   make the same tool; the reference is slow for tools of many voxels. */
+/* Creates the same scene as bench_scene_init, but voxelizes the tool on the backend that the string `backend` selects.
+   All backends compute the same tool. The reference is slow for tools of many voxels. */
 ost_status bench_scene_init_by(bench_scene *scene, const char *backend, ost_tool_kind kind, ost_pm tool_voxel,
                                int32_t side, ost_error *err);
 /* Moves the tool to a pose. */
@@ -67,8 +67,8 @@ int bench_scene_chunks(const bench_scene *scene, int32_t chunk_size, int32_t (*c
 /* A removal event for the thesis' kernel, on separate copies of the chunks. */
 typedef struct bench_thesis {
     bench_thesis_event event;
-    int16_t *tool;        /* owned, like the following pointers */
-    /* the chunks, one after the other; `full` before the event, and `live` modified by the event */
+    int16_t *tool;        /* owned, like the pointers below */
+    /* the chunks, one after the other; `full` is their content before the event, and `live` is modified by the event */
     int16_t *full, *live;
     int16_t **chunks;
     int32_t (*corners)[3];

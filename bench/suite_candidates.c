@@ -8,9 +8,9 @@
  *   candidates/balls/TRIANGLES/N    1,000 spheres that do not touch, in one mesh
  *   NAME/1                          one thread
  *
- * osteon is the voxelizer with bins (voxelizer=auto), the baseline is the voxelizer with Embree (voxelizer=embree). The
- * time of the baseline includes building Embree's hierarchy, because a mesh is voxelized once. Both write bits into
- * memory that was written before.
+ * The times of osteon are those of the voxelizer with bins (voxelizer=auto), and the baseline is the voxelizer with
+ * Embree (voxelizer=embree). The time of the baseline includes building Embree's hierarchy, because a mesh is voxelized
+ * once. Both write bits into memory that was written before.
  */
 #include "bench/bench.h"
 #include "bench/meshes.h"

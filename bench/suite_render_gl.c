@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures frames drawn by OpenGL. The rows lead from the thesis' frame to osteon's frame, with one
- * change per row. Each frame ends with glFinish. Before a row is timed, its picture is compared with
- * the picture that the processor draws. osteon's picture may differ in at most 30 of 921,600 pixels. In
- * the other rows, points vanish at the frame's edge or near the camera, so these rows contain the
- * number of different pixels.
+ * Measures frames drawn by OpenGL. The rows lead from the thesis' frame to osteon's frame, with one change per row.
+ * Each frame ends with glFinish. Before a row is timed, its picture is compared with the picture that the processor
+ * draws. osteon's picture may differ in at most 30 of 921,600 pixels. The methods of the other rows lose points at the
+ * frame's edge or near the camera, so these rows report the number of pixels that differ.
  */
 #include "bench/render_gl.h"
 

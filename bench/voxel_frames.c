@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Frames of the two voxel rendering methods by OpenGL (voxel_methods.h): at idle, and while bone is removed.
- *
- * The camera looks along +y, somewhat from the side and from above, and sees the complete model. Under removal, a ball
- * moves along +y into the surface that the camera sees.
+ * Measures frames of the two voxel rendering methods with OpenGL (voxel_methods.h), both idle frames and frames while
+ * bone is removed. The camera looks along +y, slightly from the side and from above, and sees the complete model. To
+ * remove bone, a ball moves along +y into the surface that the camera sees.
  */
 #include "bench/voxel_model.h"
 
@@ -21,7 +20,7 @@
 #endif
 
 enum { WIDTH = 1280, HEIGHT = 720, MS = 1000000 };
-/* depth of the ball in the first measured frame, and its way in a frame, in voxels */
+/* depth of the ball in the first measured frame, and distance that the ball moves per frame, both in voxels */
 static const double FIRST_DEPTH = 3, STEP = 0.25;
 
 typedef struct canvas {
@@ -35,7 +34,7 @@ static void keep_memory(void)
 {
 #ifdef __GLIBC__
     /* Software drivers free the memory of every frame and allocate it again. These settings keep freed memory in the
-       process; otherwise the system would clear the pages for each frame. */
+       process, so that the system need not clear the pages for each frame. */
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -64,7 +63,7 @@ static void copy_reason(char to[BENCH_TEXT], const ost_error *why)
     snprintf(to, BENCH_TEXT, "%.*s", BENCH_TEXT - 1, why->text);
 }
 
-/* Opens OpenGL and the mesher. Returns OST_ERR_UNAVAILABLE if one of them is not available. */
+/* Opens OpenGL and the mesher. Returns OST_ERR_UNAVAILABLE if one of them cannot be opened. */
 static ost_status open_canvas(canvas *c, const bench_voxel_model *m, bench_voxel_method method, const char *mesher,
                               char opengl[BENCH_TEXT], bool *software, ost_error *err)
 {
@@ -113,9 +112,9 @@ static ost_status measure_idle(canvas *c, int repeat, bench_voxel_frame *out, os
 {
     bench_series series = {0};
     c->variant.slots = out->chunks;
-    ost_status status = draw(c, err); /* uploads, and compiles the shaders */
+    ost_status status = draw(c, err); /* uploads the model and compiles the shaders */
     if (status == OST_OK)
-        status = draw(c, err); /* the second frame omits what the first one found to be hidden */
+        status = draw(c, err); /* the second frame omits everything that was hidden in the first frame */
     for (int i = 0; i < repeat && status == OST_OK; i++) {
         const int64_t begin = bench_now();
         status = draw(c, err);
@@ -165,7 +164,10 @@ static bool is_active(const ost_volume *v, int x, int y, int z)
     return v->voxels[x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z)] >= BENCH_VOXEL_THRESHOLD;
 }
 
-/* Finds the column along y nearest to the grid's middle that contains active voxels, and its first one. */
+/*
+ * Finds the first active voxel of a column along y. The column is the one closest to the grid's middle that contains an
+ * active voxel.
+ */
 static bool find_surface(const ost_volume *v, double at[3])
 {
     const ost_dims d = v->geometry.dims;
@@ -194,7 +196,8 @@ static ost_status measure_cut(canvas *c, bench_voxel_model *m, const double surf
 {
     ost_surface *s = &m->surface;
     ost_status status = OST_OK;
-    for (int i = -2; i < frames && status == OST_OK; i++) { /* the first two frames upload and compile */
+    /* the first two frames are not measured, because they include uploading and compiling */
+    for (int i = -2; i < frames && status == OST_OK; i++) {
         const double at[3] = {surface[0], surface[1] - m->radius + FIRST_DEPTH + STEP * i, surface[2]};
         int32_t changed = 0;
         status = bench_carve(s, at, m->radius, &changed, err);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A model of the measurements of voxel_methods.h, and what is counted and meshed without OpenGL. The frames are
- * measured in voxel_frames.c.
- *
- * The surface of a model lists its blocks of 32^3 voxels in the order of the grid, so "the first k chunks" are the
- * slots 0 to k - 1. A block is a chunk here: a bone with chunks of 32^3 voxels has the same division.
+ * Makes the models for the measurements of voxel_methods.h, counts their voxels and measures meshing. These
+ * measurements do not use OpenGL. voxel_frames.c measures frames. The surface of a model lists its blocks of 32^3
+ * voxels in the order of the grid, so "the first k chunks" are the slots 0 to k - 1. In this file a block is called a
+ * chunk, because a bone with chunks of 32^3 voxels has the same division.
  */
 #include "bench/voxel_model.h"
 
@@ -49,7 +48,7 @@ static ost_status make_cubic(bench_voxel_model *m, const bench_options *options,
     return status;
 }
 
-/* Makes the surface of a volume as if its voxels were cubes. The faces do not depend on the spacing. */
+/* Makes the surface of a volume. The voxels are treated as cubes, because the faces do not depend on the spacing. */
 static ost_status make_surface(const ost_volume *volume, ost_surface *surface, ost_error *err)
 {
     ost_volume cubes = *volume;
@@ -188,15 +187,15 @@ static void describe(const ost_backend *backend, bench_voxel_stages *out)
     }
 }
 
-/* The series of one measurement, in nanoseconds per chunk. */
+/* The times of one measurement in nanoseconds per chunk. */
 typedef struct stage_series {
     bench_series stage[BENCH_VOXEL_STAGES], total, elapsed;
     uint64_t faces;
 } stage_series;
 
 /*
- * Meshes all chunks, `some` of them in a call. Adds the times of the stages to ns. The copy of each chunk's vertices to
- * `own`, a buffer of the chunk, is part of the last stage.
+ * Meshes all chunks, `some` of them in each call, and adds the times of the stages to ns. The last stage includes
+ * copying each chunk's vertices to `own`, a buffer for one chunk.
  */
 static ost_status mesh_all(ost_backend *backend, const ost_face_cluster *clusters, int32_t chunks, int32_t some,
                            ost_face_mesh *mesh, uint32_t *own, double ns[BENCH_VOXEL_STAGES], uint64_t *faces,
@@ -229,7 +228,7 @@ static ost_status measure(ost_backend *backend, const ost_face_cluster *clusters
     ost_face_mesh mesh = {0};
     uint32_t *own = malloc(4 * sizeof *own * OST_FACE_QUADS_MAX);
     ost_status status = own ? OST_OK : ost_fail(err, OST_ERR_MEMORY, "out of memory for a chunk's mesh");
-    /* The first repetition builds kernels and reserves memory; it is not counted. */
+    /* The first repetition is not counted, because it builds kernels and allocates memory. */
     for (int i = -1; i < repeat && status == OST_OK; i++) {
         double ns[BENCH_VOXEL_STAGES] = {0}, sum = 0;
         mesh.timed = true;

@@ -9,9 +9,9 @@
  *                 |--> bench_voxel_idle      Figs. 3.13, 3.14, 3.16 frame time against the number of chunks
  *                 '--> bench_voxel_removal   section 3.3.3          frame time while a tool removes bone
  *
- * The functions print nothing. What cannot run on this machine (no OpenGL, no OpenCL device) is not an
- * error: the result contains the reason. All frames have 1280 x 720 pixels and show the complete model.
- * One thread at a time may use a model.
+ * The functions print nothing. If a measurement cannot run on this machine, because OpenGL or an OpenCL device is
+ * missing, this is not an error, and the result contains the reason. All frames have 1280 x 720 pixels and show the
+ * complete model. One thread at a time may use a model.
  */
 #ifndef OST_BENCH_VOXEL_METHODS_H
 #define OST_BENCH_VOXEL_METHODS_H
@@ -22,48 +22,50 @@
 
 typedef struct bench_voxel_model bench_voxel_model;
 
-/* The methods, in the order of the names "mesh", "thesis", "gl". */
+/* The methods. Their names are "mesh", "thesis" and "gl". */
 typedef enum bench_voxel_method {
-    BENCH_VOXEL_MESH,   /* one quad for each visible face; a changed chunk is meshed again */
+    BENCH_VOXEL_MESH,   /* one quad for each visible face; if a chunk changes, it is meshed again */
     BENCH_VOXEL_THESIS, /* one GL_POINT for each voxel of each active chunk */
-    BENCH_VOXEL_POINTS, /* osteon's GL_POINTs: surface voxels that face the camera */
+    BENCH_VOXEL_POINTS, /* osteon's GL_POINTs: one for each surface voxel that faces the camera */
     BENCH_VOXEL_METHODS
 } bench_voxel_method;
 const char *bench_voxel_method_name(bench_voxel_method method); /* static */
 
-/* Models: the scapula, the glenoid, the two trabecular cores and the foam (thesis Fig. 1.4). */
+/* The models: the scapula, the glenoid, the two trabecular cores and the foam (thesis, Fig. 1.4). */
 extern const ost_phantom_kind bench_voxel_kinds[5];
 
 /*
- * Generates a phantom, resamples it and extracts its surface. options->backend computes the cubic grid, and
- * options->quick selects a quarter of the size. scale: scale of the phantom, from 0 (exclusive) to 1; the
- * foam has 60 million voxels at scale 1.
+ * Generates a phantom, resamples it and extracts its surface. The backend options->backend computes the cubic grid, and
+ * options->quick reduces the size to a quarter. The phantom's size is multiplied by `scale`, which must be in (0, 1].
+ * At scale 1, the foam has 60 million voxels.
  */
 ost_status bench_voxel_open(const bench_options *options, ost_phantom_kind kind, double scale, bench_voxel_model **out,
                             ost_error *err);
 void bench_voxel_close(bench_voxel_model *model); /* model may be NULL */
-/* Returns the number of active chunks of 32^3 voxels of the cubic grid, which is the number that can be drawn. */
+/*
+ * Returns the number of active chunks of 32^3 voxels in the cubic grid. This is the number of chunks that can be drawn.
+ */
 int32_t bench_voxel_chunks(const bench_voxel_model *model);
 
 /* ----------------------------------------------------- memory (Table 3.7, Fig. 3.15) */
 
-/* Counts and bytes of one grid, divided into chunks of 32^3 voxels. */
+/* The counts of one grid that is divided into chunks of 32^3 voxels, and the memory in bytes. */
 typedef struct bench_voxel_grid {
     ost_geometry geometry;
-    int64_t chunks, active_chunks; /* active: with at least one active voxel */
-    int64_t voxels;                /* voxels of the grid without the padding of chunks */
+    int64_t chunks, active_chunks; /* numbers of all chunks and of chunks with at least one active voxel */
+    int64_t voxels;                /* number of voxels, without the padding of chunks */
     int64_t active_voxels;
-    int64_t surface_voxels;        /* active voxels with at least one visible face */
+    int64_t surface_voxels;        /* number of active voxels with at least one visible face */
     int64_t faces;                 /* visible faces */
-    int64_t voxel_bytes;           /* 2 bytes for each voxel of the active chunks, as in Table 3.7 */
-    int64_t mesh_bytes;            /* vertices of all faces, 16 bytes for each face */
-    int64_t look_bytes;            /* appearance for the OpenGL mesh, 4 bytes for each face */
-    int64_t point_bytes;           /* buffer of osteon's GL_POINTs, 8 bytes for each surface voxel */
+    int64_t voxel_bytes;           /* 2 bytes for each voxel of an active chunk, as in Table 3.7 */
+    int64_t mesh_bytes;            /* 16 bytes for the vertices of each face */
+    int64_t look_bytes;            /* 4 bytes for the appearance of each face in osteon's mesh */
+    int64_t point_bytes;           /* 8 bytes for each surface voxel in the buffer of osteon's GL_POINTs */
 } bench_voxel_grid;
 
 typedef struct bench_voxel_counts {
-    bench_voxel_grid rect;  /* the CT's own voxels: the triangle mesh of the thesis needs no cubic voxels */
-    bench_voxel_grid cubic; /* cubic voxels, which GL_POINTs need */
+    bench_voxel_grid rect;  /* the grid with the CT's own voxels, which are sufficient for the thesis' triangle mesh */
+    bench_voxel_grid cubic; /* the grid with cubic voxels, which GL_POINTs need */
 } bench_voxel_counts;
 
 ost_status bench_voxel_memory(const bench_voxel_model *model, bench_voxel_counts *out, ost_error *err);
@@ -78,25 +80,26 @@ typedef enum bench_voxel_stage {
     BENCH_VOXEL_COPY,     /* "Copy global mesh buffer data to chunk mesh buffer" */
     BENCH_VOXEL_STAGES
 } bench_voxel_stage;
-const char *bench_voxel_stage_name(bench_voxel_stage stage); /* short English name; static */
+const char *bench_voxel_stage_name(bench_voxel_stage stage); /* static */
 
 typedef struct bench_voxel_stages {
     char reason[BENCH_TEXT];                  /* reason why nothing was measured; "" if measured */
-    char backend[BENCH_NAME], device[BENCH_TEXT]; /* for example "cl:platform=0" and the device's name */
-    int32_t chunks;                           /* chunks meshed in each repetition */
-    int32_t at_a_time;                        /* chunks in one call; 1 as in the thesis, or `chunks` */
-    bench_figures stage[BENCH_VOXEL_STAGES];  /* microseconds per chunk over the repetitions */
-    bench_figures total;                      /* sum of the stages, microseconds per chunk */
-    /* elapsed time of the same call without clocks between the stages, microseconds per chunk; with several
-       threads, less than `total` */
+    /* options string of the backend, such as "cl:platform=0", and name of the device */
+    char backend[BENCH_NAME], device[BENCH_TEXT];
+    int32_t chunks;                           /* number of chunks meshed in each repetition */
+    int32_t at_a_time;                        /* number of chunks in one call: 1, as in the thesis, or `chunks` */
+    bench_figures stage[BENCH_VOXEL_STAGES];  /* times of the stages in microseconds per chunk, over all repetitions */
+    bench_figures total;                      /* sum of the stages in microseconds per chunk */
+    /* time of the same call in microseconds per chunk, measured without clocks between the stages; with several
+       threads, this time is shorter than `total` */
     bench_figures elapsed;
     double faces_per_chunk;
 } bench_voxel_stages;
 
 /*
- * Meshes every chunk of the cubic grid with a backend: "ref" (scalar), "cpu" (bits, threads), "cl..." (OpenCL).
- * If one is true, each call meshes one chunk, as in the thesis; otherwise one call meshes all of them.
- * repeat: number of repetitions, at least 1.
+ * Meshes every chunk of the cubic grid on a backend: "ref" uses scalar code, "cpu" bit operations and threads, and
+ * "cl..." OpenCL. If `one` is true, each call meshes one chunk, as in the thesis. If it is false, one call meshes all
+ * chunks. `repeat` is the number of repetitions, at least 1.
  */
 ost_status bench_voxel_mesh(const bench_voxel_model *model, const char *backend, bool one, int repeat,
                             bench_voxel_stages *out, ost_error *err);
@@ -105,13 +108,13 @@ ost_status bench_voxel_mesh(const bench_voxel_model *model, const char *backend,
 
 typedef struct bench_voxel_frame {
     int32_t chunks;        /* chunks drawn */
-    bench_figures ms;      /* milliseconds per frame, each ended by glFinish */
-    uint64_t vertices;     /* vertices passed to OpenGL in a frame */
+    bench_figures ms;      /* milliseconds per frame; each frame ends with glFinish */
+    uint64_t vertices;     /* number of vertices that are passed to OpenGL in a frame */
 } bench_voxel_frame;
 
 typedef struct bench_voxel_frames {
     char reason[BENCH_TEXT]; /* reason why nothing was measured; "" if measured */
-    char opengl[BENCH_TEXT]; /* driver and version */
+    char opengl[BENCH_TEXT]; /* name and version of the driver */
     bool software;           /* true if the processor executes OpenGL */
     int32_t count;
     bench_voxel_frame *frame; /* owned; `count` entries */
@@ -119,8 +122,8 @@ typedef struct bench_voxel_frames {
 void bench_voxel_frames_free(bench_voxel_frames *frames);
 
 /*
- * Measures idle frames: nothing changes between frames. counts: numbers of chunks to draw, each from 1 to
- * bench_voxel_chunks; the first chunks in the order of the grid are drawn. repeat: frames for each number.
+ * Measures idle frames, between which nothing changes. `counts` contains the numbers of chunks to draw, each from 1 to
+ * bench_voxel_chunks. For each number, the first chunks in the order of the grid are drawn in `repeat` frames.
  */
 ost_status bench_voxel_idle(const bench_voxel_model *model, bench_voxel_method method, const int32_t *counts, int count,
                             int repeat, bench_voxel_frames *out, ost_error *err);
@@ -131,20 +134,21 @@ typedef struct bench_voxel_cut {
     char reason[BENCH_TEXT]; /* reason why nothing was measured; "" if measured */
     char opengl[BENCH_TEXT];
     int32_t frames;
-    bench_figures ms;        /* milliseconds per frame: update of the surface, meshing, drawing, glFinish */
-    bench_figures idle_ms;   /* the same frames, drawn again without a change */
-    double changed_chunks;   /* chunks in which voxels were removed, mean per frame */
-    double meshed_chunks;    /* chunks whose mesh was generated again, mean per frame; 0 for GL_POINTs */
-    double mesh_ms, copy_ms; /* parts of a frame: meshing, and copying the meshes to OpenGL; means */
-    double update_ms;        /* part of a frame: lists and appearance of surface voxels, which all methods need */
-    uint64_t uploaded;       /* bytes copied to OpenGL, mean per frame */
+    /* milliseconds per frame, including the update of the surface, meshing, drawing and glFinish */
+    bench_figures ms;
+    bench_figures idle_ms;   /* milliseconds per frame if the same frames are drawn again without a change */
+    double changed_chunks;   /* mean number of chunks per frame in which voxels were removed */
+    double meshed_chunks;    /* mean number of chunks per frame that were meshed again; 0 for GL_POINTs */
+    double mesh_ms, copy_ms; /* mean times in ms per frame of meshing, and of copying the meshes to OpenGL */
+    /* mean time in ms per frame of updating the lists and the appearance of surface voxels, which all methods need */
+    double update_ms;
+    uint64_t uploaded;       /* mean number of bytes copied to OpenGL per frame */
 } bench_voxel_cut;
 
 /*
- * Measures frames while a ball with the radius of the thesis' reamer head (18 mm at the voxel size of the
- * scapula: 38 voxels) moves into the model, a quarter of a voxel per frame. At a smaller scale of the model,
- * the ball is smaller too. The model is restored at the end. mesher: backend that meshes the chunks, for
- * example "cpu"; used only by BENCH_VOXEL_MESH.
+ * Measures frames while a ball with the radius of the thesis' reamer head (18 mm at the voxel size of the scapula: 38
+ * voxels) moves into the model, by a quarter of a voxel per frame. The ball is scaled with the model. The model is
+ * restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only BENCH_VOXEL_MESH uses it.
  */
 ost_status bench_voxel_removal(bench_voxel_model *model, bench_voxel_method method, const char *mesher, int frames,
                                bench_voxel_cut *out, ost_error *err);
