@@ -14,7 +14,7 @@ uniform usamplerBuffer shades;
 #if TARGET == FORWARD
 out vec4 kept;
 #else
-out uvec2 kept; /* colour and face << 24 in the first word, depth in the second */
+out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
 #endif
 
 const float CLOSE = 4e-4; /* in voxels; greater than the sum of a voxel's enlargement and the rounding error */

@@ -2,20 +2,22 @@
 /*
  * Tests whether a pixel's ray meets the voxel, and writes the fragment.
  *
- *   LINES   |o x d| <= 1/2 (|d_j| + |d_k|) on all axes: the line along d meets
- *           the cube about o; linear in the pixel, no division
- *   else    on each axis, the plane that faces the ray; the ray hits the voxel
- *           if it crosses one of them within the other two (Majercik et al. 2018)
+ *   LINES   The line along d meets the cube with the centre o if |(o x d)_i| <= 1/2 (|d_j| + |d_k|)
+ *           for each axis i, where j and k are the other two axes. This test is linear in the
+ *           pixel's position and needs no division.
+ *   else    On each axis, the shader intersects the ray with the plane of the face that is
+ *           turned to the eye. The ray hits the voxel if one of these intersections is within
+ *           the voxel on the other two axes (Majercik et al. 2018).
  */
 flat in uint tint; /* 0xBBGGRR */
 flat in vec3 o;
 
 #if TARGET == COMPACT
-out uvec2 kept; /* colour and face << 24 in the first word, depth in the second */
+out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
 #elif TARGET == FORWARD
 out vec4 kept;
 #else
-out vec4 kept;   /* normal, in the picture's frame */
+out vec4 kept;   /* normal in the camera's frame */
 out vec4 kept_1; /* colour */
 #endif
 

@@ -3,7 +3,7 @@
  * Draws a voxel as a point. A voxel that is larger than the driver's largest point is drawn as a rectangle of two
  * triangles (QUADS).
  *
- *   EVERY_VOXEL   a density for each vertex, positioned by the vertex's number (thesis 2.6)
+ *   EVERY_VOXEL   one density per vertex; the vertex's number determines its position (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
 /* positions of the blocks' first voxels, with one entry for every 2^PAGE_BITS vertices */

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A corner of a visible face of a voxel.  corner: a vertex of core/face_mesh.h.  The page of the quad contains the
- * position of the block's first voxel, and the index of the face's look relative to the number of the quad.
+ * Places a corner of a visible face of a voxel. The input `corner` is a vertex as described in core/face_mesh.h. The
+ * page of the quad contains the position of the block's first voxel, and the index of the face's look relative to the
+ * number of the quad.
  *
- * The position of a corner is exact until the eye is subtracted, so the faces that share a corner place it equally and
- * leave no gap.  The depth is that of the voxel's centre, as for points (point.vert).
+ * The position of a corner is exact until the eye is subtracted, so faces that share a corner place it at the same
+ * position and leave no gap. The depth of a corner is that of the voxel's centre, as for points (point.vert).
  */
 uniform isamplerBuffer pages;
 uniform usamplerBuffer shades;
@@ -21,7 +22,7 @@ void main()
     ivec3 at = ivec3(uvec3(corner, corner >> 6, corner >> 12) & 63u);
     uint axis = corner >> 19 & 3u, side = corner >> 18 & 1u;
     int along[3] = int[3](int(side), int(corner >> 21 & 1u), int(corner >> 22 & 1u));
-    /* the voxel's own corner is the one nearest to (0, 0, 0) */
+    /* `at` is a corner of the face, and `voxel` is the corner of the voxel that is closest to (0, 0, 0) */
     ivec3 voxel = at - (axis == 0u ? ivec3(along[0], along[1], along[2])
                                    : axis == 1u ? ivec3(along[2], along[0], along[1])
                                                 : ivec3(along[1], along[2], along[0]));
