@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_CHECK_ARITHMETIC: the conditions of docs/spec/arithmetic.md section 2 on the
-# compiler and its flags.  Sets OST_ARITH_CFLAGS.  The same conditions are
-# asserted again at compile time in src/core/conditions.h, so that a foreign
-# build system cannot lose them.
+# OST_CHECK_ARITHMETIC: checks the conditions of docs/spec/arithmetic.md section 2
+# for the compiler and its flags.  Sets OST_ARITH_CFLAGS.  src/core/conditions.h
+# asserts the same conditions at compile time, so that they are also checked in
+# other build systems.
 AC_DEFUN([OST_CHECK_ARITHMETIC], [
   AC_MSG_CHECKING([whether $CC takes -ffp-contract=off])
   ost_save_CFLAGS=$CFLAGS

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_BENCH_FLAGS: how the baselines of `osteon bench` are compiled.  They are
-# part of the command, so a package for other machines than the one that builds
-# it says --disable-native-bench; the command itself notices at run time when
-# the processor lacks what they were built for.  Sets BENCH_CFLAGS.
+# OST_BENCH_FLAGS: the flags with which the baselines of `osteon bench` are
+# compiled.  The baselines are part of the command.  Therefore a package for
+# machines other than the build machine needs --disable-native-bench.  At run
+# time the command detects that the processor lacks an instruction set for
+# which the baselines were built.  Sets BENCH_CFLAGS.
 AC_DEFUN([OST_BENCH_FLAGS], [
   AC_ARG_ENABLE([native-bench], [AS_HELP_STRING([--disable-native-bench],
     [compile the baselines of osteon bench for any processor, not for this one])],

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Options for people who work on osteon itself.
+# Options for developers of osteon.
 
-# OST_WARNINGS: each warning that the compiler knows; --enable-werror for CI.
-# Rejected on purpose: -Wconversion (drowns the range proofs that stand beside
-# the arithmetic in casts), -Wpadded, -Wdeclaration-after-statement.
+# OST_WARNINGS: enables each of these warnings that the compiler supports, and
+# makes them errors with --enable-werror, for CI.  Intentionally not used:
+# -Wconversion (the many casts that it requires would hide the range proofs next
+# to the arithmetic), -Wpadded, -Wdeclaration-after-statement.
 AC_DEFUN([OST_WARNINGS], [
   AC_ARG_ENABLE([werror], [AS_HELP_STRING([--enable-werror], [warnings are errors (for CI)])], [], [enable_werror=no])
   OST_WARN_CFLAGS=
@@ -21,13 +22,13 @@ AC_DEFUN([OST_WARNINGS], [
   AS_IF([test "x$enable_werror" = xyes],
     [OST_WARN_CFLAGS="$OST_WARN_CFLAGS -Werror"; ost_summary_WERROR="errors"])
   AC_SUBST([OST_WARN_CFLAGS])
-  # Every C++ compiler takes these.
+  # Every C++ compiler supports these.
   OST_WARN_CXXFLAGS="-Wall -Wextra -Wshadow"
   AS_IF([test "x$enable_werror" = xyes], [OST_WARN_CXXFLAGS="$OST_WARN_CXXFLAGS -Werror"])
   AC_SUBST([OST_WARN_CXXFLAGS])
 ])
 
-# OST_SANITIZE: --enable-sanitize=address,undefined and the like.
+# OST_SANITIZE: the option --enable-sanitize=LIST, such as address,undefined.
 AC_DEFUN([OST_SANITIZE], [
   AC_ARG_ENABLE([sanitize], [AS_HELP_STRING([--enable-sanitize@<:@=LIST@:>@], [build with these sanitizers (default list: address,undefined,float-cast-overflow)])],
     [], [enable_sanitize=no])
@@ -40,8 +41,9 @@ AC_DEFUN([OST_SANITIZE], [
   AC_SUBST([OST_SAN_CFLAGS])
 ])
 
-# OST_FUZZ: with --enable-fuzz (clang) the targets of tests/fuzz link to
-# libFuzzer; without it the same sources are plain replays in make check.
+# OST_FUZZ: with --enable-fuzz (clang), the targets of tests/fuzz are linked to
+# libFuzzer.  Without it, the same sources are tests of make check that replay
+# inputs.
 AC_DEFUN([OST_FUZZ], [
   AC_ARG_ENABLE([fuzz], [AS_HELP_STRING([--enable-fuzz], [link the fuzz targets to libFuzzer (clang)])], [], [enable_fuzz=no])
   OST_FUZZ_CFLAGS=

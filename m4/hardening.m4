@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_HARDENING: what compiler and linker offer against the consequences of a
-# memory error, unless --disable-hardening.  Each flag is used if this
-# toolchain takes it; none changes a result.
+# OST_HARDENING: flags of compiler and linker that limit the consequences of a
+# memory error, unless --disable-hardening is given.  Each flag is used if this
+# toolchain supports it.  None changes a result.
 #   -D_FORTIFY_SOURCE=3 (or 2)  libc checks sizes of buffers; needs -O
-#   -fstack-protector-strong    a canary behind arrays on the stack; not in the
-#                               files of an instruction set, whose loops work on
-#                               arrays of vectors (OST_KERNEL_CFLAGS)
-#   -fcf-protection, -mbranch-protection=standard  targets of jumps, x86 and ARM
-#   -fPIE, -pie                 a program at a random address
-#   -z relro, now, noexecstack  no table of addresses and no stack to write
-#                               and to execute
-# Fortified functions hide errors from AddressSanitizer: with --enable-sanitize
-# that flag is left out.  Sets OST_HARD_CFLAGS, OST_HARD_LDFLAGS,
+#   -fstack-protector-strong    a canary after arrays on the stack; not used for
+#                               the files of an instruction set, because their
+#                               loops use arrays of vectors (OST_KERNEL_CFLAGS)
+#   -fcf-protection, -mbranch-protection=standard  checks the targets of jumps
+#                               on x86 and ARM
+#   -fPIE, -pie                 loads the program at a random address
+#   -z relro, now, noexecstack  the table of addresses is not writable, and the
+#                               stack is not executable
+# Fortified functions hide errors from AddressSanitizer, so that flag is omitted
+# with --enable-sanitize.  Sets OST_HARD_CFLAGS, OST_HARD_LDFLAGS,
 # OST_KERNEL_CFLAGS, OST_PIE_LDFLAGS.
 AC_DEFUN([OST_HARD_FLAG], [
   AS_VAR_PUSHDEF([ost_var], [ost_cv_hard_$1])

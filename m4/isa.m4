@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_ISA(VAR, flags, intrinsics): whether the compiler builds and links code
-# of an instruction set.  Sets VAR_CFLAGS, the conditional BUILD_VAR, and
+# OST_ISA(VAR, flags, intrinsics): checks whether the compiler builds and links
+# code for an instruction set.  Sets VAR_CFLAGS, the conditional BUILD_VAR, and
 # HAVE_VAR_BUILD in config.h (0 or 1).  Only files that are named after the
 # instruction set are compiled with these flags.  ISA_ALL_CPPFLAGS sets each
 # HAVE_VAR_BUILD to 1, for kernels in portable C (tests/simd/portable).
@@ -21,21 +21,22 @@ AC_DEFUN([OST_ISA], [
   AM_CONDITIONAL([BUILD_$1], [test "x$ost_cv_isa_$1" = xyes])
 ])
 
-# OST_ISA_OPTIMISATION: how hard the compiler tries in files that are named after
-# an instruction set.  Sets ISA_OPT_CFLAGS, which comes behind CFLAGS.
-#   Their loops are written in registers: arrays of two to four vectors, which
-# stay in registers only when the loops over them are peeled, and GCC does that
-# from -O3 on.  Automake puts the user's CFLAGS last, and those say -O2 for
-# nearly everybody, mostly without having been asked (autoconf's default, a
-# distribution's): so a -O3 before it never came to anything.  The rule:
-#   -O2 (the last -O in CFLAGS)   becomes -O3 for these files
-#   anything else                 is a wish and is obeyed: -O0, -Og and -O1 to
-#                                 debug, -Os for size, none at all
-# and make CFLAGS=... on the command line overrules all of it, as ever.
-#   With it go branches that cross no border of 32 bytes, where the assembler
-# can do that.  Processors of the Skylake family decode such a branch anew each
-# time (Intel's erratum SKX102), and whether one does changes with every byte
-# before it in the library: the loop over densities took 26,000 cycles or 19,500.
+# OST_ISA_OPTIMISATION: the optimisation level of files that are named after an
+# instruction set.  Sets ISA_OPT_CFLAGS, which comes after CFLAGS.
+#   The loops in these files use arrays of two to four vectors.  The arrays are
+# in registers only if the compiler unrolls the loops over them completely, and
+# GCC does so with -O3.  Automake puts the user's CFLAGS last.  They usually
+# contain -O2, the default of autoconf and of distributions, which would replace
+# an earlier -O3.  The rule is:
+#   -O2 (the last -O in CFLAGS)   is replaced by -O3 for these files
+#   anything else                 is respected: -O0, -Og or -O1 for debugging,
+#                                 -Os for size, or no -O
+# CFLAGS on the command line of make replaces all these flags, as usual.
+#   If the assembler supports it, branches are also placed so that they do not
+# cross borders of 32 bytes.  Processors of the Skylake family decode such a
+# branch again each time it is executed (Intel's erratum SKX102).  The position
+# of a branch depends on all code before it in the library: without this option
+# the loop over densities took either 26,000 or 19,500 cycles.
 AC_DEFUN([OST_ISA_OPTIMISATION], [
   ost_level=
   for ost_flag in $CFLAGS; do
@@ -105,7 +106,7 @@ AC_DEFUN([OST_OPENMP], [
     AC_MSG_RESULT([${OPENMP_CFLAGS:-no}])
     AS_IF([test "x$with_openmp" = xyes && test "x$OPENMP_CFLAGS" = x],
       [AC_MSG_ERROR([--with-openmp was asked for, but $CC has none; Debian: gcc, or clang with libomp-dev])])])
-  # Without it its pragmas mean nothing, which is no reason to warn.
+  # Without OpenMP its pragmas have no effect, so no warning is needed.
   AS_IF([test "x$OPENMP_CFLAGS" = x], [OPENMP_CFLAGS=-Wno-unknown-pragmas])
   AC_SUBST([OPENMP_CFLAGS])
 ])

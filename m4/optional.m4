@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# OST_OPTIONAL_PKG(VAR, option, pkg-config spec, Debian package, what absence costs)
-#   --with-option=auto (default): used when found.  yes: an error when absent.
-#   no: not used.  Defines HAVE_VAR, sets VAR_CFLAGS, VAR_LIBS, ost_summary_VAR.
+# OST_OPTIONAL_PKG(VAR, option, pkg-config spec, Debian package, effect of its absence)
+#   With --with-option=auto (default), the library is used if it is found.  With
+# yes, its absence is an error.  With no, it is not used.  Defines HAVE_VAR, sets
+# VAR_CFLAGS, VAR_LIBS and ost_summary_VAR.
 AC_DEFUN([OST_OPTIONAL_PKG], [
   AC_ARG_WITH([$2], [AS_HELP_STRING([--with-$2], [use $2: yes, no or auto (default)])],
     [], [with_$2=auto])
@@ -97,8 +98,8 @@ AC_DEFUN([OST_OPTIONAL_EMBREE], [
   AM_CONDITIONAL([HAVE_EMBREE], [test "x$have_EMBREE" != xno])
 ])
 
-# OST_OPTIONAL_OPENCL: by pkg-config, else header and library as the system has
-# them; 1.2 is what src/cl uses and all that it asks of the loader.
+# OST_OPTIONAL_OPENCL: found by pkg-config or, without it, in the system's default
+# folders.  src/cl needs only OpenCL 1.2 of the loader.
 AC_DEFUN([OST_OPTIONAL_OPENCL], [
   AC_ARG_WITH([opencl], [AS_HELP_STRING([--with-opencl], [use OpenCL 1.2: yes, no or auto (default)])],
     [], [with_opencl=auto])

@@ -39,7 +39,7 @@ run 0 export bone.nrrd --out bone.obj
 check "the frame in an STL" "$(head -c 80 bone.stl | tr -d '\0' | grep -c 'SPACE=LPS')" 1
 check "the frame in a PLY" "$(head -4 bone.ply | grep -a -c '^comment SPACE=LPS$')" 1
 check "the frame in an OBJ" "$(head -1 bone.obj | grep -c '^#.*SPACE=LPS')" 1
-# A tool has no patient's frame.
+# A tool has no position in the patient, so its file must state no frame.
 check "no frame in a tool" "$(head -c 80 peg.stl | grep -a -c 'SPACE')" 0
 run 0 tool burr --out burr.obj
 run 0 voxelize burr.obj --voxel 0.5 --out burr.nrrd
@@ -56,7 +56,7 @@ done
 check "the segment's value" "$(grep -a -c '^Segment0_LabelValue:=1$' labels.nrrd)" 1
 check "the segment's name" "$(grep -a -c '^Segment0_Name:=' labels.nrrd)" 1
 check "one segment" "$(grep -a -c '^Segment1_' labels.nrrd)" 0
-# A reader takes these fields as those of a label map, which is not interpolated.
+# Readers recognise a label map by these fields and do not interpolate it.
 run 0 import labels.nrrd --threshold 1 --out back.nrrd --json
 check "labels" "$("$json_get" labels <out)" true
 refuse 2 "--labels needs" export bone.nrrd --labels --out labels.txt

@@ -42,7 +42,7 @@ check "frames without a pose" "$(value headset.frames_without_pose)" 0
 [ "$(value dropouts)" -le 1 ] || fail "$(value dropouts) drop-outs"
 run 0 replay own.session --verify
 
-# Another device, and the left hand.
+# Tests another device, and the left hand.
 run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device sim --json
 check "the other device" "$(value device)" sim
 run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device openxr:hand=left --json

@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The tables and figures of the thesis, made again: files that agree with each other, plots that are
-# well-formed, counts that are equal on every machine, a report of all items, merging, refusals and an
-# interrupted run. Times are not tested.
+# Tests osteon reproduce, which makes the tables and figures of the thesis. Its files must agree with
+# each other, plots must be well-formed, counts must be equal on every machine, and a report must
+# contain all items. Also tests merging, refusals and an interrupted run. Times are not tested.
 # Covers: REQ-REPRODUCE, REQ-REPRODUCE-FILES, REQ-REPRODUCE-MERGE
 . "${srcdir:-.}/tests/app/lib.sh"
 needs PNG
 TMPDIR=$scratch
 export TMPDIR
 
-# The list: every table and figure of the thesis, either as an item or with the reason why it is missing.
+# The list must contain every table and figure of the thesis, as an item or with the reason why it is missing.
 run 0 reproduce --list --json
 cp out list
 for n in 2.1 2.2 3.1 3.2 3.3 3.4 3.5 3.6 3.7 3.8; do
@@ -25,7 +25,7 @@ run 0 reproduce --list
 checks=$((checks + 1))
 grep -q '^table-3\.3  *times ' out || fail "the list has no line of table-3.3: $(head -n 3 out)"
 
-# Items of all kinds: counts, times, pictures.
+# Makes items of all kinds: counts, times and pictures.
 run 0 reproduce table-3.2,figure-3.2,table-3.4,table-3.6,section-3.2.6,figure-2.2 --out once --quick --json
 check "measured" "$(value measured) $(value not_measured)" "6 0"
 check "the first item" "$(value items.0.name)" figure-2.2
@@ -37,7 +37,7 @@ done
 check "files that are not announced" "$(ls -A once | grep -c '^\.')" 0
 check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-)" 0
 
-# The counts of the thesis' event, and of the phantoms, are equal on every machine.
+# The counts of the thesis' event and of the phantoms must be equal on every machine.
 cp once/table-3.4.json out
 check "chunks of the event" "$(value rows.0.chunks.value) $(value rows.1.chunks.value) $(value rows.2.chunks.value)" "80 18 8"
 check "the thesis' chunks" "$(value rows.0.chunks.thesis) $(value rows.1.chunks.thesis) $(value rows.2.chunks.thesis)" "80 18 8"
@@ -51,7 +51,7 @@ check "the scapula's dimensions" "$(grep -c '^.*Scapula,.*256 x 234 x 201,256 x 
 checks=$((checks + 1))
 [ -s named/figure-3.15.csv ] || fail "fig-3.15 is not figure-3.15"
 
-# Merged: the rows of both machines, distinguished by their names.
+# The merged result must contain the rows of both machines, distinguished by their names.
 run 0 reproduce --merge once --merge named --merge once --out merged --json
 check "merged items" "$(value measured)" 8
 check "rows of two machines" "$(grep -c . merged/table-3.4.csv)" 7
@@ -59,7 +59,7 @@ check "names of machines" "$(sed 1d merged/table-3.4.csv | sed 's/"\([^"]*\)".*/
 run 0 reproduce table-3.4 --merge merged --out again --quiet
 check "merging one folder changes nothing" "$(cmp merged/table-3.4.json again/table-3.4.json && echo same)" same
 
-# A report lists everything, and reads as one page.
+# A report must list every table and figure, and be a single page.
 for n in table-2.2 figure-3.10 figure-1.3; do
     checks=$((checks + 1))
     grep -q "$(echo "$n" | sed 's/^\(.\)\(.*\)-/\1\2 /; s/^t/T/; s/^f/F/')" once/report.html || fail "the report does not list $n"
@@ -70,7 +70,7 @@ if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     "$PYTHON3" "$source_folder/tests/app/check_reproduce.py" once named merged >out 2>&1 || fail "files disagree: $(cat out)"
 fi
 
-# A CT of the user in the place of a model.
+# Tests a CT of the user that replaces a model.
 run 0 phantom glenoid --out own.nrrd --scale 0.5
 run 0 reproduce table-3.1 --ct glenoid=own.nrrd --out own --quick
 check "the own CT" "$(grep -c 'Glenoid (own CT)' own/table-3.1.csv)" 1
@@ -90,7 +90,7 @@ refuse 2 'is not a result of osteon reproduce' reproduce --merge broken --out x
 printf '{"form' >broken/table-3.4.json
 refuse 2 'broken/table-3.4.json:1' reproduce --merge broken --out x
 
-# An interrupted run: every file that is there is complete.
+# Every file that an interrupted run leaves must be complete.
 # A shell without job control ignores SIGINT for its background processes.
 "$osteon" reproduce figure-2.2,table-2.2,table-3.3 --out cut --quiet >out 2>err &
 pid=$!

@@ -53,7 +53,7 @@ echo more >"$evil.bundle/$evil"
 # --json.
 for json in '' --json; do
     for verb in phantom tool import voxelize ream replay sim diff render export info validate compare verify bench reproduce devices bridge; do
-        # As an operand, an option, a value and a verb's name.
+        # The name is passed as an operand, an option, a value and a verb's name.
         shows $verb "$evil" $json
         shows $verb "--$evil" $json
         [ -n "$json" ] || shows $verb --threads "$evil"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A series in each transfer syntax, pixel format and orientation has exactly the values and positions that series.h
-# states for it. Lossy syntaxes have them within their error, with a warning. By default each combination of how pixels
-# are stored is tried in the syntaxes that another function unpacks, and each axis of a slice once; OST_TEST_LONG=1 tries
-# them in every syntax, and every pair of axes.
+# Tests series in each transfer syntax, pixel format and orientation. The values and positions must be exactly those
+# that series.h states. For a lossy syntax they must be within its error, and there must be a warning. By default, each
+# pixel format is tested with one syntax per decoding function, and each axis of a slice is tested once. OST_TEST_LONG=1
+# tests all pixel formats in every syntax, and every pair of axes.
 # Covers: REQ-DICOM, AR-DCM-1
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
