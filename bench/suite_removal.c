@@ -388,7 +388,7 @@ static ost_status bone_sizes(const bench_options *options, bench_table *table, o
     ost_status status = OST_OK;
     for (size_t i = 0; i < sizeof sides / sizeof sides[0] && status == OST_OK; i++) {
         char fresh[BENCH_NAME], steady[BENCH_NAME];
-        /* The size of the densities and the occupancy of two bones, and of slabs. */
+        /* memory in bytes for the densities and the occupancy of two bones, and for slabs */
         double bytes = 2 * (2 + 0.25) * (double)sides[i] * (double)sides[i] * (double)sides[i] + 4e8;
         bench_scene scene;
         snprintf(fresh, sizeof fresh, "removal/bone/%d/fresh/1", sides[i]);

@@ -17,7 +17,8 @@ out vec4 kept;
 out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
 #endif
 
-const float CLOSE = 4e-4; /* in voxels; greater than the sum of a voxel's enlargement and the rounding error */
+/* a distance in voxels that is greater than the sum of a voxel's enlargement and the rounding error */
+const float CLOSE = 4e-4;
 
 uint ones(uint v)
 {

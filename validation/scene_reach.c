@@ -274,7 +274,7 @@ static ost_status make_refused(const plan_case *c, scene *s, draw *d, ost_error 
 
 enum { HOLLOW_X = 50, HOLLOW_Y = 35, HOLLOW_Z = 33, HOLLOW_BAR = 1024 };
 
-/* Adds a tick. The tool's position is that of bone voxel (x, y, z), moved by `before` tool voxels towards lower x. */
+/* Adds a tick. The tool is at bone voxel (x, y, z), moved by `before` tool voxels towards lower x. */
 static void hollow_tick(scene *s, int32_t tool, int32_t x, int32_t y, int32_t z, int32_t before)
 {
     const ost_pm3 o = s->rect.origin;

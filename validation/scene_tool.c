@@ -191,7 +191,7 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
  *
  *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
  *
- * Coordinates are those of the snapped mesh, 2^10 per voxel.
+ * Coordinates are in units of the snapped mesh, 2^10 per voxel.
  */
 enum { FULL_SIDE = 58, FULL_UNITS = FULL_SIDE << 10, FULL_SOLIDS = 8, REACH = 14000 };
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5), written only from the text
- * of docs/spec/arithmetic.md. The bytes have the order of the tables in that document. The hash function is
- * that of the library.
+ * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5), written only from the text of
+ * docs/spec/arithmetic.md. The bytes have the order of the tables in that document. The hash function is the library's.
  */
 #include "validation/steps_record.h"
 

@@ -108,7 +108,7 @@ OST_API void ost_grid_free(ost_grid *grid);
 OST_API const ost_geometry *ost_grid_geometry(const ost_grid *grid);
 /* Copies dims.x * dims.y * count elements, x fastest, from host memory to slices z0 <= k < z0 + count of a grid. */
 OST_API ost_status ost_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
-/* Copies slices from a grid to host memory. The layout is that of ost_grid_upload. */
+/* Copies slices from a grid to host memory. The layout is the same as for ost_grid_upload. */
 OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
 /* ---------------------------------------------------------------- import */
@@ -218,7 +218,10 @@ OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, o
  * elements, x fastest, without the padding of chunks.  Densities below the threshold are stored as 0.
  */
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
-/* Copies slices from a bone to host memory. The layout is that of ost_bone_upload. Voxels that are not active are 0. */
+/*
+ * Copies slices from a bone to host memory. The layout is the same as for ost_bone_upload. Voxels that are not active
+ * are 0.
+ */
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
  * Reads the densities of `count` single voxels. Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y

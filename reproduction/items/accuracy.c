@@ -7,7 +7,8 @@
  *                                                  +--> A  centres removed that are outside the solid, and the reverse:
  *   exact solid at the same pose  -----------------'       the error of the tool's grid alone
  *                        |                         '--> B  volume between the removed cubes and the solid: total error
- *                        '--> voxels whose centre is inside --> C  the same for an exact tool: error of the bone's grid
+ *                        '--> voxels whose centre is inside --> C  volume between these and the solid: the bone's
+ *                                                                    grid alone
  *
  * An error is a volume divided by the area of the solid's surface, that is, the mean distance of the cut surface from
  * the exact one. Volumes within a voxel are computed from SUB^3 points. The tools' meshes have SEGMENTS segments, so

@@ -161,13 +161,13 @@ typedef struct methods_sample {
 ost_status methods_sampling(ost_tool_kind tool, methods_points points, int poses, const double *ratios, int count,
                             methods_sample *samples, ost_error *err);
 
-/* Values of a voxel in a slice. */
+/* Values for a voxel in a slice. */
 enum {
-    METHODS_SLICE_NONE,          /* in no set */
-    METHODS_SLICE_BOTH,          /* in both sets */
-    METHODS_SLICE_MISSED,        /* only in osteon's set */
-    METHODS_SLICE_MISSED_INSIDE, /* only in osteon's set, and all six neighbours belong to osteon's set */
-    METHODS_SLICE_EXTRA          /* only in the set of the tool points */
+    METHODS_SLICE_NONE,          /* the voxel is in no set */
+    METHODS_SLICE_BOTH,          /* the voxel is in both sets */
+    METHODS_SLICE_MISSED,        /* the voxel is only in osteon's set */
+    METHODS_SLICE_MISSED_INSIDE, /* the voxel is only in osteon's set, and all six neighbours belong to osteon's set */
+    METHODS_SLICE_EXTRA          /* the voxel is only in the set of the tool points */
 };
 
 /* A slice of the bone perpendicular to z, through the middle of the removed voxels. */

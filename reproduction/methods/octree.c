@@ -11,7 +11,7 @@
  *   event   nodes that overlap the event's box, down to nodes of 16^3 voxels, which have one map (AR-MAP-4)
  *           --> tasks of the threads: the bounds of the node in the tool's grid --> flags of the cells
  *                 no cutting voxel: the node is skipped;  only cutting voxels: the node becomes void
- *                 mixed: the same for its 8 children, and for a mixed brick, its 64 voxels
+ *                 mixed: its 8 children or, for a brick, its 64 voxels are tested
  *   refresh after each event, a node without children becomes void
  *
  * "Homogeneous" means void: densities of a CT differ from voxel to voxel, so nodes of equal densities are rare, and

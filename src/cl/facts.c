@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Records the information that a driver reports about itself and a device, as lines
- * "CL_DEVICE_VENDOR=...".  The names are those of OpenCL.  Values that are not text are decimal
- * numbers; bit fields are hexadecimal.  The lines have no effect on the choice of a device or on
- * any result.  They are the same in every run on a machine, because they include neither the time
- * nor the free memory.
+ * Records the information that a driver reports about itself and a device, as lines "CL_DEVICE_VENDOR=...". The names
+ * are defined by OpenCL. Values that are not text are decimal numbers; bit fields are hexadecimal. The lines have no
+ * effect on the choice of a device or on any result. They are the same in every run on a machine, because they include
+ * neither the time nor the free memory.
  */
 #include "cl/choice.h"
 #include "core/memory_stream.h"

@@ -4,7 +4,7 @@
 
 #include <osteon/pose.h>
 
-#include <math.h> /* for sqrt, which is used only to format a message */
+#include <math.h> /* declares sqrt, which is used only to format a message */
 #include <stdlib.h>
 
 #include "core/integer.h"

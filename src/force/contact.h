@@ -34,7 +34,7 @@ typedef struct contact_shell {
     float give[OST_SHELL_MAX];
     bool cutting[OST_SHELL_MAX];     /* true if the point can cut and the tool rotates */
     bool edge[OST_SHELL_MAX];        /* true if the point can cut */
-    /* maximum distance from the tool's origin to a point or to the point's position in `outside` */
+    /* greatest distance from the tool's origin to a point or to a position in `outside` */
     double reach;
 } contact_shell;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts statuses and error texts of a plugin to those of the host, and geometries to those of a plugin. */
+/* Converts the statuses and error texts of a plugin for the host, and geometries of the host for a plugin. */
 #include "plugin/adapt.h"
 
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,

@@ -109,7 +109,7 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
 
 /*
  * Draws a view for ost_picture_view and ost_view_draw. The parameter `before` is the uncut bone or NULL. The parameters
- * `labels` and `unit` are those of ost_view_draw.
+ * `labels` and `unit` have the same meaning as for ost_view_draw.
  */
 static ost_status draw(const ost_volume *volume, const ost_volume *before, bool labels, double unit,
                        const ost_view_options *options, ost_picture *out, ost_error *err)

@@ -61,7 +61,7 @@ typedef struct ost_viewer {
     char no_card[OST_ERROR_TEXT]; /* the reason why ost_viewer_use_card did not select OpenGL; "" if there is none */
 } ost_viewer;
 
-/* Creates a viewer with an empty bone. The parameters `isa` and `threads` are those of ost_points_options. */
+/* Creates a viewer with an empty bone. ost_points_options describes `isa` and `threads`. */
 ost_status ost_viewer_init(ost_viewer *viewer, const ost_geometry *bone, ost_style style, const char *isa, int threads,
                            ost_error *err);
 void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer */

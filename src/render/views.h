@@ -42,8 +42,8 @@ typedef enum ost_view_name {
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
     /*
-     * `middle` is the middle and `size` the longest side of the bone's grid. ost_view_subject_fit changes them to those
-     * of the bone.
+     * `middle` is the middle and `size` the longest side of the bone's grid. ost_view_subject_fit replaces them by the
+     * values for the bone.
      */
     double middle[3], size;
     bool has_face;           /* true if `face` and `inward` are valid */

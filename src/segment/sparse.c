@@ -39,7 +39,10 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
     return true;
 }
 
-/* For each run of row i, sets near[a] and past[a] to the range of the runs of row `other` (see segment_sparse_run). */
+/*
+ * Computes near[a] and past[a] (segment_sparse_run) for each run of row i. The runs they refer to are those of row
+ * `other`.
+ */
 static void find_near(segment_sparse *s, size_t i, int a, size_t other)
 {
     uint32_t k = s->rows[other];

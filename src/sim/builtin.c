@@ -6,9 +6,8 @@
  *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm
  *         20 um per tick     feed
  *
- * The working face of the tool, that is, its lowest point along -z, moves along the
- * inward axis of the glenoid.  The poses are those of the hand; the motor rotates the
- * tool (motor.h).  A tick lasts 1 ms.
+ * The working face of the tool, that is, its lowest point along -z, moves along the inward axis of the glenoid. The
+ * poses are poses of the hand. The motor's rotation is added to them (motor.h). A tick lasts 1 ms.
  *
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, 25 to 30 mm deep
  *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the selection of an instruction set level on simulated processors. The numbers of the CPUID bits
- * are those of Intel's and AMD's manuals.
+ * Tests the selection of an instruction set level on simulated processors. The numbers of the CPUID bits were taken
+ * from Intel's and AMD's manuals.
  */
 #include "harness.h"
 

@@ -146,8 +146,8 @@ static void rows_become_ticks(void **state)
 }
 
 /*
- * The device turns by 80 degrees between two rows. The interpolated quaternions must have the
- * same length as those of the two rows.
+ * The device turns by 80 degrees between two rows. The interpolated quaternions must have the same length as the
+ * quaternions of the two rows.
  */
 static void hands_between_rows_are_poses(void **state)
 {

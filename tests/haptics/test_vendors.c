@@ -325,7 +325,7 @@ static void openhaptics_reports_its_limits(void **state)
 static void dhd_has_the_limits_of_its_type(void **state)
 {
     (void)state;
-    /* The types are the DHD_DEVICE_... constants of the SDK. The limits are those of the vendors' data sheets. */
+    /* The types are the DHD_DEVICE_... constants of the SDK. The limits were taken from the vendors' data sheets. */
     static const struct {
         int type;
         double force, torque;

@@ -15,8 +15,8 @@
 #define PI 3.14159265358979323846
 
 /*
- * The bone is that of a right shoulder. The inward direction is +x. The face is the plane x = 0. The block
- * is 40 mm deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
+ * The bone belongs to a right shoulder. The inward direction is +x. The face is the plane x = 0. The block is 40 mm
+ * deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
  */
 typedef struct cuts {
     /*

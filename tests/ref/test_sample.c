@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests reading single voxels, as the force does in each tick: between removals, after a chunk was emptied, after an
- * upload of slices, and after an event that changes many chunks. The expected densities are those of a download.
+ * upload of slices, and after an event that changes many chunks. The expected densities are obtained by a download.
  * Covers: REQ-SAMPLE
  */
 #include "ref/scene.h"

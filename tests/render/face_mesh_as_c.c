@@ -3,7 +3,7 @@
 
 #include "harness.h"
 
-#include "cl/opencl_c.h" /* after the system headers, because it defines macros such as select */
+#include "cl/opencl_c.h" /* included after the system headers, because it defines macros such as select */
 
 #include "cl/kernels/face_mesh.cl"
 

@@ -148,7 +148,7 @@ static void odd_meshes(void **state)
     ost_error err = {0};
     ost_smooth_mesh out;
     ost_mesh mesh;
-    /* without a triangle */
+    /* a mesh without triangles */
     assert_ok(ost_smooth_mesh_make(NULL, 0, &grid, &out, &err));
     assert_int_equal(out.count, 0);
     ost_smooth_mesh_free(&out);

@@ -54,7 +54,7 @@ steps_event steps_next(steps_history *h, size_t i, const ost_tool_geometry *grid
     if (on && is_due(h, tick, restarts)) {
         e.removal = true;
         e.count = 1;
-        if (!restarts && !h->sweep_off) { /* these conditions are those of AR-SWEEP-5 and AR-SWEEP-6 */
+        if (!restarts && !h->sweep_off) { /* these conditions are defined by AR-SWEEP-5 and AR-SWEEP-6 */
             e.from = taken(h, h->begin[tick->tool])->pose;
             e.count = turns_too_far(h, tick) ? 0 : steps_sweep_count(&e.from, &tick->pose, grid, bone_voxel);
             if (e.count == 0)

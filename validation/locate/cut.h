@@ -5,9 +5,8 @@
  *
  *   scene of a case --scene_cut_apply--> scene with a part of the grid and fewer samples, tools, triangles, ticks
  *
- * Indices are those of the complete scene. Cutting a grid moves its origin, which
- * changes block borders and rounding. The cut case must therefore be run again to
- * check that it still shows the difference (minimise.h).
+ * Indices refer to the complete scene. Cutting a grid moves its origin, which changes block borders and rounding. The
+ * cut case must therefore be run again to check that it still shows the difference (minimise.h).
  */
 #ifndef OST_VALIDATION_CUT_H
 #define OST_VALIDATION_CUT_H

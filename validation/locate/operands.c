@@ -138,7 +138,9 @@ static bool owns(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
     return e > 0 || (e == 0 && (dz < 0 || (dz == 0 && dy > 0)));
 }
 
-/* Computes AR-VOX-1 to 3 for one triangle and the row of voxel v. The ranges are those of src/cpu/ref/voxelize.c. */
+/*
+ * Computes AR-VOX-1 to 3 for one triangle and the row of voxel v. The ranges are the same as in src/cpu/ref/voxelize.c.
+ */
 static void cross(const ost_snapped_mesh *m, size_t t, const int32_t v[3], const char *part, crossing_sums *sums,
                   operands *o)
 {
@@ -208,7 +210,7 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 
 /* ----------------------------------------------------------------- a tick */
 
-/* The poses of a tick's event. The rules that determine them are those of ost_world_step. */
+/* The poses of a tick's event. They are determined by the same rules as in ost_world_step. */
 typedef struct event_poses {
     bool removal;
     ost_pose from, to; /* first and last pose of the sweep; `from` is valid only if count > 1 */

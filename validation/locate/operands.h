@@ -13,8 +13,7 @@
  *            point in tool coordinates (fixed point), the tool voxel there     AR-MAP, AR-REM
  *            and its class
  *
- * The operands are those of the correct result. They do not show which operand was different in the other
- * backend.
+ * The operands give the correct result. They do not show which operand was different in the other backend.
  */
 #ifndef OST_VALIDATION_OPERANDS_H
 #define OST_VALIDATION_OPERANDS_H

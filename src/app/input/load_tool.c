@@ -91,7 +91,7 @@ static ost_status load_parts(const char *name, const char *noncutting, ost_unit 
     return status;
 }
 
-/* Returns true if the name is that of a mesh or of a built-in tool. If not, *kind is the type of the file. */
+/* Returns true if the name denotes a mesh or a built-in tool. If not, *kind is the type of the file. */
 static ost_status find_kind(const char *name, ost_file_kind *kind, ost_error *err)
 {
     *kind = OST_FILE_MESH;

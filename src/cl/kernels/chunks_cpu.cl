@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels for CPUs that scan, store and load slices.  The results are those of
- * ost_chunk_scan, ost_chunk_store and ost_chunk_load (shared.h).  Work items process
- * rows.  An item that scans or stores processes the slices of a layer of chunks one
- * after the other, so that equal slices are scanned only once.  No two items process the
+ * The kernels for CPUs that scan, store and load slices. The results are the same as those of ost_chunk_scan,
+ * ost_chunk_store and ost_chunk_load (shared.h). Work items process rows. An item that scans or stores processes the
+ * slices of a layer of chunks one after the other, so that equal slices are scanned only once. No two items process the
  * same chunk, so no atomics are needed.
  */
 #if OST_FOR & 2

@@ -6,18 +6,18 @@
  *   block 16^3 --- cubes 8^3 --- bricks 4^3 --- 64 voxels
  *
  * At each step, the tool's cell at the middle of a cube determines the class of the entire cube if the cell's reach is
- * at least the pose's complete[] (shared.h).  Eight cubes are looked up at once.  The tool voxels that a brick may
- * overlap lie in one window of 8^3 voxels, which has 64 bytes.  If the window is full or empty, so is the brick.
+ * at least the pose's complete[] (shared.h). Eight cubes are looked up at once. The tool voxels that a brick may
+ * overlap lie in one window of 8^3 voxels, which has 64 bytes. If the window is full or empty, so is the brick.
  * Otherwise the bits for the voxels are selected from the window, sixteen at a time, by a tree of selections instead of
- * loads.  If the tool's voxels are finer than the bone's, a brick may be larger than a window, and is then looked up
+ * loads. If the tool's voxels are finer than the bone's, a brick may be larger than a window, and is then looked up
  * voxel by voxel.
  *
  *   four             rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each: number b + 4 k
  *   group b + 4 c    the fours b of the planes 4 c to 4 c + 3: the rows of a row of bricks
  *   brick            as bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
  *
- * The vectors are vector types of OpenCL C (uint16, int8), so the compiler need not
- * vectorize loops.  The ranges are those of remove.cl.
+ * The vectors are vector types of OpenCL C (uint16, int8), so the compiler need not vectorize loops. The ranges are the
+ * same as in remove.cl.
  *
  * The file has more than 500 lines, because all steps of one kernel are inlined into it.
  */
@@ -495,7 +495,7 @@ static void ost_sum_hits(const ost_hit_rows *list, __global const short *density
         short16 counts = (column & list->hit[i]) != (ushort)0;
         if (!all)
             counts &= d >= border;
-        count -= counts; /* at most 256 */
+        count -= counts; /* each count is at most 256 */
         sums += convert_int16(d & counts);
     }
     short counted[16];

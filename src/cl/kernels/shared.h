@@ -147,7 +147,7 @@ typedef struct ost_cl_cubic {
 
 /* ---------------------------------------------------------------- chunks */
 /*
- * Chunks (AR-CHK).  A bone on the device is a pool of slots, each with the memory of one
+ * Chunks (AR-CHK). A bone on the device is a pool of slots, each with the memory of one
  * chunk of n^3 voxels, and a table that maps chunk numbers to slots:
  *
  *   bone     const ost_cl_bone[1]
@@ -168,18 +168,18 @@ typedef struct ost_cl_cubic {
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the number of the
  *       chunk's voxels in the slab that are at least the threshold.
  *   ost_chunk_scan_layers(...)
- *       the same for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
+ *       ost_chunk_scan for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
  *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, if the chunk
  *       has a slot.  Voxels below the threshold become 0, and so do those in the padding beyond dims.x or dims.y.
  *       Planes of padding beyond dims.z are never written: a slot is filled with zeros before it is used.
  *   ost_chunk_store_layers(...)
- *       the same for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item processes a chunk.  With the last
+ *       ost_chunk_store for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item processes a chunk.  With the last
  *       slice (dims.z - 1) it also writes the planes of padding.
  *   ost_chunk_load(bone, z0, z1, slots, density, slab)
  *       dims.x, dims.y, z1 - z0.  The inverse of storing; chunks without a slot are read as 0.
  *   ost_chunk_load_rows(...)
- *       the same for CPUs: chunk_dims.y, z1 - z0.  An item processes a slice of a row of chunks along x.
+ *       ost_chunk_load for CPUs: chunk_dims.y, z1 - z0.  An item processes a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
  *       n, count.  For i < count, adds the number of bits that are set in slot first + i to active[i] (uint[count],
  *       zeros at first).

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The voxelizer for CPUs (AR-VOX).  A work item processes a tile of rows, with lists of the
- * triangles whose bounds overlap the slices of the tile (cl/voxelize_tiles.c).  Therefore no
+ * The voxelizer for CPUs (AR-VOX). A work item processes a tile of rows, with lists of the
+ * triangles whose bounds overlap the slices of the tile (cl/voxelize_tiles.c). Therefore no
  * atomics are needed.
  *
  *   for each group of a few slices of the tile
@@ -10,7 +10,7 @@
  *                     (eight triangles are processed at once)
  *     fill            fills from one mark to the next; rows that leak stay empty
  *
- * The ranges are those of voxelize.cl.  The rows and lists of a tile have 64-bit indices.
+ * The ranges are the same as in voxelize.cl. The rows and lists of a tile have 64-bit indices.
  */
 #if OST_FOR & 2
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the CPU backend.  The chunks that have memory and the active voxels are those of the reference. Inside a
- * chunk, the voxels are stored as bricks of 4^3 voxels, in Morton order.
+ * The bone of the CPU backend. The same chunks have memory and the same voxels are active as in the reference's bone.
+ * Inside a chunk, the voxels are stored as bricks of 4^3 voxels, in Morton order.
  *
  *     a brick: 64 densities, 128 bytes      2^3 bricks = 8^3 voxels
  *     and one occupancy word of 64 bits       6 ---- 7
@@ -11,12 +11,12 @@
  *                                           0 ---- 1
  *
  * Bricks make removal faster, because the 64 voxels of a brick are processed at once, as one word, and occupy two cache
- * lines instead of sixteen.  The occupancy words of 8^3 voxels fill one cache line.  The bricks of a cube of 8, 16 or
+ * lines instead of sixteen. The occupancy words of 8^3 voxels fill one cache line. The bricks of a cube of 8, 16 or
  * 32 voxels per side are contiguous for every chunk size.
  *
- * The invariants are those of core/chunk_grid.h.  A voxel is active iff its density is at least the
- * threshold; all other voxels are 0.  A voxel's occupancy bit is set iff the voxel is active.
- * Memory is allocated for a chunk iff its `active` field is above 0.  The padding is 0.  In
+ * The invariants are those of core/chunk_grid.h. A voxel is active iff its density is at least the
+ * threshold; all other voxels are 0. A voxel's occupancy bit is set iff the voxel is active.
+ * Memory is allocated for a chunk iff its `active` field is above 0. The padding is 0. In
  * addition, no density of a chunk is above the chunk's `highest` field, which never decreases.
  */
 #ifndef OST_CPU_BONE_H

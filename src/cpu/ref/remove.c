@@ -52,10 +52,9 @@ static int32_t max32(int32_t a, int32_t b)
 }
 
 /*
- * Returns true if all corners of a block lie on the same side of the tool's grid on one axis. All
- * voxels of the block then lie on that side, because their tool coordinate u is a linear function of
- * the voxel's indices. The least and the greatest u of a block are those of corners, so they fit int32
- * (AR-MAP-5).
+ * Returns true if all corners of a block lie on the same side of the tool's grid on one axis. All voxels of the block
+ * then lie on that side, because their tool coordinate u is a linear function of the voxel's indices. The least and the
+ * greatest u of a block occur at corners of the block, so they fit int32 (AR-MAP-5).
  */
 static bool block_misses(const ost_dims dims, const int32_t base[3], const int32_t step[3][3])
 {

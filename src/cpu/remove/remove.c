@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-REM) with the results of the reference.  Cubes are classified
+ * Removal and collision (AR-REM) with the results of the reference. Cubes are classified
  * by distances to the tool's surface before single voxels are tested (remove.h).
  *
  *   for each pose
@@ -14,18 +14,17 @@
  *         take: densities are added to the tally and set to 0
  *   reports in the order of chunks
  *
- * Poses are processed in order.  A voxel that a pose hits becomes inactive for the
- * later poses, so that it is counted once, even if several poses hit it.  A collision
+ * Poses are processed in order. A voxel that a pose hits becomes inactive for the
+ * later poses, so that it is counted once, even if several poses hit it. A collision
  * makes voxels inactive only in copies of the occupancy, and does not change densities.
  *
  * Touched voxels (AR-REM-1) are the voxels that are still active after all poses and
- * that at least one pose covers with a tool voxel of class 2.  A second pass, with the
+ * that at least one pose covers with a tool voxel of class 2. A second pass, with the
  * shape of class 2, counts the touched voxels on copies of the remaining occupancy.
  *
- * Kernels process complete cubes of a unit, so they also test voxels outside a pose's box, which
- * the reference does not test.  If a cube lies partly outside the box, its hits are clipped to the
- * box.  Therefore the results are those of the reference even if a box does not contain all voxels
- * that the tool covers.
+ * Kernels process complete cubes of a unit, so they also test voxels outside a pose's box, which the reference does not
+ * test. If a cube lies partly outside the box, its hits are clipped to the box. Therefore the results are the same as
+ * those of the reference even if a box does not contain all voxels that the tool covers.
  */
 #include "cpu/remove/event.h"
 

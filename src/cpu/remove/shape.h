@@ -83,7 +83,7 @@ typedef struct ost_shape {
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
-/* Returns true if ost_shape_make would compute the same tables as those of *shape for this ratio. */
+/* Returns true if ost_shape_make would compute the tables of *shape for this ratio too. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Linear interpolation for AVX2: of 16 voxels between two slices at a time, or of eight sums at a time. The steps and
- * the ranges are those of linear_avx512.c, with one exception: pairs along x are loaded one by one, because a gather
- * instruction takes longer than eight loads.
+ * the ranges are the same as in linear_avx512.c, with one exception: pairs along x are loaded one by one, because a
+ * gather instruction takes longer than eight loads.
  */
 #include "core/conditions.h"
 #include "cpu/kernels.h"

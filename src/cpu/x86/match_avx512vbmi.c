@@ -112,7 +112,10 @@ void ost_match_carries_avx512vbmi(ost_match *match)
    search over the greatest thresholds of the groups finds the group; the fraction is then compared with the other three
    thresholds of this group. The tables are rotated so that the result of each step is the index for the next step. */
 typedef struct rank_tables {
-    /* greatest threshold of each group; element 0 is that of group 7, 3, 1 and 0 */
+    /*
+     * greatest thresholds of the groups; element 0 belongs to group 7 in `middle`, 3 in `quarter`, 1 in `eighth` and 0
+     * in `last`
+     */
     __m512i middle, quarter, eighth, last;
     __m512i group[3];
 } rank_tables;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels of removal for AVX2 (with BMI2 and POPCNT). The steps are those of
- * remove_avx512.c, with these differences:
+ * The kernels of removal for AVX2 (with BMI2 and POPCNT). The steps are the same as in remove_avx512.c, with these
+ * differences:
  *
  *   split   the eight parts of a cube are in one register; PEXT makes the shuffle
  *           that packs the parts
@@ -9,13 +9,13 @@
  *           read the 64 bytes of a window
  *   take    a register contains sixteen densities; masks are vectors
  *
- * The shuffles.  The number of a row, n = 8 y + z, has six bits.  VPSHUFB uses the
- * lowest four bits of an index and returns 0 if bit 7 is set.  Let T0..T3 be the
- * quarters of the window.  The sum
+ * The shuffles. The number of a row, n = 8 y + z, has six bits. VPSHUFB uses the
+ * lowest four bits of an index and returns 0 if bit 7 is set. Let T0..T3 be the
+ * quarters of the window. The sum
  *
  *     T0[n] ^ (T1 ^ T0)[n - 16] ^ (T2 ^ T1)[n - 32] ^ (T3 ^ T2)[n - 48]
  *
- * contains only the terms for which n - 16 q is not negative.  These terms cancel
+ * contains only the terms for which n - 16 q is not negative. These terms cancel
  * except for the quarter that contains n.
  */
 #include <immintrin.h>

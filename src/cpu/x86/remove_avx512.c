@@ -34,8 +34,8 @@
 /* ----------------------------------------------------------------- blocks */
 
 /*
- * Block (x, y, z) of the unit is in lane x + 2y + 4z. The formula of the bases is that of ost_block_base. If the base
- * of one of the blocks needs a division, the scalar kernel computes all blocks.
+ * Block (x, y, z) of the unit is in lane x + 2y + 4z. The bases are computed with the formula of ost_block_base. If the
+ * base of one of the blocks needs a division, the scalar kernel computes all blocks.
  */
 void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                        const int32_t from[3], const int32_t to[3], ost_cubes *blocks)

@@ -54,9 +54,10 @@ typedef struct ost_dicom_image {
 
 typedef enum ost_dicom_type {
     OST_DICOM_FRAME,  /* the payload is an ost_dicom_record; the index is the index of the path */
-    OST_DICOM_FILE,   /* the payload is a uint32_t, an ost_dicom_result; the index is that of the path or image */
-    OST_DICOM_PIXELS, /* the payload consists of rows * columns uint16_t, the stored pixel cells; the index is that of
-                       * the image */
+    /* the payload is an ost_dicom_result as a uint32_t; the index is the index of the path or image */
+    OST_DICOM_FILE,
+    /* the payload consists of the stored pixel cells, rows * columns uint16_t; the index is the index of the image */
+    OST_DICOM_PIXELS,
     OST_DICOM_END,    /* no payload */
     OST_DICOM_TYPE_COUNT
 } ost_dicom_type;

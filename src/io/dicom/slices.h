@@ -19,10 +19,10 @@ typedef struct ost_dicom_slices {
     ost_dicom_table table;
     const ost_dicom_frame *frame; /* image of the slice that was read last */
     const int16_t *current;       /* slice of the result whose rows are requested; NULL without resampling */
-    size_t index;              /* for evened stacks, the number of stack slices read so far */
+    size_t index;              /* number of stack slices read so far; used only for evened stacks */
     int16_t *plain;            /* owned; a slice that is not yet sheared */
-    /* owned; for evened stacks, the last two slices; for untilted stacks, `before` is the last slice and `after` is not
-     * used */
+    /* owned; for evened stacks, the last two slices; for untilted stacks, only `before` is used and is the last
+     * slice */
     int16_t *before, *after;
     int16_t *mixed;            /* owned; interpolated slice of the result, for evened stacks */
     int64_t interpolated;      /* number of slices of the result that were interpolated */

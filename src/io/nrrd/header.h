@@ -80,7 +80,7 @@ typedef struct ost_nrrd_header {
     bool swap;
     int32_t sizes[3];
     ost_affine affine; /* transform from voxels to LPS */
-    bool oriented;     /* true if the space is that of a patient: RAS, LAS or LPS */
+    bool oriented;     /* true if the space is one of the patient's spaces: RAS, LAS or LPS */
     uint64_t line_skip;
     int64_t byte_skip; /* bytes to skip before the data; -1 if the data end at the end of the file */
 } ost_nrrd_header;

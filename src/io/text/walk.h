@@ -47,7 +47,8 @@ typedef struct ost_text_walker {
     ost_pm second_slow;  /* coordinate of the second slice; valid only if `done` is true */
     bool placed;         /* true if a line has been read, so that `at` is valid */
     bool known;          /* true if the pattern is valid in the current row */
-    int32_t at[3];       /* position of the next line, by rank; the row has ended if at[0] == count */
+    /* position of the next line, given as ranks of its coordinates; the row has ended if at[0] == count */
+    int32_t at[3];
     ost_pm middle, slow; /* coordinates of the current row on the middle and on the slow axis */
     int64_t first, next; /* the lines processed so far are the voxels [first, next) */
     int32_t first_slow_index;

@@ -294,8 +294,8 @@ static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* Writes the shades of a block's faces. A face has the shade of its voxel. The order of the points is that of the
-   voxels to which the quads belong. */
+/* Writes the shades of a block's faces. A face has the shade of its voxel. The points are in the order of the voxels to
+   which the quads belong. */
 static ost_status bring_face_shades(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
                                     ost_error *err)
 {

@@ -148,7 +148,7 @@ typedef struct ost_frame {
 /* An object in front of the camera. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    /* eye in the object's voxel coordinates; the picture size of the eye must be that of the frame */
+    /* eye in the object's voxel coordinates; must have the picture size of the frame */
     ost_eye eye;
     ost_paint paint;
     const uint32_t *palette; /* borrowed; NULL means that every voxel has the paint of the object */

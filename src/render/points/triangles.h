@@ -48,8 +48,8 @@ typedef struct ost_triangles {
     float gloss, scale;
 } ost_triangles;
 
-/* Draws the rows y0 <= y < y1 of a triangle, in the pixels in which it is nearer than the planes. Adds the cells of
-   changed pixels to `over`. */
+/* Draws the rows y0 <= y < y1 of a triangle. Only pixels in which the triangle is nearer than the depth in `planes` are
+   drawn. The cells of changed pixels are added to `over`. */
 typedef void ost_triangle_rows(const ost_triangles *t, const ost_flat_triangle *f, const ost_planes *planes, int y0,
                                int y1, const ost_cells *over);
 ost_triangle_rows ost_triangle_rows_scalar, ost_triangle_rows_avx2;

@@ -17,7 +17,7 @@ enum { FAKE_CALLS = 4096, FAKE_EVENTS = 64 };
 typedef struct fake_note {
     char calls[FAKE_CALLS]; /* one letter per call, in order, until the array is full */
     int count;
-    double position[3];     /* in the device's unit of length */
+    double position[3];     /* position in the device's unit of length */
     double column[3][3];    /* axes of the handle in the device's frame */
     double force[3], torque[3]; /* values that were last written */
     double limit, continuous; /* force limits in N, as the library reports them */

@@ -228,7 +228,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return (mask)(k & all(a, b));            \
     }
 
-/* Defines a gather of the lanes of a mask, from `base` + index * scale. The other lanes are those of `other`. */
+/* Defines a gather of the lanes of a mask, from `base` + index * scale. The other lanes are copied from `other`. */
 #define OST_MASK_GATHER(name, mask, reg, type, index_reg, index_type, count)                                           \
     OST_PORTABLE reg name(reg other, mask k, index_reg index, const void *base, int scale)                             \
     {                                                                                                                  \

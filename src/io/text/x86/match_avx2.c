@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time. The code is that of match_avx512.c with half the lanes, and with lanes of all ones
- * instead of mask registers.
+ * Matches four lines at a time. The code is the same as in match_avx512.c, but with half the number of lanes, and with
+ * lanes of all ones instead of mask registers.
  */
 #include "core/conditions.h"
 
