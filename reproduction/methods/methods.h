@@ -91,7 +91,7 @@ typedef struct methods_row {
     int64_t missed, extra; /* numbers of voxels that are only in osteon's set, and only in the method's set */
     int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
     bool exact; /* true if the method's set is the one that its definition requires; false is an error */
-    /* memory in bytes: voxels of the bone; chunk table, positions, nodes or masks; tool */
+    /* memory in bytes of the bone's voxels; of the chunk table, positions, nodes or masks; and of the tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;
 

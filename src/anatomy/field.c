@@ -131,7 +131,7 @@ ost_status anatomy_field_fill(anatomy_field *f, ost_error *err)
             }
         }
     }
-    /* A surface cell, which has a share of at least 0.5 and lies next to the outside, keeps its share. */
+    /* Surface cells keep their share. A surface cell has a share of at least 0.5 and lies next to the outside. */
     for (i = 0; i < cells; i++)
         if (!outside[i] && f->share[i] < 0.5f)
             f->share[i] = 1;

@@ -94,8 +94,8 @@ typedef struct cl_backend {
     ost_cl_device device;
     bool cpu_set;     /* true if the kernel set for CPUs is used; false if the set for GPUs is used */
     size_t workgroup; /* number of work items per work group; 0 selects the default */
-    size_t staging;   /* as in ost_cl_options */
-    unsigned order;   /* as in ost_cl_options */
+    size_t staging;   /* value of the option staging; see ost_cl_options */
+    unsigned order;   /* value of the option order; see ost_cl_options */
     /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */
     uint32_t turns;
     /* number of voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */

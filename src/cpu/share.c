@@ -91,9 +91,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * Pauses as the seed determines, then returns the block of this turn. The calling member either waits until all members
- * have begun as many blocks as this member (so that all members run at the same time), or yields its core, or continues
- * immediately.
+ * Waits for a time that depends on the seed, and returns the block of this turn. The calling member either waits until
+ * all members have begun as many blocks as this member (so that all members run at the same time), or yields its core,
+ * or continues immediately.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {

@@ -19,7 +19,7 @@ typedef struct ost_headset_fov {
 } ost_headset_fov;
 
 typedef struct ost_headset_projection {
-    int32_t focal_milli;  /* focal length in thousandths of a pixel, as in ost_camera */
+    int32_t focal_milli;  /* focal length in thousandths of a pixel */
     double middle[2];     /* position of the axis, in pixels from the left and top edges */
     ost_headset_fov fov;  /* angles of the edges of the picture; they include the requested angles */
 } ost_headset_projection;

@@ -82,7 +82,10 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
             e->start[q] = 0;
             continue;
         }
-        /* `last` is the last voxel at which the parabola of v is not above that of u. Here, v < u. */
+        /*
+         * The vertex v of the previous parabola is below u. `last` is the last voxel at which the parabola of v is not
+         * above the parabola of u.
+         */
         const int64_t v = e->vertex[q];
         const int64_t last = ost_floor_div((int64_t)e->f[u] - e->f[v] + s * s * ((int64_t)u * u - v * v),
                                            2 * s * s * (u - v));

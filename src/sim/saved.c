@@ -69,7 +69,7 @@ ost_status ost_world_save_tool(ost_world *world, int index, const ost_tool *tool
     if (classes) {
         memcpy(classes, volume.voxels, count);
         world->saved->tools[index] = classes;
-        /* The tool gets the same initial state as in ost_world_add_tool. */
+        /* The tool gets the initial state that ost_world_add_tool gives to a new tool. */
         world->saved->inputs[index] = (ost_input_component){.pose = ost_pose_identity(), .event = ost_pose_identity()};
     } else {
         status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a copy of a tool, %zu voxels", count);

@@ -56,11 +56,12 @@ static void scatter(lab *l)
 }
 
 /*
- * Checks the resampling of layers at 0, 2.5 and 5 mm to a spacing of 1 mm. The grid has ceil(3 x 2.5) = 8
- * layers, the first at (1 - 2.5) / 2 = -0.75 mm. Linear: for layer k, t = (2 k - 1.5) / 5 is below 0, then
- * 0.1, 0.5, 0.9, 1.3, 1.7, then 2 and beyond: 119.5 is a tie and becomes 120, and 120 + 180 x 0.3 = 174,
- * 120 + 180 x 0.7 = 246. Nearest: floor((2 k + 1) / 5), at most 2. Thesis: floor(k / 2.5). Then the
- * threshold is applied.
+ * Checks the resampling of layers at 0, 2.5 and 5 mm to a spacing of 1 mm. The grid has ceil(3 x 2.5) = 8 layers, and
+ * the first layer is at (1 - 2.5) / 2 = -0.75 mm. By the linear rule, layer k is at t = (2 k - 1.5) / 5, in layers of
+ * the source. For k = 0 this is below 0. For k = 1 to 5, t is 0.1, 0.5, 0.9, 1.3 and 1.7. For k = 6 and 7 it is at
+ * least 2. The tie 119.5 becomes 120, and other results are 120 + 180 x 0.3 = 174 and 120 + 180 x 0.7 = 246. The
+ * nearest rule selects floor((2 k + 1) / 5), at most 2, and the thesis' rule floor(k / 2.5). The threshold is applied
+ * afterwards.
  */
 static void layers(lab *l)
 {

@@ -286,7 +286,10 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
     return status;
 }
 
-/* Computes the ranges of the list from which [a, b) is removed. */
+/*
+ * Removes the interval [a, b) from the ranges of `list` and stores the remaining ranges in *out. Returns false if they
+ * exceed the capacity of *out.
+ */
 static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 {
     *out = (cut_list){.some = true};

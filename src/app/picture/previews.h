@@ -26,7 +26,8 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
 /* The input of the picture of a segmentation. All pointers are borrowed. */
 typedef struct preview_labels {
     const char *name, *out;          /* file names of the CT and of the labels */
-    const ost_volume *ct, *labels;   /* labels->meta contains the facts segment_... that describe the options */
+    /* the facts segment_... in labels->meta describe the options of the segmentation */
+    const ost_volume *ct, *labels;
     const ost_volume_report *report; /* describes how the CT was read */
     const ost_segment *segments;
     size_t count;

@@ -36,7 +36,7 @@ typedef struct user_files {
     {.name = "path", .kind = OPTION_LIST, .out = &(u).paths, .value = "FILE", .help = about_path}
 
 /*
- * Rows for a verb's table of options, for the options that state how the files are read. They are the options of
+ * Rows for a verb's table of options. These options determine how the files are read, and are the same as those of
  * import, voxelize and ream.
  */
 #define USER_FILES_HOW(u)                                                                                              \

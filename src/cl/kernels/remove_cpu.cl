@@ -149,8 +149,8 @@ static uint8 ost_middles(const ost_view *view, int a, int edge)
 /*
  * Sets classes[p] for each of the eight parts of a cube to the class of the tool voxels that cover the part entirely,
  * or to 3 if the cells do not determine this class. (ux, uy, uz) are the coordinates of the cube's first voxel. The
- * parts have 8^3 voxels (level 1) or 4^3 voxels (level 0). Cells outside the grid are as in ost_cell_at. Returns 0 if
- * all classes are 0.
+ * parts have 8^3 voxels (level 1) or 4^3 voxels (level 0). Cells outside the grid have the values that ost_cell_at
+ * returns. Returns 0 if all classes are 0.
  */
 static int ost_part_classes(const ost_view *view, __global const uchar *cells, uint ux, uint uy, uint uz, int level,
                             int classes[8])

@@ -353,8 +353,8 @@ typedef struct ost_cl_entry {
 } ost_cl_entry;
 
 typedef struct ost_cl_pose {
-    ost_cl_i32 step[3][3]; /* index [bone axis][tool axis], as in ost_map */
-    ost_cl_i32 lo[3], hi[3]; /* box of the pose, as in ost_removal_event */
+    ost_cl_i32 step[3][3]; /* steps of the map (ost_map), indexed by [bone axis][tool axis] */
+    ost_cl_i32 lo[3], hi[3]; /* box of the pose (ost_removal_event) */
     /* The comment of ost_cl_pose_reach explains the fields complete, planes and skip. complete[] is for cubes of 4, 8
        and 16 voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
     ost_cl_u8 complete[3];

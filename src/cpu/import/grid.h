@@ -30,7 +30,7 @@ typedef struct cpu_grid {
     cpu_store *store; /* the store that contains the voxels; other grids may share it */
     /* owned lists; on axis a, voxel i of the grid is voxel map[a][i] of the store; all NULL if the grid has no lists */
     int32_t *map[3];
-    int16_t *minus[3]; /* owned lists of weights, as in cpu_view */
+    int16_t *minus[3]; /* owned lists of weights; see cpu_view */
     /* owned bit array with one bit per voxel, 1 if the voxel has a sample; NULL before the first batch of samples */
     uint8_t *seen;
 } cpu_grid;

@@ -192,7 +192,10 @@ static ost_status rounded_steps(const char *path, const fit *f, ost_error *err)
 
 typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
 
-/* Returns the side of s on which the feasible spacings of one axis lie. `slack` is added to u in the condition (F). */
+/*
+ * Tests whether the spacing s is feasible for one axis. Returns HERE if it is, and the direction of the feasible
+ * spacings if it is not. In the condition (F), `slack` is added to u.
+ */
 static side probe_axis(const fit *f, int64_t s, int64_t slack)
 {
     int64_t most = INT64_MIN, least = INT64_MAX;

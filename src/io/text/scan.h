@@ -50,7 +50,7 @@ typedef struct ost_text_coordinate {
 typedef struct ost_text_axis {
     ost_pm min, max;
     ost_pm given;       /* spacing from an option or from the text itself; 0 if it must be determined */
-    uint32_t units;     /* the fields units and rounded have the same meaning as in ost_lattice_axis */
+    uint32_t units;     /* ost_lattice_axis describes the fields units and rounded */
     bool rounded;
     size_t distinct;    /* number of coordinates in `set`, which is sorted after the pass */
     ost_text_coordinate *set;

@@ -52,7 +52,7 @@ typedef struct ost_text_walker {
     ost_pm middle, slow; /* coordinates of the current row on the middle and on the slow axis */
     int64_t first, next; /* the lines processed so far are the voxels [first, next) */
     int32_t first_slow_index;
-    ost_pm first_slow;   /* coordinate of the first line on the slow axis */
+    ost_pm first_slow;   /* set of the decimal units that occur on each axis; see ost_text_axis */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
     ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */

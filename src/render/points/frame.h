@@ -115,7 +115,7 @@ typedef struct ost_frame {
     ost_planes drawn;
     ost_antialias antialias; /* owned; has no memory before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
-    /* owned; planes of the first layer alone, without keys; NULL before the first call of ost_frame_store */
+    /* owned; planes that contain only the first layer, without keys; NULL before the first call of ost_frame_store */
     ost_planes stored;
     bool is_stored;         /* set if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that are redrawn in this frame */

@@ -257,7 +257,10 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 {
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
-    /* For each of these numbers, all needed slices with a lower index have been computed. */
+    /*
+     * `made`, cells_made and cells_smoothed are indices of slices: all slices below them that are needed have been
+     * computed.
+     */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
     const bool cut = s->reference && find_near(s, b, k);
@@ -281,8 +284,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels that have an exposed face and whose neighbour across this face belongs to the set that `which`
-   returns. */
+/* Finds the voxels with an exposed face beyond which there is a voxel of the set that `which` returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {

@@ -60,8 +60,8 @@ typedef struct ost_smooth_kernels {
     /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins `count` rows of cells from three blocks to form lines. Like a line of bone, a line of cells begins at x
-       = -8. */
+    /* Converts `count` rows of cells to lines. A line consists of cells of three neighbouring blocks and begins at x =
+       -8, like a line of voxels. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
     /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At least one bit must

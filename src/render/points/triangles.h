@@ -29,7 +29,7 @@ typedef struct ost_flat_corner {
 
 /* A triangle in the picture. The corners are in such an order that the triangle's area is positive. */
 typedef struct ost_flat_triangle {
-    int32_t x[3], y[3];      /* positions of the corners, as in ost_flat_corner */
+    int32_t x[3], y[3];      /* positions of the corners in 256ths of a pixel (ost_flat_corner) */
     float whole;             /* reciprocal of twice the triangle's area */
     ost_extent pixels;       /* pixels whose middles the triangle may cover */
     float inverse[3];        /* reciprocal of each corner's distance along the forward axis, in voxels */
