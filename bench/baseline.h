@@ -40,7 +40,7 @@ typedef struct bench_thesis_event {
     const int32_t (*corners)[3];
     float map[3][4];              /* affine matrix from bone voxels to tool voxels, row by row */
     int32_t dims[3];              /* dimensions of the tool's grid */
-    const int16_t *tool;          /* 0 or 1, x fastest */
+    const int16_t *tool;          /* each element is 0 or 1; x fastest */
 } bench_thesis_event;
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);

@@ -235,8 +235,8 @@ OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_
 
 typedef enum ost_landmark_role {
     OST_LANDMARK_OTHER,          /* a landmark whose label has no role */
-    OST_LANDMARK_GLENOID,        /* centre of the face; labels: glenoid, glenoid centre (center), GC */
-    OST_LANDMARK_AXIS_POINT,     /* point on the axis, in the bone; labels: axis, axis point, glenoid axis */
+    OST_LANDMARK_GLENOID,        /* centre of the glenoid's face; labels: glenoid, glenoid centre (center), GC */
+    OST_LANDMARK_AXIS_POINT,     /* point in the bone on the glenoid's axis; labels: axis, axis point, glenoid axis */
     OST_LANDMARK_TRIGONUM,       /* labels: trigonum, trigonum spinae (scapulae), root of spine, spine root, TS */
     OST_LANDMARK_INFERIOR_ANGLE  /* labels: inferior angle, angulus inferior, AI, IA */
 } ost_landmark_role;

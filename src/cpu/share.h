@@ -123,7 +123,10 @@ ost_member ost_team_join(ost_team *team);
  */
 void ost_team_end(ost_cpu_sharing *sharing, const ost_team *team);
 
-/* Pauses as the team's random order determines, then returns the block that the member processes in this turn. */
+/*
+ * Waits for a time that depends on the team's random order, and returns the block that the member processes in this
+ * turn.
+ */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn);
 
 /* Returns the member's next item, or -1 after the last item. */

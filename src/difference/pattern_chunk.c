@@ -2,7 +2,6 @@
 /* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
 #include "difference/pattern_parts.h"
 
-
 #include <string.h>
 
 /*

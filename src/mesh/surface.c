@@ -126,7 +126,8 @@ typedef struct builder {
     uint32_t *between;       /* vertex indices of the edges along z */
     ost_mesh mesh;
     size_t vertex_capacity, triangle_capacity;
-    float *coordinates;      /* position of each vertex on its edge, 0 (lower end) to 1; -1 for the middle of a loop */
+    /* position of each vertex on its edge, from 0 (lower end) to 1; -1 for a vertex in the middle of a loop */
+    float *coordinates;
     uint8_t *along;          /* bits 0-1: axis of the edge; bit 2: set if the lower end is solid */
     pattern patterns[256];
 } builder;

@@ -236,7 +236,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* read often enough that all packets fit in the socket's buffer */
+        if (i % 50 == 0) { /* the device is read so often that the packets always fit in the socket's buffer */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);

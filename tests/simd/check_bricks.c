@@ -60,7 +60,7 @@ static void test_brick_row(check *c)
     const bool same_rows = check_chance(c, 4);
     const int16_t **rows = check_input(c, "rows", 16, sizeof *rows, sizeof *rows);
     for (int r = 0; r < 16; r++) {
-        if (r > 0 && same_rows && check_chance(c, 2)) { /* equal rows, as in padding */
+        if (r > 0 && same_rows && check_chance(c, 2)) { /* as in padding, a row is equal to the previous row */
             rows[r] = rows[r - 1];
             continue;
         }

@@ -177,7 +177,7 @@ void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh
    integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
                       int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
-/* Adds the marks of one pose by Algs. 2.8 to 2.10. */
+/* Adds the marks of the voxels that a tool hits at one pose, as computed by Algs. 2.8 to 2.10. */
 void dense_thesis_pose(const dense_bone *bone, const dense_tool *tool, const ost_map *map, bool fused,
                        dense_marks marks);
 

@@ -309,7 +309,7 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 }
 
 /* Applies delta debugging to one list: divides the list into 2, 4, ... parts, and tries to retain only one part or to
-   omit one part. The function `which` returns the list that a cut contains. */
+   omit one part. The function `which` returns a pointer to this list in a cut. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
                             ost_error *err)
 {

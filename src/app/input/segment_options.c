@@ -17,11 +17,11 @@ enum { SHOWN = 10, HEADS = 8 };
  */
 #define HEAD_MARGIN (OST_PM_PER_MM)
 /*
- * Maximum distance from a position of --bone to a voxel of its bone. The limit is greater than 0, because a landmark
- * lies on a surface and is seldom exact.
+ * Maximum distance from a position given by --bone to a voxel of the bone. The limit is greater than 0, because a
+ * landmark lies on a surface and is seldom exact.
  */
 #define BONE_REACH (10 * OST_PM_PER_MM)
-/* Maximum distance from a position of --cut-head to the centre of the head. */
+/* Maximum distance from the position given by --cut-head to the centre of the head. */
 #define HEAD_REACH (30 * OST_PM_PER_MM)
 
 /* ---------------------------------------------------------------- parsing */

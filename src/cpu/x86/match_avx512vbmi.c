@@ -10,8 +10,8 @@
  *
  * A brick takes about ten instructions on 512-bit registers; the kernel for AVX-512 needs 26.
  *
- * A wide window fills eight registers. Four VPERMI2B instructions select bytes from two registers each, and masked moves
- * select from the four results.
+ * A wide window fills eight registers. Four VPERMI2B instructions select bytes from two registers each, and masked
+ * moves select from the four results.
  */
 #include <immintrin.h>
 
@@ -153,8 +153,8 @@ enum { PIECE = 128 };
 /* The positions of the bricks of a piece in their windows. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
-    /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows: 16 y + z
-       and x of the least coordinate's voxel in the window. */
+    /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows:
+       16 y + z and x of the least coordinate's voxel in the window. */
     uint32_t row[PIECE], bit[PIECE];
     uint32_t line[PIECE];            /* number of each brick's window, later replaced by the number of its line */
 } places;

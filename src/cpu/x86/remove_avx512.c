@@ -136,7 +136,7 @@ INLINED __m512i part_numbers(int wide, int q)
                      : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-/* Returns a register whose lanes contain eight[p], where p is the number of the part in that lane of register q. */
+/* Register q contains parts of several cubes. Returns a register that contains eight[p] in each lane of part p. */
 INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
     if (wide == 8)

@@ -304,7 +304,7 @@ ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_erro
         in_part = voxels / files->count;
     }
     bool as_text = files->form == OST_DATA_TEXT;
-    /* The shortest text of n numbers has one digit per number and one blank between each two numbers. */
+    /* The shortest text of n numbers has one digit per number and one blank between any two numbers. */
     files->part_bytes = as_text ? 2 * in_part - 1 : in_part * files->element_bytes;
     *parts = (ost_parts){
         .open = open_part, .user = files, .count = files->count, .part_bytes = files->part_bytes, .text = as_text};

@@ -19,7 +19,7 @@ typedef enum ost_colouring {
     OST_COLOUR_CLASS,
     OST_COLOUR_DEPTH,
     OST_COLOUR_DENSITY,
-    OST_COLOUR_COUNT, /* number of colourings that a user can select */
+    OST_COLOUR_COUNT, /* number of values that a user can select */
     /* the uncut bone contains OST_LABEL_DENSITY + label instead of densities */
     OST_COLOUR_LABEL = OST_COLOUR_COUNT
 } ost_colouring;

@@ -149,7 +149,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The following functions use the method of x86/smooth_avx512.c, which states the reasons. */
+/* The following functions use the same method as x86/smooth_avx512.c, where the reasons are described. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
