@@ -24,7 +24,7 @@ typedef struct stated_model {
     /* Table 3.2 */
     int32_t padded[3], chunk_dims[3];
     double chunks, active_chunks, raw_mb, active_mb;
-    /* Table 2.2, ms */
+    /* Table 2.2, in ms */
     double read_ms, rect_ms, cubic_ms, chunks_ms;
 } stated_model;
 extern const stated_model stated_models[STATED_MODELS];

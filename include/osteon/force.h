@@ -41,22 +41,22 @@ typedef struct ost_force_params {
     ost_force_mode mode;
     /* Ratio of hand force to contact force. A device limited to 3.3 N cannot render the 40 N of a reamer. */
     double scale;
-    double stiffness;          /* stiffness of the coupling for the hand force, N/m */
-    double damping;            /* damping of the coupling for the hand force, N s/m */
-    double speed;              /* angular speed of the tool about its z axis, rad/s; with 0, the tool does not cut */
+    double stiffness;          /* stiffness of the coupling for the hand force, in N/m */
+    double damping;            /* damping of the coupling for the hand force, in N s/m */
+    double speed;              /* angular speed of the tool about its z axis in rad/s; with 0, the tool does not cut */
     double cutting_ratio;      /* ratio of tangential to normal force at a cutting point */
-    double energy;             /* energy to cut bone of the reference density, J/m^3 */
-    double reference_density;  /* g/cm^3 */
-    double density_at_0;       /* density at 0 HU, g/cm^3 */
-    double density_per_hu;     /* increase of density per HU, g/cm^3 */
-    double layer;              /* thickness of the compressed layer, m; only for OST_FORCE_INSTANT */
-    /* Force per area and per depth of the layer, N/m^3, for bone of the reference density; only for
+    double energy;             /* energy to cut bone of the reference density, in J/m^3 */
+    double reference_density;  /* reference density in g/cm^3 */
+    double density_at_0;       /* density at 0 HU in g/cm^3 */
+    double density_per_hu;     /* increase of density per HU in g/cm^3 */
+    double layer;              /* thickness of the compressed layer in m; only for OST_FORCE_INSTANT */
+    /* Force per area and per depth of the layer in N/m^3, for bone of the reference density; only for
      * OST_FORCE_INSTANT. */
     double layer_stiffness;
-    /* Angular stiffness of the coupling for the hand torque, N m/rad. With 0, the tool always has the device's
+    /* Angular stiffness of the coupling for the hand torque, in N m/rad. With 0, the tool always has the device's
      * orientation. */
     double turn_stiffness;
-    double turn_damping;       /* angular damping of the coupling, N m s/rad */
+    double turn_damping;       /* angular damping of the coupling, in N m s/rad */
     /* Ratio to shaking_n of the force amplitude at the tooth-passing frequency; 0 means no vibration. */
     double vibration;
     /*
@@ -162,15 +162,16 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    double max_force_n, max_torque_nm; /* maximum force, N, and torque, N m; the limits are approached smoothly */
-    double slew_n;              /* maximum change of the force in one tick, N */
-    double ramp_s;              /* time, s, in which the force rises from 0 after a start or a fault */
+    /* maximum force in N and maximum torque in N m; the limits are approached smoothly */
+    double max_force_n, max_torque_nm;
+    double slew_n;              /* maximum change of the force in one tick, in N */
+    double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */
     int max_ticks_without_sample; /* the force becomes 0 after this number of consecutive ticks without a new pose */
     /* Bit mask of dead-man buttons, at least one of which must be held; 0 means that no button is required. */
     uint32_t dead_man;
-    /* Maximum energy, J, that the coupling can store. The passivity observer enforces this limit. */
+    /* Maximum energy in J that the coupling can store. The passivity observer enforces this limit. */
     double stored_j;
-    double max_damping;         /* maximum damping, N s/m, that the passivity controller adds; 0 means no controller */
+    double max_damping;         /* maximum damping in N s/m that the passivity controller adds; 0 means no controller */
 } ost_safety_params;
 
 /* Returns the default limits listed in docs/reference/force.md. */

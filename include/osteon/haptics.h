@@ -139,7 +139,7 @@ OST_API const char *ost_haptic_about(const ost_haptic *device, char text[OST_HAP
 /* The force limits that an open device reports, and their source, for example "HD_NOMINAL_MAX_FORCE" or "an omega". */
 typedef struct ost_haptic_limits {
     double force_n;                 /* peak force that the device reports, N; may be NAN */
-    /* Continuous force, N, and continuous torque, N m; 0 if the device does not report the value. */
+    /* Continuous force in N and continuous torque in N m; 0 if the device does not report the value. */
     double continuous_n, torque_nm;
     char from[48];
 } ost_haptic_limits;

@@ -108,8 +108,9 @@ typedef struct ost_operation_report {
     ost_fault last_fault;  /* the most recent fault */
     /* Number of drop-outs, number of ticks in all drop-outs, and number of ticks in the longest drop-out. */
     uint64_t dropouts, dropout_ticks, longest_dropout;
-    double peak_n;         /* maximum hand force, N */
-    double peak_axial_n, energy_j; /* maximum contact force along the tool's axis, N, and energy used for cutting, J */
+    double peak_n;         /* maximum hand force in N */
+    /* maximum contact force along the tool's axis in N, and energy used for cutting in J */
+    double peak_axial_n, energy_j;
     /* Number of ticks in contact, and number of ticks in which the passivity controller added damping. */
     uint64_t touching_ticks, damped_ticks;
     /* Status of the live state. It is not OST_OK if the backend failed to deliver the occupancy; the live state is

@@ -63,7 +63,10 @@ typedef struct ost_cpu_sharing {
     /* true if the option `grain` or `order` was given; blocks are then assigned to the members in turn */
     bool dealt;
     uint64_t order;               /* seed given by the `order` option; 0 without it */
-    /* number of teams so far, counted only if `order` was given; determines a team's order */
+    /*
+     * number of teams that have been started, counted only if the option `order` is given; the order of a team's blocks
+     * depends on this number
+     */
     uint64_t teams;
     /* number of times each path was entered; ost_team_end counts the paths that divide work */
     uint64_t entered[OST_CPU_PATHS];

@@ -51,7 +51,7 @@ struct haptic_instance {
     ost_path path; /* owned; the planned motion of the hand */
     size_t next;
     grip hand;
-    double friction; /* Coulomb, N */
+    double friction; /* Coulomb friction in N */
     double tremor;   /* maximum amplitude of the tremor along an axis */
     uint64_t random;
     double shake[3], x[3], v[3], force[3];
@@ -172,7 +172,7 @@ static ost_haptic_answer sim_read(haptic_instance *s, ost_haptic_state *state)
     const size_t last = s->path.count - 1, from = s->next < last ? s->next : last, to = from < last ? from + 1 : last;
     const ost_tick *tick = &s->path.ticks[from];
     double a[3], b[3];
-    /* When a tool is exchanged, the hand and the device move to the position of the new tool at once. */
+    /* When the path changes to another tool, the hand and the device move to the position of that tool at once. */
     const bool taken_up = from > 0 && s->next <= last && tick->tool != s->path.ticks[from - 1].tool;
     position_of(&tick->pose, a);
     position_of(&s->path.ticks[s->path.ticks[to].tool == tick->tool ? to : from].pose, b);

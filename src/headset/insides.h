@@ -21,7 +21,7 @@ typedef struct headset_swapchain {
 
 typedef struct headset_actions {
     XrActionSet set;
-    XrAction grip, button[HAND_BUTTONS]; /* `button` is in the order of the bits OST_HEADSET_* */
+    XrAction grip, button[HAND_BUTTONS]; /* the elements of `button` have the order of the bits OST_HEADSET_* */
     XrSpace space;
 } headset_actions;
 

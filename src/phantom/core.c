@@ -27,11 +27,11 @@
 #include "phantom/shape.h"
 
 typedef struct recipe {
-    double cell;       /* distance between points of the lattice, mm */
+    double cell;       /* distance between points of the lattice in mm */
     double stretch;    /* ratio of a cell's length along z, the direction of the load, to its width */
     double jitter;     /* maximum displacement of a point, in cell widths */
-    double strut;      /* radius of a strut, mm */
-    double wall;       /* half thickness of a wall, mm */
+    double strut;      /* radius of a strut in mm */
+    double wall;       /* half thickness of a wall in mm */
     double walls;      /* share of the possible walls that exist */
     double radius;     /* radius of a core that is drilled along z, mm; 0 for a block */
     int solid, grain;  /* density of the solid in HU, and variation of this density between positions */
@@ -162,7 +162,7 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
 typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
-    ost_v3 centre; /* centre of the box, mm */
+    ost_v3 centre; /* centre of the box in mm */
     double blur;   /* width of the partial volume at a surface, in mm before scaling */
 } corer;
 

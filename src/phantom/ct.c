@@ -27,7 +27,7 @@
  * no spongy core.
  */
 #define SHELL 1.4
-#define PLATE 1.9  /* thickness of compact bone under the cartilage, mm */
+#define PLATE 1.9  /* thickness of compact bone under the cartilage in mm */
 
 /*
  * The pose of the scapula in the patient. The lateral end of the blade is turned forward, and the top of the blade

@@ -12,7 +12,7 @@
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
 #define BEGIN -2.0     /* depth at tick 0 in mm, clear of the rim of the face */
-#define PRESSED 12.0   /* depth after PRESS_TICKS, mm */
+#define PRESSED 12.0   /* depth after PRESS_TICKS in mm */
 #define CREEP 1.5e-4   /* increase of the depth in mm per tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* mm */

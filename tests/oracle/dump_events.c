@@ -125,8 +125,8 @@ typedef struct sizes {
 } sizes;
 
 /*
- * Returns the voxel sizes of bone and tool. The ratios of these sizes are 1, 2, 16 and that of the thesis,
- * with decimal and with binary sizes.
+ * Returns the voxel sizes of bone and tool. They include the thesis' sizes, ratios such as 1, 2 and 16, and decimal and
+ * binary sizes.
  */
 static sizes make_sizes(void)
 {

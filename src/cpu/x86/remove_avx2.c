@@ -160,8 +160,8 @@ static inline __m256i high_bytes(__m256i a, __m256i b)
     return _mm256_packus_epi16(_mm256_srli_epi16(a, 8), _mm256_srli_epi16(b, 8));
 }
 
-/* The tables of the four shuffles for one window. t[0] is the first quarter of the window, and t[q] is quarter q xor
-   quarter q - 1. */
+/* The four tables with which the bytes of a window are looked up (see "The shuffles"). t[0] is the first quarter of the
+   window. For q > 0, t[q] is quarter q xor quarter q - 1. */
 typedef struct quarters {
     __m256i t[4];
 } quarters;
