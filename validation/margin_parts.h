@@ -23,8 +23,7 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    /* tick at which the next sweep begins, which is the last tick with an event or with the motor off; -1 if there is
-       none */
+    /* the next sweep begins at the pose of this tick; it is the last tick with an event or with the motor off, or -1 */
     int64_t event_tick;
 } margin_walk;
 

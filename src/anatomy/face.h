@@ -25,8 +25,9 @@ typedef struct anatomy_variant {
 typedef struct anatomy_face {
     double centre[3], inward[3];  /* centre of the face, and unit vector along the axis into the bone */
     double rim[OST_RIM_MAX][3];   /* positions on the rim; rim[k] is valid only if seen[k] */
-    double crest[OST_RIM_MAX][3]; /* highest position in each direction up to the rim; the plane is fitted to these
-                                   * positions */
+    /* for each direction, the highest position between the centre and the rim; the face's plane is fitted to these
+     * positions */
+    double crest[OST_RIM_MAX][3];
     bool seen[OST_RIM_MAX];
     double seen_share;            /* share of the directions in which the rim was found, from 0 to 1 */
     double residual;              /* RMS distance in mm of the crest points from their plane */

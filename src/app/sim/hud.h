@@ -25,7 +25,7 @@ typedef struct sim_hud_facts {
     bool running;         /* true if at least one tick has run */
     double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force on the bone, and hand force on the device, in newtons */
-    double contact_full_n, force_full_n; /* maxima of the scales of contact force and hand force */
+    double contact_full_n, force_full_n; /* greatest values on the scales of contact force and hand force */
     bool force_given;     /* true if a force is computed, even if the device cannot render it */
     double removed_mm3;
     bool planned;         /* true if the next four fields are valid */
