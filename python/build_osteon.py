@@ -136,6 +136,8 @@ def make():
     """Returns the builder that setuptools calls (setup.py)."""
     build = os.environ.get("OSTEON_BUILD")
     include, libraries, command = build_tree(build) if build else installed()
+    if os.path.exists(os.path.join(HERE, "osteon", "bin", "osteon")):
+        command = "bin/osteon"  # build-wheel has stored the command in the package
     check_version(include)
     declarations = declarations_of(include)
     names, prototypes = slots(declarations)

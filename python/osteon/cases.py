@@ -33,8 +33,9 @@ __all__ = ["Case", "EventCase", "campaign_cases", "command", "default_cases", "t
 
 def command() -> str:
     """Returns the `osteon` command: $OSTEON, or the one installed with the library, or the first one in $PATH."""
-    for name in (os.environ.get("OSTEON"), text(lib.OSTEON_PY_COMMAND)):
-        if name and os.access(name, os.X_OK):
+    installed = os.path.join(os.path.dirname(__file__), text(lib.OSTEON_PY_COMMAND))  # relative only in a wheel
+    for name in (os.environ.get("OSTEON"), installed):
+        if name and os.path.isfile(name) and os.access(name, os.X_OK):
             return name
     found = shutil.which("osteon")
     if found is None:
