@@ -2,6 +2,7 @@
 """Sessions: files that record the ticks of a world, and the digest of each step.
 
     World, Path --record--> file --read--> Session (header, ticks as an array) --replay--> Replay
+                                              '---frame, write_hdf5, write_mcap--> pandas, HDF5, MCAP
 
 A session contains inputs, not voxels: the same ticks on the same bone and tools produce the same grids on every
 backend (docs/spec/session.md). `osteon replay`, `osteon info` and `osteon export` read the files that record() writes.
@@ -16,7 +17,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from osteon._c import Lock, Owned, call, ffi, lib, path_bytes, text
-from osteon.errors import FileError
+from osteon.errors import FileError, UnavailableError
 from osteon.grid import report_of
 from osteon.units import mm_text
 from osteon.world import TICK, Path, Step, Totals, World
@@ -73,8 +74,17 @@ class Session:
         return Path(self.ticks["tick"][:int(self.summary["complete_ticks"])])
 
     def frame(self) -> Any:
-        """Returns the ticks as a pandas.DataFrame, with one column per component."""
-        import pandas  # pylint: disable=import-outside-toplevel  # optional
+        """Returns the ticks as a pandas.DataFrame, with one column per component.
+
+        Raises
+        ------
+        UnavailableError
+            If pandas is not installed.
+        """
+        try:
+            import pandas  # pylint: disable=import-outside-toplevel
+        except ImportError:
+            raise UnavailableError("pandas is not installed: pip install osteon[frames]") from None
         columns: Dict[str, Any] = {}
         for name in SESSION_TICK.names or ():
             if name == "tick":
@@ -83,6 +93,43 @@ class Session:
             else:
                 columns.update(_columns(name, self.ticks[name]))
         return pandas.DataFrame(columns)
+
+    def write_hdf5(self, path: Any, world: Optional[World] = None) -> None:
+        """Writes an HDF5 file in the layout of the recordings of volumetric_drilling (docs/guide/python.md).
+
+        Parameters
+        ----------
+        path : path-like
+            The file, which appears under its name only when it is complete.
+        world : World, optional
+            A world with the bone and the tools of the session, before its first tick. The session is replayed in this
+            world, and the file then contains the voxels that each tick removed.
+
+        Raises
+        ------
+        UnavailableError
+            If h5py is not installed.
+        DifferError
+            If a tick of the replay has another result than the recorded one.
+        """
+        from osteon._hdf5 import write  # pylint: disable=import-outside-toplevel  # it imports this module
+        write(self, path, world)
+
+    def write_mcap(self, path: Any) -> None:
+        """Writes an MCAP file with JSON messages, for example for Foxglove (docs/guide/python.md).
+
+        Raises
+        ------
+        UnavailableError
+            If the package mcap is not installed.
+        """
+        from osteon._mcap import write  # pylint: disable=import-outside-toplevel  # it imports this module
+        write(self, path)
+
+
+def has_force(ticks: np.ndarray) -> np.ndarray:
+    """Returns which ticks have a force or a torque, or wrote a force to the device."""
+    return (ticks["flags"] & lib.OST_TICK_FORCE > 0) | ticks["force_un"].any(axis=1) | ticks["torque_unm"].any(axis=1)
 
 
 def _columns(name: str, values: np.ndarray) -> Dict[str, np.ndarray]:

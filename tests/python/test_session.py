@@ -66,12 +66,3 @@ def test_interrupted_and_damaged_sessions(tmp_path, scene):
         session.read(tmp_path / "n.session")
     with pytest.raises(osteon.OsteonError):
         session.Recorder(tmp_path / "none" / "x.session", {})
-
-
-def test_frame(tmp_path, scene):
-    pytest.importorskip("pandas")
-    bone, tool, path = scene
-    session.record(osteon.World(bone, [tool]), path, tmp_path / "p.session", sync=False)
-    frame = session.read(tmp_path / "p.session").frame()
-    assert len(frame) == len(path) and frame["removed"].sum() > 0
-    assert (frame["t_pm_z"].to_numpy() == path.ticks["t_pm"][:, 2]).all() and "q30_w" in frame

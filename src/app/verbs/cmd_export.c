@@ -218,7 +218,8 @@ static ost_status check_args(app_state *app, const export_args *args, ost_error 
         return usage_error(app, err, "--labels needs a .nrrd, .nii, .nii.gz or .mha file, not %s", args->out);
     if (ends_with(args->out, "mcap") || ends_with(args->out, "h5") || ends_with(args->out, "hdf5"))
         return usage_error(app, err,
-                           "%s: osteon does not write this format: export the session to a table, --out FILE.csv",
+                           "%s: this command does not write the format: export the session to a table, --out "
+                           "FILE.csv, or use the Python package (docs/guide/python.md)",
                            args->out);
     return out_check(app, args->out, "nrrd|nii|nii.gz|mha|txt|stl|ply|obj|png|csv", err);
 }
