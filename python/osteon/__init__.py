@@ -9,6 +9,8 @@
     plugin                a Python function as a backend
     cases, checking       a Python function compared with the reference, case by case; findings, locating and
                           minimising are its parts
+    segmentation, anatomy the bones of a CT; spheres, and landmarks of a scapula
+    metrics               an operation compared with its plan
     pictures, phantom     pictures as arrays, generated bones and tools
 
 Arrays are indexed [z, y, x]; everything else (dims, spacing, origin, points) is in the order x, y, z, in LPS.
@@ -23,7 +25,7 @@ Examples
 >>> osteon.World(bone, [tool]).run(path).removed_voxels > 0
 True
 """
-from osteon import phantom, session
+from osteon import anatomy, metrics, phantom, segmentation, session
 from osteon._c import lib as _lib, text as _text
 from osteon.backend import Backend, backends, devices
 from osteon.bone import Bone, BoneInfo
@@ -51,6 +53,6 @@ __all__ = [
     "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
     "Operand", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
-    "Volume", "World", "backends", "campaign_cases", "check", "devices", "diff", "digest", "mm_text", "phantom", "pm", "pm3", "render", "session",
+    "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "metrics", "mm_text", "phantom", "pm", "pm3", "render", "segmentation", "session",
     "sha256", "slices", "tie_cases", "to_mm", "write_png",
 ]
