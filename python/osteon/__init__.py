@@ -39,7 +39,7 @@ from osteon.findings import CaseResult, CheckResult, Finding, Operand
 from osteon.grid import Geometry, Volume
 from osteon.hashing import digest, sha256
 from osteon.mesh import Mesh, ToolGeometry, ToolVolume
-from osteon.pictures import render, slices, write_png
+from osteon.pictures import Camera, points, render, slices, write_png
 from osteon.plugin import FunctionBackend
 from osteon.tool import Tool
 from osteon.units import PM_PER_MM, mm_text, pm, pm3, to_mm
@@ -49,10 +49,10 @@ __version__ = _text(_lib.ost_version())
 ARITHMETIC_VERSION = int(_lib.OST_ARITHMETIC_VERSION)
 
 __all__ = [
-    "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "CancelledError", "Case", "CaseResult", "CheckResult", "DEFAULT_CLASSES", "DensityClass",
+    "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "Camera", "CancelledError", "Case", "CaseResult", "CheckResult", "DEFAULT_CLASSES", "DensityClass",
     "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
     "Operand", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
-    "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "metrics", "mm_text", "phantom", "pm", "pm3", "render", "segmentation", "session",
+    "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "metrics", "mm_text", "phantom", "pm", "pm3", "points", "render", "segmentation", "session",
     "sha256", "slices", "tie_cases", "to_mm", "write_png",
 ]

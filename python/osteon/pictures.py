@@ -3,22 +3,26 @@
 
     render   a shaded view with scale and directions, as `osteon export --view` does
     slices   axial, coronal and sagittal slices, as `osteon export --slices` does
+    points   the bone in perspective, through a Camera; bit-identical on every machine
 
 Threads: the functions share no state.
 """
-from typing import Any, Iterable, Optional, Tuple
+from typing import Any, Iterable, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from osteon._c import call, ffi, lib, path_bytes
 from osteon.bone import Bone, volume_of
 from osteon.errors import UsageError
+from osteon.event import Pose
 from osteon.grid import Geometry, Volume, array_of, pointer
 from osteon.mesh import ToolVolume
 from osteon.tool import Tool
 from osteon.units import vector
 
-__all__ = ["render", "slices", "write_png"]
+__all__ = ["Camera", "points", "render", "slices", "write_png"]
+
+_STYLES = {"smooth": lib.OST_STYLE_SMOOTH, "faces": lib.OST_STYLE_FACES}
 
 
 def _picture(picture: Any) -> np.ndarray:
@@ -106,6 +110,62 @@ def slices(data: Any, before: Any = None, *, at: Optional[Iterable[int]] = None,
     c_volume = volume._c()
     old = volume_of(before) if before is not None else None
     call(lib.ost_picture_slices, c_volume, old._c() if old is not None else ffi.NULL, options, out)
+    return _picture(out)
+
+
+class Camera(NamedTuple):
+    """A camera in the frame of the bone. In its own frame, x points to the right, y up, and the view direction is -z.
+
+    Attributes
+    ----------
+    pose : Pose
+        Maps the frame of the camera to that of the bone.
+    focal_px : float
+        Focal length in pixels, 1 to 100,000, rounded to 0.001.
+    size : (int, int)
+        Width and height of the picture in pixels.
+    """
+
+    pose: Pose
+    focal_px: float
+    size: Tuple[int, int]
+
+    @classmethod
+    def look_at(cls, from_mm: Iterable[float], at_mm: Iterable[float], up: Iterable[float] = (0, 0, 1), *,
+                focal_px: float = 800, size: Tuple[int, int] = (800, 800)) -> "Camera":
+        """Makes a camera at a position that looks at another position; `up` need not be perpendicular to the view."""
+        out = ffi.new("ost_camera *")
+        call(lib.ost_camera_look_at, [float(v) for v in from_mm], [float(v) for v in at_mm], [float(v) for v in up],
+             out)
+        return cls(Pose._of_c(out.pose), focal_px, size)
+
+    def _c(self) -> Any:
+        return ffi.new("ost_camera *", {"pose": self.pose._c()[0], "focal_milli": round(self.focal_px * 1000),
+                                        "width": self.size[0], "height": self.size[1]})
+
+
+def points(data: Any, camera: Camera, *, style: str = "smooth", threshold: Optional[int] = None,
+           threads: int = 0) -> np.ndarray:
+    """Draws the voxels of a bone, which must be cubes, as ray-box points in perspective.
+
+    Parameters
+    ----------
+    data : Bone, Volume, Tool, ToolVolume or image
+        The grid.
+    style : {"smooth", "faces"}
+        Shading by the surface's normals, or by the normal of each face.
+
+    Returns
+    -------
+    ndarray
+        uint8, shape (height, width, 3).
+    """
+    if style not in _STYLES:
+        raise UsageError(f"style {style!r}: expected one of {', '.join(_STYLES)}")
+    volume, level, _ = _scene(data, threshold)
+    options = ffi.new("ost_points_options *", {"threshold": level, "style": _STYLES[style], "threads": threads})
+    out = ffi.new("ost_picture *")
+    call(lib.ost_picture_points, volume._c(), camera._c(), options, out)
     return _picture(out)
 
 

@@ -22,7 +22,7 @@ from osteon.grid import report_of
 from osteon.units import mm_text
 from osteon.world import TICK, Path, Step, Totals, World
 
-__all__ = ["Recorder", "Replay", "SESSION_TICK", "Session", "header_of", "read", "record", "replay"]
+__all__ = ["Recorder", "Replay", "SESSION_TICK", "Session", "header_of", "read", "record", "repair", "replay"]
 
 
 def _field(name: str) -> int:
@@ -170,6 +170,16 @@ def read(path: Any) -> Session:
     memory = ffi.new("char[]", lib.OST_SESSION_MISSING)
     return Session(_header_dict(lib.ost_session_header_of(session)), ticks[:count], notes, summary,
                    text(lib.ost_session_missing(session, memory)), end)
+
+
+def repair(path: Any, out: Any) -> None:
+    """Writes all valid blocks of a damaged or interrupted session to a new file. The file `path` is not changed."""
+    opened = ffi.new("ost_session **")
+    call(lib.ost_session_open, path_bytes(path), opened)
+    try:
+        call(lib.ost_session_repair, opened[0], path_bytes(out))
+    finally:
+        lib.ost_session_close(opened[0])
 
 
 def _header_dict(header: Any) -> Dict[str, str]:

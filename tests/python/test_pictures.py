@@ -44,6 +44,31 @@ def test_other_grids(backend):
         osteon.write_png("none.png", np.zeros((3, 3)))
 
 
+def test_points():
+    hu = np.zeros((9, 9, 9), np.int16)
+    hu[4, 4, 4] = 1000
+    volume = osteon.Volume(hu, osteon.Geometry.of(hu.shape, 2, (-8, -8, -8)))  # one voxel of 2 mm, centred at 0
+    camera = osteon.Camera.look_at((0, -101, 0), (0, 0, 0), focal_px=1000, size=(80, 60))
+    picture = osteon.points(volume, camera, style="faces")
+    assert picture.shape == (60, 80, 3) and picture.dtype == np.uint8
+    row, column = np.nonzero((picture != picture[0, 0]).any(axis=2))
+    assert (row.min(), row.max(), column.min(), column.max()) == (20, 39, 30, 49)  # 2 mm at 100 mm: 20 pixels
+    aside = osteon.points(volume, osteon.Camera.look_at((0, -101, 1), (0, 0, 1), focal_px=1000, size=(80, 60)))
+    assert np.nonzero((aside != aside[0, 0]).any(axis=2))[0].min() == 30  # the camera is 1 mm higher
+    bone = osteon.phantom.ct("glenoid", spacing_mm="1")
+    camera = osteon.Camera.look_at((-300, -18, 54), (-148, -18, 54), size=(120, 100))
+    pictures = [osteon.points(bone, camera, threads=n, style=style) for style in ("smooth", "faces") for n in (1, 2)]
+    assert np.array_equal(*pictures[:2]) and np.array_equal(*pictures[2:]) and pictures[0].std() > 5
+    assert not np.array_equal(pictures[0], pictures[2])
+    assert not np.array_equal(pictures[0], osteon.points(bone, camera, threshold=600))
+    with pytest.raises(osteon.UsageError, match="style"):
+        osteon.points(bone, camera, style="x")
+    with pytest.raises(osteon.RangeError):
+        osteon.points(bone, camera._replace(focal_px=0))
+    with pytest.raises(osteon.OsteonError):
+        osteon.Camera.look_at((0, 0, 0), (0, 0, 0))
+
+
 def test_phantoms(tmp_path, inputs, command):
     volume = osteon.phantom.ct("glenoid")
     volume.write(tmp_path / "ct.nrrd")

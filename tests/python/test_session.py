@@ -48,7 +48,7 @@ def test_a_difference_is_located(tmp_path, scene):
     assert not result.equal and result.first_difference == first
 
 
-def test_interrupted_and_damaged_sessions(tmp_path, scene):
+def test_interrupted_and_damaged_sessions(tmp_path, scene, command):
     bone, tool, path = scene
     world = osteon.World(bone, [tool])
     with session.Recorder(tmp_path / "i.session", session.header_of(world), sync=False) as recorder:
@@ -61,6 +61,10 @@ def test_interrupted_and_damaged_sessions(tmp_path, scene):
     whole = (tmp_path / "i.session").read_bytes()
     (tmp_path / "d.session").write_bytes(whole[:-100])
     assert len(session.read(tmp_path / "d.session").ticks) < 50
+    session.repair(tmp_path / "d.session", tmp_path / "r.session")
+    command("info", tmp_path / "d.session", "--repair", tmp_path / "c.session")
+    assert (tmp_path / "r.session").read_bytes() == (tmp_path / "c.session").read_bytes()
+    assert np.array_equal(session.read(tmp_path / "r.session").ticks, session.read(tmp_path / "d.session").ticks)
     (tmp_path / "n.session").write_bytes(b"nothing")
     with pytest.raises(osteon.InputError):
         session.read(tmp_path / "n.session")
