@@ -5,7 +5,7 @@ The layout is that of `scripts/New Data Structure Format.md` at commit 195b387 o
 https://github.com/LCSR-SICKKIDS/volumetric_drilling, with the rows of `voxel_removed` and `voxel_color` as
 `scripts/data_record_v3.py` writes them. docs/guide/python.md lists the datasets.
 """
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 import numpy as np
 
@@ -49,7 +49,8 @@ def voxels_of(session: Session, world: World) -> Dict[str, np.ndarray]:
     bone, path = world.bone, session.path
     before = bone.voxels()
     layer, size = bone.chunk_dims[0] * bone.chunk_dims[1], bone.chunk_size
-    times, rows, colors = [], [np.empty((0, 4))], [np.empty((0, 5))]
+    times: List[float] = []
+    rows, colors = [np.empty((0, 4))], [np.empty((0, 5))]
     for number, step in enumerate(world.steps(path)):
         if world.step_digest != session.ticks["digest"][number]:
             raise DifferError(f"tick {number} has another result than the recorded one: the bone or a tool differs")
@@ -78,7 +79,8 @@ def datasets_of(session: Session, world: Optional[World]) -> Dict[str, Any]:
     poses, still = poses_of(ticks), np.array([0, 0, 0, 0, 0, 0, 1.0])
     force, removal = has_force(ticks), ticks["removed"] > 0
     change = np.flatnonzero(np.append([True], tool[1:] != tool[:-1])[:len(ticks)])
-    frame, due = [], 0
+    frame: List[int] = []
+    due = 0
     for number, t_ns in enumerate(ticks["tick"]["t_ns"].tolist()):
         if not frame or t_ns >= due:
             frame.append(number)

@@ -44,8 +44,8 @@ def _xyz(values: Any, unit: float) -> Dict[str, float]:
 
 
 def _tick(row: Any) -> Dict[str, Any]:
-    found = {name: int(row[name]) for name in ("number", "poses", "removed", "touched", "buttons", "fault", "wake_ns",
-                                               "exec_ns", "missed")}
+    names = ("number", "poses", "removed", "touched", "buttons", "fault", "wake_ns", "exec_ns", "missed")
+    found: Dict[str, Any] = {name: int(row[name]) for name in names}
     found.update(tool=int(row["tick"]["tool"]), rpm=int(row["tick"]["rpm"]), lifted=bool(row["tick"]["lifted"]),
                  removal=bool(row["flags"] & lib.OST_TICK_REMOVAL), boxes_meet=bool(row["flags"] & lib.OST_TICK_MET),
                  digest=f"{int(row['digest']):016x}")
