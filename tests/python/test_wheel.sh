@@ -9,8 +9,13 @@
 # Covers: REQ-PYTHON
 . "${srcdir:-.}/tests/python/prepare.sh"
 cd "$work" || exit 99
+interpreter=$("$python" -c 'import sys; print(sys.executable)')
 "$python" -c "import venv" 2>/dev/null || skip "no module venv (for $python)"
-OSTEON_BUILD=$build PYTHON3=$python "$source_folder/python/build-wheel" dist >wheel.log 2>&1
+# all names are relative, as a user may write them
+(
+    cd / || exit 99
+    OSTEON_BUILD=${build#/} PYTHON3=${interpreter#/} "$source_folder/python/build-wheel" "${work#/}/dist"
+) >wheel.log 2>&1
 case $? in
 0) ;;
 3) skip "$(cat wheel.log)" ;;
