@@ -61,7 +61,7 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
         .options = options,
         .example = "  openssl genpkey -algorithm ed25519 -out reviewer.key\n"
                    "  openssl pkey -in reviewer.key -pubout -out reviewer.pem\n"
-                   "  osteon sign bundle --key reviewer.key --by \"A. Reviewer\" --meaning \"reviewed and accepted\"\n"
+                   "  osteon sign bundle --key reviewer.key --by \"A. Reviewer\" --meaning accepted\n"
                    "  osteon verify bundle --trust reviewer.pem",
     };
     ost_status status;
