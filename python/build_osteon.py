@@ -13,7 +13,8 @@ attribute, does not compile. `osteon._c` compares the versions when the module i
 The library is found in one of two ways:
 
     OSTEON_BUILD=DIR   a build folder of osteon; the library is DIR/.libs/libosteon.so
-    pkg-config osteon  an installed library
+    pkg-config osteon  an installed library; OSTEON_DESTDIR=DIR is the folder of `make install DESTDIR=DIR`,
+                       which no recorded path contains
 """
 import json
 import os
@@ -135,9 +136,11 @@ def check_version(include):
 def make():
     """Returns the builder that setuptools calls (setup.py)."""
     build = os.environ.get("OSTEON_BUILD")
+    stage = "" if build else os.environ.get("OSTEON_DESTDIR", "")
     include, libraries, command = build_tree(build) if build else installed()
     if os.path.exists(os.path.join(HERE, "osteon", "bin", "osteon")):
         command = "bin/osteon"  # build-wheel has stored the command in the package
+    include = stage + include
     check_version(include)
     declarations = declarations_of(include)
     names, prototypes = slots(declarations)
@@ -148,7 +151,7 @@ def make():
                  + "\n".join('extern "Python" ' + line for line in callbacks))
     builder.set_source("osteon._osteon", HEADERS + f"#define OSTEON_PY_COMMAND {json.dumps(command)}\n"
                        + "\n".join("static " + line for line in callbacks) + table, libraries=["osteon"], include_dirs=[include],
-                       library_dirs=[libraries], extra_compile_args=["-std=c11"],
+                       library_dirs=[stage + libraries], extra_compile_args=["-std=c11"],
                        # the path of the library is recorded unless the loader finds it anyway
                        runtime_library_dirs=[] if libraries.startswith("/usr/lib") else [libraries])
     return builder
