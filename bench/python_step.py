@@ -48,6 +48,12 @@ def by_run(world, path):
     world.run(path)
 
 
+def by_operation(world, poses):
+    tick = osteon.Operation(world).tick
+    for pose in poses:
+        tick(pose)
+
+
 def in_real_time(world, path):
     """Executes a tick at each millisecond. Returns the times of the calls in microseconds, and the late ticks."""
     times, late, begin = [], 0, time.perf_counter()
@@ -78,6 +84,9 @@ def main():
         def world(path):
             return lambda: (osteon.World(start.copy(), [tool]), path)
 
+        hand = osteon.Path.builtin("glenoid-ream", osteon.Glenoid.of_meta(ct.meta), tool)
+        far_hand = osteon.Path(hand.ticks.copy())
+        far_hand.ticks["t_pm"] += osteon.pm(500)
         poses = [(int(t["t_ns"]), pose, int(t["rpm"])) for t, pose in zip(near.ticks, near.poses())]
         far_poses = [(int(t["t_ns"]), pose, int(t["rpm"])) for t, pose in zip(far.ticks, far.poses())]
         in_command = min(json.loads(subprocess.run(
@@ -89,7 +98,9 @@ def main():
         print(f"{'':24}{'far: us/call':>14}{'reaming: us/call':>18}{'calls/s':>10}")
         for name, run, far_path, near_path in (("World.step", by_step, far, near),
                                                ("World.step_pose", by_pose, far_poses, poses),
-                                               ("World.run, per tick", by_run, far, near)):
+                                               ("World.run, per tick", by_run, far, near),
+                                               ("Operation.tick, force", by_operation, far_hand.poses(),
+                                                hand.poses())):
             away, cutting = best(repeats, world(far_path), run), best(repeats, world(near_path), run)
             print(f"{name:24}{away:14.2f}{cutting:18.2f}{1e6 / cutting:10.0f}")
         print(f"{'the command, per tick':24}{'':14}{in_command:18.2f}{1e6 / in_command:10.0f}")

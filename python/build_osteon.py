@@ -33,6 +33,7 @@ HEADERS = "#include <osteon/osteon.h>\n#include <osteon/plugin.h>\n"
 CALLBACKS = """
 bool osteon_py_progress(void *user, const char *stage, double share);
 void osteon_py_device(const ost_device_info *device, void *user);
+ost_status osteon_py_chunk(void *user, const int32_t *at, const uint32_t *words, ost_error *err);
 """
 
 # The extension module is also a plugin of osteon (osteon/plugin.h). libosteon loads the file of the module, which the
@@ -51,6 +52,60 @@ static const ost_plugin osteon_py_table = {
 OST_PLUGIN_EXPORT const ost_plugin *ost_plugin_entry(uint32_t host_abi)
 {
     return host_abi == OST_PLUGIN_ABI ? &osteon_py_table : NULL;
+}
+"""
+
+# The servo loop of osteon.operation. No Python runs in a tick; another thread ends the loop.
+LOOP = """
+typedef struct osteon_py_loop osteon_py_loop;
+osteon_py_loop *osteon_py_loop_make(ost_operation *operation);
+void osteon_py_loop_free(osteon_py_loop *loop);
+void osteon_py_loop_stop(osteon_py_loop *loop);
+ost_status osteon_py_loop_run(osteon_py_loop *loop, ost_haptic *device, const ost_servo_options *options,
+                              ost_servo_report *report, ost_error *err);
+"""
+LOOP_SOURCE = """
+#include <stdatomic.h>
+#include <stdlib.h>
+
+struct osteon_py_loop {
+    ost_operation *operation; /* borrowed */
+    atomic_bool stopped;
+};
+
+static osteon_py_loop *osteon_py_loop_make(ost_operation *operation)
+{
+    osteon_py_loop *loop = calloc(1, sizeof *loop);
+    if (loop)
+        loop->operation = operation;
+    return loop;
+}
+
+static void osteon_py_loop_free(osteon_py_loop *loop)
+{
+    free(loop);
+}
+
+static void osteon_py_loop_stop(osteon_py_loop *loop)
+{
+    atomic_store(&loop->stopped, true);
+}
+
+static bool osteon_py_loop_tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+{
+    osteon_py_loop *loop = user;
+    return !atomic_load(&loop->stopped) && ost_operation_tick(loop->operation, sample, wrench);
+}
+
+static void osteon_py_loop_done(void *user, uint64_t number, uint32_t exec_ns)
+{
+    ost_operation_done(((osteon_py_loop *)user)->operation, number, exec_ns);
+}
+
+static ost_status osteon_py_loop_run(osteon_py_loop *loop, ost_haptic *device, const ost_servo_options *options,
+                                     ost_servo_report *report, ost_error *err)
+{
+    return ost_servo_run(device, options, osteon_py_loop_tick, osteon_py_loop_done, loop, report, err);
 }
 """
 
@@ -147,10 +202,11 @@ def make():
     callbacks = CALLBACKS.strip().split("\n") + prototypes
     table = PLUGIN % " ".join(f".{name} = osteon_py_{name}," for name in names)
     builder = FFI()
-    builder.cdef(declarations + constants(include) + "static char *const OSTEON_PY_COMMAND;\n"
+    builder.cdef(declarations + constants(include) + "static char *const OSTEON_PY_COMMAND;\n" + LOOP
                  + "\n".join('extern "Python" ' + line for line in callbacks))
     builder.set_source("osteon._osteon", HEADERS + f"#define OSTEON_PY_COMMAND {json.dumps(command)}\n"
-                       + "\n".join("static " + line for line in callbacks) + table, libraries=["osteon"], include_dirs=[include],
+                       + "\n".join("static " + line for line in callbacks) + table
+                       + LOOP.split("\n", 2)[1] + LOOP_SOURCE, libraries=["osteon"], include_dirs=[include],
                        library_dirs=[stage + libraries], extra_compile_args=["-std=c11"],
                        # the path of the library is recorded unless the loader finds it anyway
                        runtime_library_dirs=[] if libraries.startswith("/usr/lib") else [libraries])

@@ -4,6 +4,7 @@
     units, grid, mesh     lengths in picometres, volumes [z, y, x], tool grids, meshes
     backend, bone, tool   voxels in the memory of a backend
     event, world          poses, events, paths, the world and its step
+    force, operation      the force on the hand; a world that a device moves, with a motor and a force
     session               record, read and replay sessions
     hashing, differences  digests, and the differences between two grids
     plugin                a Python function as a backend
@@ -36,9 +37,11 @@ from osteon.errors import (CancelledError, DifferError, FileError, InputError, I
                            OutOfMemoryError, RangeError, Status, UnavailableError, UsageError)
 from osteon.event import DEFAULT_CLASSES, DensityClass, Event, Map, Pose, Report
 from osteon.findings import CaseResult, CheckResult, Finding, Operand
+from osteon.force import Force, ForceParams, ForceResult
 from osteon.grid import Geometry, Volume
 from osteon.hashing import digest, sha256
 from osteon.mesh import Mesh, ToolGeometry, ToolVolume
+from osteon.operation import Operation
 from osteon.pictures import Camera, points, render, slices, write_png
 from osteon.plugin import FunctionBackend
 from osteon.tool import Tool
@@ -50,8 +53,8 @@ ARITHMETIC_VERSION = int(_lib.OST_ARITHMETIC_VERSION)
 
 __all__ = [
     "ARITHMETIC_VERSION", "Backend", "Bone", "BoneInfo", "Camera", "CancelledError", "Case", "CaseResult", "CheckResult", "DEFAULT_CLASSES", "DensityClass",
-    "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
-    "Operand", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
+    "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "Force", "ForceParams", "ForceResult", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
+    "Operand", "Operation", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
     "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "metrics", "mm_text", "phantom", "pm", "pm3", "points", "render", "segmentation", "session",
     "sha256", "slices", "tie_cases", "to_mm", "write_png",
