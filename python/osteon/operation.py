@@ -375,17 +375,21 @@ class Operation(Owned):
                           times("exec"), text(report.realtime.scheduling))
         self._outcome = made, (error_of(status, err) if status else None)
 
-    def move(self, pose: Pose, *, lifted: bool = False) -> None:
+    def move(self, pose: Pose, *, lifted: bool = False, motor: Optional[bool] = None) -> None:
         """Sets the pose that the tool approaches: with a time constant of 15 ms, at 250 mm/s and 3 turns/s at most.
 
         Parameters
         ----------
         lifted : bool
             True to put the tool down at this pose in one tick; nothing is removed in between.
+        motor : bool, optional
+            Switches the motor on or off from this pose on; it is unchanged by default.
         """
         if self._loop is None or self._mouse == ffi.NULL:
             raise UsageError("move() needs a loop that was started without a device")
         pose.check()
+        if motor is not None:
+            self._motor = motor
         to = self._input
         to.lifted, to.buttons = lifted, self._motor
         to.pose.t.x, to.pose.t.y, to.pose.t.z = pose.t_pm

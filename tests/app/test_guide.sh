@@ -32,7 +32,7 @@ for page in "$source_folder"/docs/guide/*.md; do
         [ $status -eq "${expected:-0}" ] || fail "$page: $line: status $status: $(tail -n 1 err)"
     done <"$folder.sh"
 done
-check "pages of the guide" "$pages" 7
+check "pages of the guide" "$pages" 8
 checks=$((checks + 1))
 [ $commands -ge 20 ] || fail "only $commands commands were run"
 finish
