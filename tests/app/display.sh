@@ -54,3 +54,27 @@ ended() {
     wait $pid
     status=$?
 }
+
+# store_picture: stores a picture of the window by the key F12; $picture is then its name
+pictures=0
+store_picture() {
+    pictures=$((pictures + 1))
+    picture=osteon-00$pictures.png
+    xdotool key F12
+    for i in $(seq 100); do
+        [ -s $picture ] && break
+        sleep 0.1
+    done
+}
+
+# on_screen: returns 0 if the screen shows the last stored picture; otherwise the file `differs` contains the first pixel
+# that differs
+on_screen() {
+    [ -e "$picture" ] && command -v python3 >/dev/null || return 0
+    set -- $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
+    for try in $(seq 10); do
+        python3 "$source_folder/tests/app/same_screen.py" Xvfb_screen0 $1 $2 $picture 2>differs && return
+        sleep 0.1
+    done
+    return 1
+}

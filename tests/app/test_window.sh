@@ -45,30 +45,9 @@ xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyu
 xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
 sleep 0.2
-# shot: takes another picture and stores its name in $picture
-shots=0
-shot() {
-    shots=$((shots + 1))
-    picture=osteon-00$shots.png
-    xdotool key F12
-    for i in $(seq 50); do
-        [ -s $picture ] && break
-        sleep 0.1
-    done
-}
-# Checks that the window displays the last picture, even after the screen was cleared.
-on_screen() {
-    [ -e "$picture" ] && command -v python3 >/dev/null || return 0
-    set -- $(xdotool getwindowgeometry "$window" | sed -n 's/.*Position: \([-0-9]*\),\([-0-9]*\).*/\1 \2/p')
-    for try in $(seq 10); do
-        python3 "$source_folder/tests/app/same_screen.py" Xvfb_screen0 $1 $2 $picture 2>differs && return
-        sleep 0.1
-    done
-    return 1
-}
 # If the tool is still moving, a later picture is compared.
 for i in 1 2 3; do
-    shot
+    store_picture
     on_screen && break
 done
 on_screen || fail "the window: $(cat differs)"

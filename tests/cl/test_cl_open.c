@@ -502,14 +502,28 @@ static bool on_rusticl(void)
     return is;
 }
 
+/* Makes a new folder for the caches of the following backends. PoCL's cache stays where it was, `before`. */
+static void begin_cache(char *folder, char *before, size_t size)
+{
+    snprintf(before, size, "%s", getenv("XDG_CACHE_HOME"));
+    assert_non_null(mkdtemp(folder));
+    setenv("XDG_CACHE_HOME", folder, 1);
+    setenv("POCL_CACHE_DIR", before, 0);
+}
+
+static void end_cache(const char *folder, const char *before)
+{
+    char command[100];
+    setenv("XDG_CACHE_HOME", before, 1);
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    assert_int_equal(system(command), 0);
+}
+
 static void cache_damage(void **state)
 {
     (void)state;
-    char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", path[5000], command[5100];
-    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    assert_non_null(mkdtemp(folder));
-    setenv("XDG_CACHE_HOME", folder, 1);
-    setenv("POCL_CACHE_DIR", before, 0); /* keeps the cache of PoCL in its folder */
+    char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", path[5000];
+    begin_cache(folder, before, sizeof before);
 
     assert_false(opened_from_cache());
     assert_true(opened_from_cache());
@@ -568,24 +582,18 @@ static void cache_damage(void **state)
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
     assert_false(opened_from_cache());
 
-    setenv("XDG_CACHE_HOME", before, 1);
     free(bad);
     free(good);
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    assert_int_equal(system(command), 0);
+    end_cache(folder, before);
 }
 
 /* A cache that other users may have written must be neither read nor written. */
 static void cache_of_others(void **state)
 {
     (void)state;
-    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100],
-                       command[5100];
+    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100];
     struct stat info;
-    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    assert_non_null(mkdtemp(cache));
-    setenv("XDG_CACHE_HOME", cache, 1);
-    setenv("POCL_CACHE_DIR", before, 0);
+    begin_cache(cache, before, sizeof before);
     snprintf(folder, sizeof folder, "%s/osteon", cache);
     snprintf(elsewhere, sizeof elsewhere, "%s/elsewhere", cache);
 
@@ -640,9 +648,7 @@ static void cache_of_others(void **state)
     } else
         printf("# not root: a folder of another user is left out\n");
 
-    setenv("XDG_CACHE_HOME", before, 1);
-    snprintf(command, sizeof command, "rm -rf '%s'", cache);
-    assert_int_equal(system(command), 0);
+    end_cache(cache, before);
 }
 
 /* PoCL has a cache of its own. Nothing is stored unless this cache is disabled. */
@@ -659,12 +665,9 @@ static void cache_of_the_driver(void **state)
         printf("# the driver is not PoCL\n");
         skip();
     }
-    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], command[5100];
+    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64];
     struct stat info;
-    snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    assert_non_null(mkdtemp(cache));
-    setenv("XDG_CACHE_HOME", cache, 1);
-    setenv("POCL_CACHE_DIR", before, 0);
+    begin_cache(cache, before, sizeof before);
     snprintf(folder, sizeof folder, "%s/osteon", cache);
     assert_false(opened_from_cache_with(&ost_cl_loader));
     assert_false(opened_from_cache_with(&ost_cl_loader));
@@ -673,9 +676,7 @@ static void cache_of_the_driver(void **state)
     assert_false(opened_from_cache_with(&ost_cl_loader));
     assert_true(opened_from_cache_with(&ost_cl_loader));
     unsetenv("POCL_KERNEL_CACHE");
-    setenv("XDG_CACHE_HOME", before, 1);
-    snprintf(command, sizeof command, "rm -rf '%s'", cache);
-    assert_int_equal(system(command), 0);
+    end_cache(cache, before);
 }
 
 static ost_digest key_now(void)
