@@ -172,18 +172,18 @@ class Force(Owned):
 
     def __init__(self, bone: Bone, tools: Iterable[Tool], params: Optional[ForceParams] = None, *,
                  rpm: float = int(lib.OST_RPM_REAMER)) -> None:
-        tools: List[Tool] = list(tools)
+        parts: List[Tool] = list(tools)
         self.params = params or ForceParams()
         made = ffi.new("ost_force_params *", self.params._force[0])
         made.speed = rad_s_of(rpm)
         out = ffi.new("ost_force **")
         with bone._lock.held:
             call(lib.ost_force_create, bone._c, made, out)
-        super().__init__(out[0], lib.ost_force_free, bone._lock, (bone, tools))
+        super().__init__(out[0], lib.ost_force_free, bone._lock, (bone, parts))
         bone.backend._adopt(self)
-        self.bone, self.tools = bone, tools
+        self.bone, self.tools = bone, parts
         with self._lock.held:
-            for tool in tools:
+            for tool in parts:
                 call(lib.ost_force_add_tool, self._c, tool._c)
         self._result, self._pose, self._err = (ffi.new("ost_force_result *"), ffi.new("ost_pose *"),
                                                ffi.new("ost_error *"))
