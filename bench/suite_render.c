@@ -309,9 +309,9 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
     return bench_row_not_run(s->options, table, &name[what], 1, "us", 1, status, s->err);
 }
 
-/* Measures how long the update of the surface takes while bone is reamed. A ball with a radius of 20 mm enters the
-   glenoid at 1.5 mm/s, with 60 frames per second. The row contains the time of the update and the number of changed
-   blocks per frame. */
+/* Measures the time of a surface update while bone is reamed. A ball with a radius of 20 mm enters the glenoid at
+   1.5 mm/s, at 60 frames per second. The row contains the time of the update and the number of changed blocks per
+   frame. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
     enum { PICTURES = 120, BEGIN = 40 }; /* frames are measured from BEGIN on, at which the depth is 1 mm */

@@ -146,9 +146,10 @@ typedef struct bench_voxel_cut {
 } bench_voxel_cut;
 
 /*
- * Measures frames while a ball with the radius of the thesis' reamer head (18 mm at the voxel size of the scapula: 38
- * voxels) moves into the model, by a quarter of a voxel per frame. The ball is scaled with the model. The model is
- * restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only BENCH_VOXEL_MESH uses it.
+ * Measures the time per frame while a ball moves into the model. The ball advances by a quarter of a voxel per frame.
+ * Its radius is that of the thesis' reamer head, 18 mm, which is 38 voxels of the scapula. The ball is scaled with the
+ * model. The model is restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only
+ * BENCH_VOXEL_MESH uses it.
  */
 ost_status bench_voxel_removal(bench_voxel_model *model, bench_voxel_method method, const char *mesher, int frames,
                                bench_voxel_cut *out, ost_error *err);

@@ -12,7 +12,7 @@
 
 #include <stdio.h>
 
-/* This function is called for each device of a backend. The texts are valid until the function returns. */
+/* This function is called for each device of a backend. The strings are valid until the function returns. */
 static void show_device(const ost_device_info *device, void *user)
 {
     (void)user;

@@ -40,7 +40,9 @@ typedef struct plot {
    A plot without values contains a sentence that states this. */
 void plot_write(FILE *to, const plot *p);
 
-/* Writes a text to XML. The characters < > & and quotation marks become entities, and control characters become '?'. */
+/*
+ * Writes a string to XML. The characters < > & and quotation marks become entities, and control characters become '?'.
+ */
 void plot_text(FILE *to, const char *text);
 
 /* An axis from `least` to `most`, and the values of its ticks. */

@@ -48,7 +48,7 @@ typedef struct result_column {
     char key[RESULT_KEY];     /* name in CSV and JSON; the name ends with the unit, as in "event_us" */
     char title[RESULT_LABEL]; /* heading in the report */
     char unit[16];            /* "us", "ms", "MB", "mm" or ""; "" for a number without a unit */
-    bool text;                /* true if the cells contain texts */
+    bool text;                /* true if the cells contain strings */
     bool has_thesis;          /* true if at least one cell has a value that the thesis states */
 } result_column;
 
@@ -96,9 +96,9 @@ typedef enum result_plot_kind { RESULT_PLOT_LINES, RESULT_PLOT_BARS } result_plo
 typedef struct result_plot {
     result_plot_kind kind;
     char title[RESULT_LABEL], x_label[RESULT_LABEL], y_label[RESULT_LABEL];
-    /* column with the positions along the x axis; in a plot with bars, a column of texts or numbers */
+    /* column with the positions along the x axis; in a plot with bars, a column of strings or numbers */
     int x;
-    int group;                        /* column of texts by which the rows are grouped; -1 if they are not grouped */
+    int group;                        /* column of strings by which the rows are grouped; -1 if they are not grouped */
     int value[RESULT_PLOT_VALUES], values;
     bool log_x, log_y;
 } result_plot;
@@ -131,7 +131,7 @@ typedef struct result {
 void result_init(result *r, const char *id, const char *title, const result_machine *machine);
 void result_free(result *r);
 
-/* Appends a column and returns its index. If `unit` is "text", the cells contain texts. */
+/* Appends a column and returns its index. If `unit` is "text", the cells contain strings. */
 int result_add_column(result *r, const char *key, const char *title, const char *unit);
 /* Appends a row of empty cells for the first machine. The pointer is valid until the next call. */
 result_row *result_add_row(result *r);

@@ -37,7 +37,7 @@ const char *write_value(char text[WRITE_VALUE], double value)
 
 /* --------------------------------------------------------------------- CSV */
 
-/* Writes a text as a field of CSV (RFC 4180). */
+/* Writes a string as a field of CSV (RFC 4180). */
 static void csv_text(FILE *to, const char *text)
 {
     if (!strpbrk(text, ",\"\r\n")) {

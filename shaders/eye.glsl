@@ -23,8 +23,8 @@ layout(std140) uniform Eye {
      * voxel's side, slightly enlarged.
      */
     vec4 layer;
-    uvec4 light_0;    /* light of faces 0 to 3, in 256ths */
-    /* x and y are the light of faces 4 and 5, and z is the background colour as 0xBBGGRR */
+    uvec4 light_0;    /* light intensities of faces 0 to 3, in 256ths */
+    /* x and y are the light intensities of faces 4 and 5, in 256ths; z is the background colour as 0xBBGGRR */
     uvec4 light_4;
     uvec4 paint;      /* red, green, blue, gloss */
 };

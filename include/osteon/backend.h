@@ -52,7 +52,7 @@ typedef struct ost_backend_info {
 OST_API int ost_backend_count(void);
 /*
  * Describes backend number `index`, and tests whether the backend could be opened on this machine. The backend is not
- * opened. Returns OST_ERR_USAGE if index is out of range. The texts are static.
+ * opened. Returns OST_ERR_USAGE if index is out of range. The strings are static.
  */
 OST_API ost_status ost_backend_describe(int index, ost_backend_info *out, ost_error *err);
 
@@ -67,7 +67,7 @@ typedef struct ost_device_info {
     const char *facts;  /* lines "CL_DEVICE_VENDOR=..." with the properties that the driver reports; may be "" */
 } ost_device_info;
 
-/* Receives one device. The texts are valid until the function returns. */
+/* Receives one device. The strings are valid until the function returns. */
 typedef void ost_device_visit(const ost_device_info *device, void *user);
 
 /*
@@ -83,7 +83,7 @@ OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void 
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
 /* Closes a backend. All its grids, bones and tools must have been freed. NULL is allowed. */
 OST_API void ost_backend_close(ost_backend *backend);
-/* Returns the name of a backend without options, for example "cpu". The text is static. */
+/* Returns the name of a backend without options, for example "cpu". The string is static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
 /* Settings of an open backend, which follow from its options, the environment and the machine. */
@@ -95,7 +95,7 @@ typedef struct ost_backend_settings {
     int platform, device;
 } ost_backend_settings;
 
-/* Returns the settings of an open backend. The texts are valid until the backend is closed. */
+/* Returns the settings of an open backend. The strings are valid until the backend is closed. */
 OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend);
 
 /* ----------------------------------------------------------------- grids */

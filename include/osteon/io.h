@@ -112,7 +112,7 @@ OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *o
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
                                           ost_volume_report *report, ost_error *err);
 
-/* A series in a folder of DICOM files. All texts are printable. A text is "" if the files do not contain it. */
+/* A series in a folder of DICOM files. All strings are printable. A string is "" if the files do not contain it. */
 typedef struct ost_dicom_series {
     bool numbered;            /* true if number is valid */
     int32_t number;           /* SeriesNumber */

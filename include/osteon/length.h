@@ -37,7 +37,7 @@ typedef struct ost_pm3 {
 OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
 
 /*
- * A decimal as written in a text:
+ * A decimal as written in a string:
  *
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
@@ -87,7 +87,7 @@ OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
 /*
- * Converts a text such as "0.47", in millimetres, to picometres. Returns an error unless the text is exactly one
+ * Converts a string such as "0.47", in millimetres, to picometres. Returns an error unless the string is exactly one
  * decimal within +-OST_LENGTH_MAX.
  */
 OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);

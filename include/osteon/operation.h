@@ -122,7 +122,7 @@ typedef struct ost_operation_report {
 } ost_operation_report;
 /* Copies the report. May be called only after the loop has ended. */
 OST_API void ost_operation_report_get(const ost_operation *operation, ost_operation_report *out);
-/* Returns a short description of a fault, for instance "the pose jumped". The text is static. */
+/* Returns a short description of a fault, for instance "the pose jumped". The string is static. */
 OST_API const char *ost_fault_text(ost_fault fault);
 
 #ifdef __cplusplus

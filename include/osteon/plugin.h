@@ -8,7 +8,7 @@
  *   load the file, find ost_plugin_entry  ------->   its table, checked slot by slot
  *   open(options, host)                   ------->   an instance
  *   grids, bones, tools, events           ------->   one slot per stage, as in backend.h
- *   reports, error texts                  <-------
+ *   reports, error messages               <-------
  *
  * This header is the only file of osteon that a plugin needs: a plugin is not
  * linked to the library, and all types here are plain C.  docs/spec/arithmetic.md

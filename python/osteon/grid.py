@@ -313,7 +313,7 @@ def volume_options(options: Any, *, clamp: bool, resample_oblique: bool, orienta
 
 
 def report_of(report: Any) -> Dict[str, Any]:
-    """Returns the members of a struct as a dict: texts as str, nested structs as dicts, arrays as lists."""
+    """Returns the members of a struct as a dict: strings as str, nested structs as dicts, arrays as lists."""
     kind = ffi.typeof(report)
     fields = kind.item.fields if kind.kind == "pointer" else kind.fields
     return {name: member_of(getattr(report, name), member.type) for name, member in fields}

@@ -52,7 +52,7 @@ class Session:
     ticks : ndarray
         Structured array of the type SESSION_TICK, all valid ticks.
     notes : list of (int, str)
-        Times in nanoseconds, and texts.
+        Times in nanoseconds, and the texts of the notes.
     summary : dict
         Counts, and the amount of data that is missing (ost_session_summary).
     missing : str

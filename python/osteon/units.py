@@ -27,14 +27,14 @@ def pm(mm: Length) -> int:
     Parameters
     ----------
     mm : str, int, float or Decimal
-        The length. A text must be one decimal, for example "0.48828125".
+        The length. A string must be one decimal, for example "0.48828125".
 
     Raises
     ------
     RangeError
         If the length is NaN, infinite or outside +-8 m.
     InputError
-        If a text is not a decimal.
+        If a string is not a decimal.
     UsageError
         If the value has another type.
 

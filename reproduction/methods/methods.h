@@ -48,7 +48,9 @@ typedef struct methods_info {
 
 /* Returns the number of methods. The methods have a fixed order; the first is osteon's event. */
 int methods_count(void);
-/* Describes method number `index`, 0 <= index < methods_count(). The texts are static. */
+/*
+ * Returns the description of the method with the number `index`, 0 <= index < methods_count(). The strings are static.
+ */
 const methods_info *methods_info_get(int index);
 
 typedef struct methods_options {

@@ -30,7 +30,7 @@ static void count_blocks(const ost_anatomy_bone *bone, const int32_t first[3], c
                 }
             }
         }
-    /* The last blocks of an axis may have fewer voxels. */
+    /* The last block along each axis may contain fewer voxels. */
     int32_t c[3];
     for (c[2] = 0; c[2] < f->n[2]; c[2]++)
         for (c[1] = 0; c[1] < f->n[1]; c[1]++)

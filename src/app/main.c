@@ -165,7 +165,7 @@ static void *json_memory(size_t size)
     _exit(within_verb && within_verb->worker ? WORKER_EXIT_RESOURCES : 2);
 }
 
-/* Flushes standard output. If the reader closed the pipe, SIGPIPE ends the process silently, as usual for programs. */
+/* Flushes standard output. If the reader closed the pipe, SIGPIPE terminates the process silently, as usual. */
 static ost_status finish_output(ost_error *err)
 {
     errno = 0;

@@ -23,7 +23,7 @@
 /* The maximum number of platforms, and of devices per platform. A driver that reports more than this is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Removes the blanks at both ends of a text and replaces control characters with '?'. */
+/* Removes the blanks at both ends of a string and replaces control characters with '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");
@@ -39,8 +39,8 @@ static void tidy(char *text)
 }
 
 /*
- * Sets `out` to the beginning of a text that the driver reports for a platform, or to "" if the driver reports no text.
- * Drivers reject a buffer that is too small, so the complete text is read first and then truncated.
+ * Sets `out` to the beginning of a string that the driver reports for a platform, or to "" if the driver reports none.
+ * Drivers reject a buffer that is too small, so the complete string is read first and then truncated.
  */
 static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_platform_info what, char out[OST_CL_NAME])
 {
@@ -55,7 +55,7 @@ static void platform_text(const ost_cl_api *cl, cl_platform_id platform, cl_plat
     tidy(out);
 }
 
-/* Returns the complete text that the driver reports for a device, or NULL. The caller frees the text. */
+/* Returns the complete string that the driver reports for a device, or NULL. The caller frees the string. */
 static char *device_text(const ost_cl_api *cl, cl_device_id device, cl_device_info what)
 {
     size_t size = 0;

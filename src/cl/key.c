@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Collects the texts on which a built program depends.  Together, these texts determine
+ * Collects the strings on which a built program depends.  Together, these strings determine
  * the key of the program's cache entry:
  *
  *   options, sources          of this library

@@ -33,7 +33,10 @@ static const struct {
     [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1},
     /* voxels, more than fit into the caches */
     [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
-    /* bytes in both planes, more than fit into L2 */
+    /*
+     * bytes; if there are several tiles, the two planes of a tile are together smaller than this threshold, so that
+     * they fit into L2
+     */
     [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},
 };
 

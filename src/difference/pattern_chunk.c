@@ -106,7 +106,7 @@ bool ost_pattern_lost_chunk(const pattern_scan *s, char *text)
                                                            (long long)n.differ, n.differ == 1 ? " is " : "s are ");
 }
 
-/* Checks the rule lost-tail for samples: only the last samples of batches are missing. */
+/* Checks the lost-tail rule for samples: only the last samples of batches are missing. */
 static bool lost_samples(const pattern_scan *s, char *text)
 {
     int32_t most = 0;

@@ -9,16 +9,19 @@
  *
  * The parameters of the Phantom Omni and of the hand are taken from the literature:
  *
- *   mass 60 g (inertia at the tip 45 g and the stylus), viscous 0.2 N s/m,
- *   Coulomb friction 0.26 N (backdrive), encoders 55 um (450 dpi), 3.3 N at most
- *   hand    light 100 N/m 0.5 N s/m   normal 150 N/m 1.5 N s/m   firm 400 N/m 4 N s/m
+ *   mass                60 g: apparent mass of 45 g at the tip, plus the stylus
+ *   viscous friction    0.2 N s/m
+ *   Coulomb friction    0.26 N (backdrive friction in the data sheet)
+ *   encoders            55 um (450 dpi)
+ *   maximum force       3.3 N
+ *   spring and damper   light 100 N/m, 0.5 N s/m; normal 150 N/m, 1.5 N s/m; firm 400 N/m, 4 N s/m
  *
  * A tick consists of ten steps of 0.1 ms, which update velocities first (semi-implicit Euler).
  * Coulomb friction is implicit: in each step, it reduces the speed by as much as possible, but not
  * below zero, so that a sticking device stays still. The stylus always has exactly the planned
  * direction. The device senses this direction and renders no torque.
  *
- * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others
+ * Friction makes such a loop passive up to 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti et al.
  * 2006). friction=0 is the worst case, in which a force law must still be stable.
  *
  * The code uses only + - * / and sqrt of doubles, and its own random generator. Therefore the same ticks and forces

@@ -31,8 +31,8 @@
 enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 
 /*
- * The grid of a text with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a voxel
- * has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. The limit is far
+ * The grid of a text file with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a
+ * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. The limit is far
  * above what real files need: a bone without its surroundings fills 5 to 30 % of its bounding box, and a file that
  * contains only the shell of a bone is also far below the limit.
  */

@@ -159,8 +159,9 @@ static ost_status add_json(ost_label_names *names, const char *path, const char 
 }
 
 /*
- * Adds the name of a line "VALUE NAME ..." or "VALUE,NAME,...". If the line ends with a text in double quotes, as in
- * the tables of ITK-SNAP, this text is the name. Returns false if the line does not begin with a value.
+ * Parses a line "VALUE NAME ..." or "VALUE,NAME,..." and adds the name to the list. If the line contains a string in
+ * double quotes, as in the tables of ITK-SNAP, the last of these strings is the name. Returns false if the line does
+ * not begin with a value and a separator, or if the name is empty.
  */
 static bool add_line(ost_label_names *names, char *line, ost_status *status, ost_error *err)
 {

@@ -27,7 +27,7 @@
  * stream fails, its reader has already received the bytes before the failure. A symbolic link is followed, not
  * replaced. Permissions follow the umask.
  *
- * Signals: a process that may be ended by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
+ * Signals: a process that may be terminated by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
  * calls ost_outfile_unlink_pending from its handler. It should ignore SIGXFSZ
  * and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
  *
@@ -88,7 +88,7 @@ void ost_outfile_discard(ost_outfile *file);
 ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 
 /*
- * Unlinks the hidden names of all open files. The function is async-signal-safe, so that a handler that ends the
+ * Unlinks the hidden names of all open files. The function is async-signal-safe, so that a handler that terminates the
  * process can call it.
  */
 void ost_outfile_unlink_pending(void);

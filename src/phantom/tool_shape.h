@@ -32,7 +32,7 @@ int64_t ost_q60_times(int64_t a, ost_q60 b);
 
 /*
  * Computes the cosine and the sine of k/n of a turn, each with an error of at most 2^-56. The results are exactly
- * symmetric under the eight mirrors of the circle, and exact at quarter turns. n must be at least 1.
+ * symmetric under reflections in the axes and in the diagonals, and exact at quarter turns. n must be at least 1.
  */
 void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine);
 

@@ -25,10 +25,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/*
- * maximum distance in voxels of a line behind a surface at which the line is still drawn as if it were in front of the
- * surface
- */
+/* a line at most this many voxels behind a surface is drawn as if it were in front of the surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {

@@ -24,7 +24,7 @@ typedef enum ost_window_event_kind {
     OST_WINDOW_KEY,    /* a key; uses the fields key, pressed and mods */
     /* a mouse button; uses the fields button (0 left, 1 right, 2 middle), pressed and mods */
     OST_WINDOW_BUTTON,
-    OST_WINDOW_MOVE,   /* a motion; x and y are the position of the pointer in pixels of the picture */
+    OST_WINDOW_MOVE,   /* a motion; x and y are the position of the pointer in picture pixels */
     /* the wheel; y is the number of steps, positive if the wheel is turned away from the user; also uses mods */
     OST_WINDOW_WHEEL,
     OST_WINDOW_RELEASE /* events were lost; all keys and buttons count as released */

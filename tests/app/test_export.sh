@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Tests what osteon export writes for other programs: what was removed, the frame that a mesh states, label
-# maps, MetaImage, and a text without empty voxels. Every file is read again.
+# maps, MetaImage, and a text file without empty voxels. Every file is read again.
 #
 # Covers: REQ-EXPORT
 . "${srcdir:-.}/tests/app/lib.sh"

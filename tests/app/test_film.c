@@ -320,7 +320,7 @@ static void on_term(int number)
     _exit(128 + number);
 }
 
-/* A signal leaves no unfinished file, neither at once nor after the encoder has ended. */
+/* A signal must not leave an unfinished file, either immediately or after the encoder has exited. */
 static void a_signal_leaves_no_part(void **state)
 {
     (void)state;

@@ -39,7 +39,7 @@ run 0 import ct.nrrd --out bone.nrrd --preview q.png --threshold 400
 [ "$(cksum <q.png)" != "$first" ] || fail "another threshold gives the same picture"
 checks=$((checks + 1))
 
-# Every type of CT must have a picture: a text, a built-in CT, a bone, an empty CT, and a CT without
+# Every type of CT must have a picture: a text file, a built-in CT, a bone, an empty CT, and a CT without
 # orientation.
 run 0 export ct.nrrd --out ct.txt
 run 0 import ct.txt --out bone.nrrd --preview text.png

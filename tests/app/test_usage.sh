@@ -123,7 +123,7 @@ for isa in scalar avx2 avx512 avx512vbmi neon; do
 done
 check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
 
-# If a library ends the process by exit(1), as OpenMP does without memory for a thread's stack,
+# If a library terminates the process by exit(1), as OpenMP does without memory for a thread's stack,
 # there must be no verdict.
 ct_text 8 8 8 1 'i * 100' >threads.txt
 OMP_STACKSIZE=1000000G "$osteon" import threads.txt --threads 2 --out threads.nrrd >out 2>err

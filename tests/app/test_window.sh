@@ -31,7 +31,7 @@ MESA_GL_VERSION_OVERRIDE=2.1 refuse 3 "needs OpenGL 3.3, found 2.1 Mesa" sim
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 
-# Closing the window ends the program.
+# Closing the window terminates the program.
 opened window.session --json
 # Keys and clicks are sent after the window's first frames.
 sleep 0.3

@@ -24,7 +24,7 @@ static const struct machine {
     {"Haswell",
      OST_ISA_AVX2,
      {BIT(12) | BIT(22) | BIT(23) | BIT(26) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8), 0, BIT(5), 1 | XMM | YMM}},
-    /* has the AVX-512 extensions F (16), PF (26), ER (27) and CD (28), but not DQ, BW and VL */
+    /* has the AVX-512 extensions F (16), PF (26), ER (27) and CD (28), but not DQ, BW or VL */
     {"Knights Landing",
      OST_ISA_AVX2,
      {BIT(23) | BIT(27) | BIT(28), BIT(3) | BIT(5) | BIT(8) | BIT(16) | BIT(26) | BIT(27) | BIT(28), 0, BIT(5),

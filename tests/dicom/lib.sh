@@ -123,7 +123,7 @@ same_bone() {
     same "$1"
 }
 
-# plain: replaces numbers, file names and quoted texts on standard input by #, FILE and FOLDER, so that a message can
+# plain: replaces numbers, file names and quoted strings on standard input by #, FILE and FOLDER, so that a message can
 # be compared with the message in docs/reference/dicom.md
 plain() {
     sed -E "s/^osteon [a-z]+: (warning: )?//; s#\\bct/[^ :;,')]+#FILE#g; s#\\bct\\b#FOLDER#g

@@ -8,7 +8,7 @@
 # Covers: REQ-DICOM-FAULTS, REQ-DICOM-PRIVACY
 . "${srcdir:-.}/tests/dicom/lib.sh"
 
-# words TEXT: prints a text without blanks at its ends
+# words TEXT: prints a string without blanks at its ends
 words() {
     printf '%s\n' "$1" | sed 's/^ *//; s/ *$//'
 }

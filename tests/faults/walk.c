@@ -196,7 +196,7 @@ static bool message(char text[TEXT])
     return found;
 }
 
-/* Returns true if the name of the file contains a text of --loose. */
+/* Returns true if the name of the file contains a string of --loose. */
 static bool is_loose(const char *name)
 {
     char text[TEXT];

@@ -244,7 +244,7 @@ static double unrest(const char *spec, double k)
 
 /*
  * The closed loop can oscillate. With a friction force f, the loop comes to rest if the stiffness is at most 2 * f /
- * (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti and others 2006). Without friction, stability depends on the
+ * (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti et al. 2006). Without friction, stability depends on the
  * damping of the hand, so a light grip oscillates first. A range of two encoder steps counts as rest.
  */
 static void stiff_walls_swing_and_soft_ones_rest(void **state)

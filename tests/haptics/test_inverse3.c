@@ -81,7 +81,7 @@ static bool shake_hands(service *s, int fd)
     return write(fd, answer, strlen(answer)) == (ssize_t)strlen(answer);
 }
 
-/* Reads and unmasks a text from the client. Returns false after the end of the connection. */
+/* Reads and unmasks a string from the client. Returns false after the end of the connection. */
 static bool read_text(service *s, int fd, char text[TEXT])
 {
     uint8_t head[2], more[2], mask[4];

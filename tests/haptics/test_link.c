@@ -173,7 +173,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    /* a packet that is 64 numbers behind the newest is treated as repeated */
+    /* a packet whose sequence number is 64 behind the newest is treated as a duplicate */
     assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);

@@ -41,7 +41,7 @@ static uint32_t units_bit(int places)
 
 /*
  * Fills the axis with layers origin + step * spacing for each step for which keep(step) is true, rounded to `places`
- * digits.
+ * decimal places.
  */
 static void fill(axis_text *a, ost_pm origin, ost_pm spacing, int count, int places, bool (*keep)(int))
 {
@@ -191,7 +191,10 @@ static void axes_share_a_spacing(void **state)
     (void)state;
     static axis_text x, y, z;
     ost_error err = {0};
-    /* Ten layers with six digits are consistent with 0.4882812; 256 layers are not. */
+    /*
+     * The spacing along x and y is 0.48828125 mm, and positions have six decimal places. The ten layers along y are
+     * also consistent with the shorter decimal 0.4882812 mm; the 256 layers along x are not.
+     */
     fill(&x, 0, 488281250, 256, 6, NULL);
     fill(&y, 0, 488281250, 10, 6, NULL);
     fill(&z, 0, 1000000000, 30, 6, NULL);

@@ -70,7 +70,7 @@ static void classes_and_touch(void **state)
 {
     /*
      * Five voxels in a row lie under three cutting tool voxels, one non-cutting voxel and one empty voxel.
-     * Their densities are on the borders of classes.
+     * The densities 150 and 650 lie exactly on class borders; 149 lies just below one.
      */
     ost_error err = {0};
     ost_geometry g = cubic_geometry(5, 1, 1, OST_PM_PER_MM, (ost_pm3){0, 0, 0});

@@ -65,7 +65,7 @@ static bool is_in(const picture *p, int x, int y)
     return x >= 0 && x < p->width && y >= 0 && y < p->height;
 }
 
-/* Returns true if the colours of two pixels of the picture differ by at least 24 in any channel. */
+/* Returns true if the colours of two picture pixels differ by at least 24 in any channel. */
 static bool differ(const picture *p, int x, int y, int x2, int y2)
 {
     if (!is_in(p, x, y) || !is_in(p, x2, y2))

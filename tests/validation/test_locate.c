@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the classification of differences. The differing grids are written by hand, or computed with an implementation
- * that makes one deliberate mistake (validation/dense). Also tests the operands of a voxel: the reference's value must
- * follow from them.
+ * that makes one deliberate mistake (validation/dense). Also tests the operands that are reported for a voxel: they
+ * must lead to the value of the voxel in the reference's grid.
  *
  * With OST_TEST_LONG=1 the confusion table of all mistakes is printed.
  * Covers: REQ-LOCATE

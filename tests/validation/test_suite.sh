@@ -83,7 +83,7 @@ grep -q '^TEST SUITE FAILED: .* 2 passed, 6 failed' out && grep -q 'verdict .*; 
 one() { # TEST: prints its object on one line
     tr '\n' ' ' <failed/suite.json | sed 's/},/}\n/g' | grep -F "\"test\": \"$1\""
 }
-says() { # TEST TEXT...: checks that the object of TEST contains each text
+says() { # TEST TEXT...: checks that the object of TEST contains each string
     test=$1
     shift
     for text in "$@"; do

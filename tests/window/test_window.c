@@ -220,7 +220,7 @@ static void frames_of_any_size(void **state)
         assert_int_equal(width, sizes[i].picture[0]);
         assert_int_equal(height, sizes[i].picture[1]);
         if (width) {
-            /* The pointer's position must be in pixels of the picture. */
+            /* The pointer's position must be in picture pixels. */
             ost_window_event e;
             fake_move(sizes[i].frame[0], sizes[i].frame[1]);
             assert_true(ost_window_next(w, &e));

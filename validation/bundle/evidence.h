@@ -60,7 +60,7 @@ ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t 
    caller owns it. */
 json_t *evidence_result(const case_result *r);
 
-/* Returns the text of member `key` of an object, or "" if there is none. */
+/* Returns the string of member `key` of an object, or "" if there is none. */
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
@@ -78,7 +78,7 @@ const json_t *evidence_part(const json_t *file, const char *key, size_t number);
  */
 char *evidence_own_options(const json_t *protocol, bool how);
 
-/* Describes a result in a text such as "tick 12: 3 voxels differ, the first at (1, 2, 3): 5 where the reference has
+/* Describes a result in a string such as "tick 12: 3 voxels differ, the first at (1, 2, 3): 5 where the reference has
    0". */
 enum { EVIDENCE_DESCRIPTION = 400 };
 void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION]);

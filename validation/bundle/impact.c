@@ -42,8 +42,8 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* Adds a row with both values of a protocol's key as texts. The value of the key "arithmetic" is a number, the others
-   are texts. */
+/* Adds a row with both values of a protocol's key as strings. The value of the key "arithmetic" is a number, the others
+   are strings. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -69,7 +69,7 @@ static json_t *index_of(const json_t *list, const char *key, const char *value, 
     return o;
 }
 
-/* Makes a row for each name that is in only one of the two objects or has different texts in them. Releases both
+/* Makes a row for each name that is in only one of the two objects or has different strings in them. Releases both
    objects. */
 static json_t *compare_indexes(json_t *a, json_t *b)
 {
@@ -85,7 +85,7 @@ static json_t *compare_indexes(json_t *a, json_t *b)
     return list;
 }
 
-/* Makes an object from devices.json that maps each backend to a text with its driver, version and fingerprint. */
+/* Makes an object from devices.json that maps each backend to a string with its driver, version and fingerprint. */
 static json_t *devices_in(const json_t *file)
 {
     const json_t *list = json_object_get(json_object_get(file, "opencl"), "devices");

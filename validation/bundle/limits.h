@@ -32,7 +32,7 @@ ost_status limits_count(const char *where, const char *bytes, size_t size, size_
    line "WHERE:LINE: ...". */
 ost_status limits_parse(const char *where, const char *bytes, size_t size, json_t **out, ost_error *err);
 
-/* Copies a name or a text of a bundle for a message, and replaces characters other than printable ASCII by '?'.
+/* Copies a name or another string of a bundle for a message, and replaces characters other than printable ASCII by '?'.
    Returns out. */
 char *limits_printable(const char *text, char out[], size_t size);
 

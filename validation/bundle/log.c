@@ -13,7 +13,7 @@
 
 enum { TEXT = 400 };
 
-/* Writes the counts of verdicts as a text such as "46 equal, 0 differs, ...". */
+/* Writes the counts of verdicts as a string such as "46 equal, 0 differs, ...". */
 static void counts_of(const json_t *summary, char text[TEXT])
 {
     size_t n = 0;

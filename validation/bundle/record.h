@@ -19,7 +19,7 @@
 /* Known anomalies of this release (docs/qualification/known-anomalies.csv), as compiled in. */
 #define KNOWN_ANOMALIES_FILE "known-anomalies.csv"
 
-/* Writes the collected files. The parameter program is the path of this program's file. */
+/* Writes the collected files. `program` is the path of the executable file of this process. */
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
                       void *user, ost_error *err);
 

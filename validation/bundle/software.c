@@ -98,7 +98,8 @@ static const known *known_of(const char *soname)
     return &unknown;
 }
 
-/* true after an allocation outside Jansson failed; a failed allocation in Jansson ends the program (app/main.c) */
+/* true after an allocation outside Jansson failed; if an allocation in Jansson fails, the program terminates
+   (app/main.c) */
 static bool out_of_memory;
 
 /* ----------------------------------------------------------- the libraries */

@@ -10,7 +10,7 @@
 #include "validation/bundle/built.h"
 #include "validation/bundle/libraries.h"
 
-/* Converts a text such as "zlib 1.2.13;jansson 2.14;" to a JSON object with a version for each name. */
+/* Converts a string such as "zlib 1.2.13;jansson 2.14;" to a JSON object with a version for each name. */
 static json_t *built_with(void)
 {
     json_t *o = json_object();

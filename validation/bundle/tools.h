@@ -3,7 +3,7 @@
  * Makes tools.json, which describes the build of the program and the libraries with which it runs.
  *
  *   build      commit, date of the source, compiler, flags, versions of the libraries' headers
- *   program    SHA-256 of the program's file
+ *   program    SHA-256 of the executable file
  *   libraries  the libraries that are currently loaded (libraries.h)
  *
  * The same build on the same machine gives the same file.
@@ -16,7 +16,8 @@
 
 #define TOOLS_FILE "tools.json"
 
-/* Makes the content of tools.json; the caller owns *out. The parameter program is the path of this program's file. */
+/* Makes the content of tools.json, which the caller owns. `program` is the path of the executable file of this
+   process. */
 ost_status tools_of(const char *program, json_t **out, ost_error *err);
 
 /* Returns the commit from which this program was built; "unknown" if it was not built from a git checkout. */

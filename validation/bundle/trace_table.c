@@ -158,7 +158,7 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes texts such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row.
+ * Writes strings such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row.
  * Semicolons separate these tests. If the parameter `also` is true, another part of this bundle covers the row. A
  * skipped test is no evidence, so the function returns false if no test passed or failed.
  */
@@ -186,7 +186,7 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
     return tested;
 }
 
-/* Writes a text such as "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
+/* Writes a string such as "1,234 records of rect equal" for each stage, and the checks that name the requirement. */
 static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common,
                       const json_t *suite, bool used[TRACE_STAGES])
 {

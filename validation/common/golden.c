@@ -196,11 +196,11 @@ static void classes(lab *l)
  * with those of an independent implementation of AR-DIG.
  *
  * The bone has 65 x 1 x 33 voxels of 1 mm with the first centre at (1, -2, 3) mm,
- * threshold 120, and the density 100 + i % 1000 at voxel i: 3 x 1 x 2 leaves,
- * which the tree splits into 4 and 2.
+ * threshold 120, and the density 100 + i % 1000 at voxel i. It has 3 x 1 x 2 leaves. The
+ * tree hash combines the hash of the first four leaves with the hash of the last two.
  *
  * The tool has 33 x 34 x 33 voxels of 1 mm with the corner at (-1, 0, 2) mm, and the class (i + i / 33) % 3 at
- * voxel i: eight leaves, of which one is full and the others end within a leaf along each axis.
+ * voxel i. It has 2 x 2 x 2 leaves. The first leaf lies completely in the grid, and the other seven extend beyond it.
  */
 static void digests(lab *l)
 {

@@ -15,7 +15,7 @@ decisions that no case reaches. A decision is named by file, function and the te
   alone          MC/DC: the condition never changed the outcome of its decision on its own
   called         the function was never entered
 
-A * in a row of reasons matches any text. A reason that begins with "sometimes: " depends on threads or on the
+A * in a row of reasons matches any string. A reason that begins with "sometimes: " depends on threads or on the
 machine; such a row may be reached.
 """
 import csv

@@ -32,7 +32,7 @@ typedef struct minimised {
 ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f,
                     const char *program, const char *folder, minimised *out, bool *done, ost_error *err);
 
-/* Describes the contents of the small case in a text such as "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2
+/* Describes the contents of the small case in a string such as "1 tick, 1 tool of 12 triangles, 8 samples in 2 x 2 x 2
    voxels". */
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT]);
 

@@ -15,7 +15,7 @@ _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 static void on_signal(int number)
 {
     atomic_store(&requested, 1);
-    /* Restores the previous disposition, so that the next signal ends the process. */
+    /* Restores the previous disposition, so that the next signal terminates the process. */
     for (int i = 0; i < SIGNALS; i++)
         if (signals[i] == number)
             sigaction(number, &usual[i], NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Handles Ctrl-C. Between interrupt_begin and interrupt_end, the first SIGINT, SIGTERM or SIGHUP only sets a flag, so
- * that the current work can end in an orderly way. The second signal ends the process as usual.
+ * that the current work can end in an orderly way. The second signal terminates the process as usual.
  */
 #ifndef OST_APP_COMMON_INTERRUPT_H
 #define OST_APP_COMMON_INTERRUPT_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints text for people and formats numbers. Without --json and --quiet, the summary is printed on standard output.
- * Without --quiet, warnings are printed on standard error.
+ * Prints human-readable text and formats numbers. The summary is printed on standard output, unless --json or --quiet
+ * is given or the output file is standard output. Warnings are printed on standard error, unless --quiet is given.
  */
 #ifndef OST_APP_COMMON_PRINT_H
 #define OST_APP_COMMON_PRINT_H

@@ -12,8 +12,8 @@
 #include "core/printable.h"
 
 /*
- * After other output, the progress line is not drawn for HOLD_MS milliseconds, so that a text of several lines is not
- * interrupted.
+ * After other output, the progress line is not drawn for HOLD_MS milliseconds, so that an output of several lines is
+ * not interrupted.
  */
 enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
 /*

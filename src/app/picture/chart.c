@@ -95,7 +95,7 @@ static size_t line_length(const ost_lettering *letters, const char *text, int wi
     return fits;
 }
 
-/* Draws a text in several lines and returns the number of lines. If `draw` is false, the lines are only counted. */
+/* Draws a string in several lines and returns the number of lines. If `draw` is false, the lines are only counted. */
 static int wrapped(const chart *p, const char *text, int x, int y, int width, uint32_t colour, bool draw)
 {
     int lines = 0;

@@ -44,7 +44,7 @@ void chart_put(chart *c, const ost_picture *picture, int x, int y);
 void chart_title(chart *c, const char *text);
 /* Draws a line of text. x is the left end, and y is the baseline. */
 void chart_text(chart *c, int x, int y, const char *text);
-/* Draws a table into a box. Long texts are wrapped. If rows do not fit, the last line states their number. */
+/* Draws a table into a box. Long strings are wrapped. If rows do not fit, the last line states their number. */
 void chart_put_table(chart *c, const chart_table *table, int x, int y, int width, int height);
 /* Makes a picture of the chart. The caller owns *out. */
 ost_status chart_end(const chart *c, ost_picture *out, ost_error *err);

@@ -165,7 +165,7 @@ static bool add_import(chart_table *t, const ost_import_result *r, const ost_bon
     return selected;
 }
 
-/* Reads the CT again for its picture. If the CT is a text, *out has no voxels. */
+/* Reads the CT again for its picture. If the CT is a text file, *out has no voxels. */
 static ost_status read_ct(const app_state *app, const char *name, const ct_options *ct, const ost_import_result *r,
                           ost_volume *out, ost_error *err)
 {

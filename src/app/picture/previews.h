@@ -16,8 +16,8 @@ ost_status preview_check(app_state *app, const char *path, ost_error *err);
 
 /*
  * Writes the picture of an import: the CT `name`, which was read with the options `ct`, and the bone that was made from
- * it. `out` is the name of the bone's file. If the CT is a text, the picture shows the densities of the bone. A CT in
- * any other format is read again.
+ * it. `out` is the name of the bone's file. If the CT is a text file, the picture shows the densities of the bone. A
+ * CT in any other format is read again.
  */
 ost_status preview_import(const app_state *app, const char *path, const char *name, const char *out,
                           const ct_options *ct, const ost_bone *bone, const ost_import_result *result,

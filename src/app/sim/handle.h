@@ -18,9 +18,9 @@ typedef struct sim_handle {
 } sim_handle;
 
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool);
-/* Moves the hand by pixels of the picture, at the hand's current depth. */
+/* Moves the hand at its current depth. dx and dy are in pixels of a picture that is `height` pixels high. */
 void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, double dy, int height);
-/* Turns the hand by pixels of the picture, about the picture's up and right directions. */
+/* Turns the hand about the picture's up and right directions. dx and dy are in picture pixels. */
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy);
 /* Turns the hand about the tool's axis, in radians. */
 void sim_handle_twist(sim_handle *handle, double angle);

@@ -52,8 +52,8 @@ static int32_t min32(int32_t a, int32_t b)
 }
 
 /*
- * The source rows and source slices of a task and of the task's current layer of bricks. A row is an offset within a
- * slice of the store. A slice is an offset within the store.
+ * The source rows and source slices of a task and of the task's current layer of bricks. All offsets are in elements.
+ * Each slice is given by its offset from view.voxels, and each row by its offset within a slice.
  */
 typedef struct task {
     int32_t height;
@@ -72,14 +72,14 @@ typedef struct task {
     size_t source[SLICES], ahead[SLICES];
     int sources, aheads;
     /*
-     * For group g of four y, box[g] contains the source rows in all source slices of the layer, as offsets in the
-     * store. The lists are set only if the view has weights.
+     * For group g of four y, box[g] contains the source rows in all source slices of the layer, as offsets
+     * from view.voxels. The lists are set only if the view has weights.
      */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
     /*
-     * For each column of chunks, an offset in the store. No source slice below this offset has an active voxel in the
-     * column.
+     * For each column of chunks, an offset from view.voxels. No source slice below this offset has an active voxel in
+     * the column.
      */
     size_t empty_columns[COLUMNS_MAX];
 } task;

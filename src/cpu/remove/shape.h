@@ -63,7 +63,7 @@ typedef struct ost_windows {
     const uint32_t *index; /* number of each window's first line in the array `line`, x fastest */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
-    int32_t step; /* step of windows: 6, 3, 2 or 1; 0 if there are no windows */
+    int32_t step; /* distance between adjacent windows in tool voxels: 6, 3, 2 or 1; 0 if there are no windows */
 } ost_windows;
 
 typedef struct ost_shape {

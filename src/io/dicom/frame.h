@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An image in the form that the reader uses, with the numbers of its record (protocol.h) as exact integers.
+ * An image in the form that the reader uses. The decimals of the image's record (protocol.h) are stored as integers:
  *
- *   lengths      picometres (the decimal rounded half to even)
- *   directions   integers times 10^-9, rounded in the same way
- *   rescale      integers times 10^-12, rounded in the same way
+ *   lengths      in picometres
+ *   directions   in units of 10^-9
+ *   rescale      in units of 10^-12
  *
- * A missing or bad attribute is an error only if the image's series is read. Until then, the image is stored with this
- * defect.
+ * Decimals that are not multiples of these units are rounded half to even. A missing or bad attribute is an error only
+ * if the image's series is read. When the folder is scanned, the image is stored, and `bad` names the attribute.
  */
 #ifndef OST_IO_DICOM_FRAME_H
 #define OST_IO_DICOM_FRAME_H
@@ -16,8 +16,8 @@
 
 #include "io/dicom/protocol.h"
 
-#define OST_DICOM_UNIT INT64_C(1000000000)             /* the number 1 in a direction */
-#define OST_DICOM_RESCALE_UNIT INT64_C(1000000000000)  /* the number 1 in a slope or an intercept */
+#define OST_DICOM_UNIT INT64_C(1000000000)            /* the value that represents 1.0 in a component of a direction */
+#define OST_DICOM_RESCALE_UNIT INT64_C(1000000000000) /* the value that represents 1.0 in a slope or an intercept */
 
 typedef enum ost_dicom_attribute {
     OST_DICOM_NO_ATTRIBUTE,
@@ -49,7 +49,7 @@ typedef struct ost_dicom_frame {
     int64_t slope, intercept;
 } ost_dicom_frame;
 
-/* Converts the numbers of a record, which is the payload of a message. The texts of the record must be terminated. */
+/* Converts the numbers of a record, which is the payload of a message. The strings of the record must end with NUL. */
 void ost_dicom_frame_of(const ost_dicom_record *record, ost_dicom_frame *out);
 
 #endif

@@ -14,8 +14,8 @@
  * the machine, because the library and osteon-dicom are built together. The field `version` detects an osteon-dicom
  * of another build.
  *
- * The library checks everything that it receives: a message must have the fixed size of its type, a text must be
- * terminated within its field, and an enumeration must be below its COUNT. The record of an image contains neither
+ * The library checks everything that it receives: a message must have the fixed size of its type, a string must
+ * end within its field, and an enumeration must be below its COUNT. The record of an image contains neither
  * names, identifiers, dates, times nor institutions. The identities of patient, study and frame of reference are
  * SHA-256 digests salted with random bytes of the request, so they can only be compared within one request.
  *

@@ -19,7 +19,7 @@
 
 enum { OST_DICOM_SERIES_MAX = 1 << 12 };
 
-/* A series, described by its first image. All texts are printable. */
+/* A series, described by its first image. All strings are printable. */
 typedef struct ost_dicom_group {
     char uid[OST_DICOM_TEXT], description[OST_DICOM_TEXT], kernel[OST_DICOM_TEXT], modality[OST_DICOM_TEXT];
     bool numbered;

@@ -20,7 +20,7 @@ enum { MAIN = 0x4d4d, EDITOR = 0x3d3d, OBJECT = 0x4000, MESH = 0x4100, VERTICES 
 
 typedef struct mesh_part {
     uint32_t vertices, faces;
-    uint32_t greatest; /* maximum vertex index that a face uses, plus 1 */
+    uint32_t greatest; /* 1 + the highest vertex index used by any face */
     size_t faces_at;
 } mesh_part;
 

@@ -46,7 +46,9 @@ static ost_status add_slice(stack *s, const ost_slice *slice, ost_error *err)
 }
 
 /*
- * Adds the pages of one file. Even if pages share bytes, their data must not be larger than the file's unpacked size.
+ * Adds the pages of one file. Several pages of a file may refer to the same bytes. To limit the memory that such a file
+ * can request, the size of all pages together must not exceed the size of the file, or OST_SLICE_UNPACK_MAX times this
+ * size if the pages are compressed.
  */
 static ost_status add_file(stack *s, const char *path, ost_error *err)
 {

@@ -77,7 +77,7 @@ static bool around_add(ost_text_around *around, const void *p, size_t length)
     return true;
 }
 
-/* Composes the pattern from the texts of the axes. Returns false if the pattern is too long. */
+/* Composes the pattern from the strings of the axes. Returns false if the pattern is too long. */
 static bool compose(ost_text_walker *walker)
 {
     int fastest = walker->plan->raster->axis[0];
@@ -96,7 +96,7 @@ static bool compose(ost_text_walker *walker)
     return good;
 }
 
-/* Copies the texts of the axes from the given line, and composes the pattern of the line's row. */
+/* Copies the strings of the axes from the given line, and composes the pattern of the line's row. */
 static void learn_pattern(ost_text_walker *walker, const char *p, const char *newline)
 {
     const ost_text_plan *plan = walker->plan;
@@ -122,7 +122,7 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
 }
 
 /*
- * Derives the pattern of the next row in the slice from the texts of the first slice. Returns false if the pattern
+ * Derives the pattern of the next row in the slice from the strings of the first slice. Returns false if the pattern
  * cannot be derived.
  */
 static bool foresee_row(ost_text_walker *walker)

@@ -30,11 +30,11 @@ typedef struct ost_text_plan {
     int64_t begin, end;  /* range of bytes in the file, which begins at the line of the first sample */
     ost_text_raster *raster;
     ost_text_column *columns; /* owned; raster->count[0] elements */
-    uint8_t *lengths;         /* owned; length of each column's text; 0 if the text is too long for its array */
-    ost_text_column *middles; /* owned; texts of the middle axis, raster->count[1] of them */
-    uint8_t *middle_lengths;  /* owned; length of each text in `middles`; 0 if the text is too long */
-    uint32_t shortest;        /* minimum length of a column's text */
-    bool fast;                /* true if the text of every column fits into its array */
+    uint8_t *lengths;         /* owned; length of each column's string; 0 if the string is too long for its array */
+    ost_text_column *middles; /* owned; strings of the middle axis, raster->count[1] of them */
+    uint8_t *middle_lengths;  /* owned; length of each string in `middles`; 0 if the string is too long */
+    uint32_t shortest;        /* minimum length of a column's string */
+    bool fast;                /* true if the string of every column fits into its array */
     bool carriage;
     ost_pm last_slow;
     ost_text_match *match;

@@ -122,7 +122,7 @@ static uint32_t number_of(DcmItem *item, const DcmTagKey &tag, uint32_t absent)
     return item->findAndGetUint16(tag, value).good() ? value : absent;
 }
 
-// Copies a decimal. Any other text, which may be a misplaced name, is replaced by a text that is also refused.
+// Copies a decimal. Any other string, which may be a misplaced name, is replaced by a string that is also refused.
 static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, char out[OST_DICOM_DECIMAL])
 {
     const OFString value = text_of(item, tag, at);
@@ -140,7 +140,7 @@ static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, c
         std::snprintf(out, OST_DICOM_DECIMAL, "%s", decimal.c_str());
 }
 
-// Copies a text as UTF-8. ISO 8859-1 is converted; other bytes that are not UTF-8 are replaced by the library.
+// Copies a string as UTF-8. ISO 8859-1 is converted; other bytes that are not UTF-8 are replaced by the library.
 static void put_text(DcmItem *item, const DcmTagKey &tag, bool latin, char out[OST_DICOM_TEXT])
 {
     const OFString value = text_of(item, tag);
