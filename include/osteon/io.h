@@ -214,12 +214,11 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 /*
  * The report of reading a path. A path file is CSV text, plain or gzip, with the columns
  * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in metres. Decimals are read exactly,
- * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; in the next tick, the tool
- * is lifted.
+ * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; the next tick is lifted (path.h).
  */
 typedef struct ost_path_report {
     size_t rows, lost_rows;   /* number of all rows, and number of rows without a pose */
-    size_t gaps;              /* number of ticks that begin with the tool lifted */
+    size_t gaps;              /* number of lifted ticks */
     int64_t begin_ns, end_ns; /* times of the first and the last row, with or without a pose */
 } ost_path_report;
 

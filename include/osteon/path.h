@@ -53,8 +53,8 @@ enum { OST_PATH_TICKS_MAX = 100000000 };
 enum { OST_PATH_NO_GAPS = -1 };
 /*
  * Limits that determine gaps. If two rows are farther apart than max_gap_ns or max_jump_pm, there is a gap between
- * the rows, and the second row begins with the tool lifted. If a limit is 0, it is computed from the rows
- * (AR-PATH-5). OST_PATH_NO_GAPS means that there is no limit.
+ * the rows, and the second row is lifted. If a limit is 0, it is computed from the rows (AR-PATH-5).
+ * OST_PATH_NO_GAPS means that there is no limit.
  */
 typedef struct ost_path_options {
     int64_t max_gap_ns;

@@ -5,11 +5,11 @@
  *   rows   *  *  *  *  .  .  .  .  *  *  *        . row without a pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
  *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
- *                                 ^ begins lifted; the clutch engages where the tool is
+ *                                 ^ is lifted; the clutch engages where the tool is
  *
  * The motion lasts from the first row of the table to the last. Tracking may be lost at the
  * beginning and at the end. Between two rows, positions are interpolated linearly and orientations
- * along their arc. Tracking is lost before a row that begins lifted (AR-PATH-4, AR-PATH-5).
+ * along their arc. Tracking is lost before a lifted row (AR-PATH-4, AR-PATH-5).
  */
 #include <math.h>
 #include <stdlib.h>

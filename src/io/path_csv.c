@@ -4,7 +4,7 @@
  *
  *   t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]      or x_m,y_m,z_m; plain or gzip
  *   0,-12.5,3,40.25,1,0,0,0
- *   0.001,nan,nan,nan,nan,nan,nan,nan                    tracking lost: the next row begins lifted
+ *   0.001,nan,nan,nan,nan,nan,nan,nan                    tracking lost: the next row is lifted
  *   0.002,-12.5,3,40.23,0.99999876,0,0,0.00157
  *
  *   file --lines, gzip--> rows --read_row--> ticks --mark_gaps--> ticks, some of them lifted
