@@ -214,7 +214,8 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 /*
  * The report of reading a path. A path file is CSV text, plain or gzip, with the columns
  * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in metres. Decimals are read exactly,
- * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; the next tick is lifted (path.h).
+ * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; the next tick is lifted
+ * (path.h).
  */
 typedef struct ost_path_report {
     size_t rows, lost_rows;   /* number of all rows, and number of rows without a pose */
