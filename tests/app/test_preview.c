@@ -254,12 +254,12 @@ static void test_table(void **state)
     assert_int_equal(table->count, CHART_ROWS_MAX);
     assert_int_equal(table->count + table->omitted, 3 + 2 * CHART_ROWS_MAX);
     assert_ok(chart_begin(&page, 800, 600, &err));
-    const uint32_t empty = page.sheet.pixels[0];
+    const uint32_t empty = page.sheet.pixels[0] & 0xffffff;
     chart_put_table(&page, table, 100, 100, 600, 400);
     int outside = 0, amber = 0, blue = 0;
     for (int y = 0; y < 600; y++)
         for (int x = 0; x < 800; x++) {
-            const uint32_t colour = page.sheet.pixels[800 * y + x];
+            const uint32_t colour = page.sheet.pixels[800 * y + x] & 0xffffff;
             outside += colour != empty && (x < 98 || x > 702 || y < 98 || y > 506);
             amber += colour == 0x50c8ff;
             blue += colour == 0xe9b456;
