@@ -97,13 +97,15 @@ static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program pr
 
 /*
  * Returns true if the driver has a cache of its own. PoCL stores each kernel when the kernel is first executed; a
- * request for the program's binary would make it compile all kernels, which takes twice as long. The variable
- * POCL_KERNEL_CACHE disables PoCL's cache.
+ * request for the program's binary would make it compile all kernels, which takes twice as long. However, PoCL compiles
+ * a kernel anew for each size of the work groups, whereas a binary serves all sizes; it is therefore used with the
+ * option `workgroup`. The variable POCL_KERNEL_CACHE disables PoCL's cache.
  */
-static bool driver_has_cache(const ost_cl_device *device)
+static bool driver_has_cache(const cl_backend *b)
 {
     const char *setting = getenv("POCL_KERNEL_CACHE");
-    return strstr(device->platform_name, "Portable Computing Language") && !(setting && strcmp(setting, "0") == 0);
+    const bool disabled = setting && strcmp(setting, "0") == 0;
+    return b->workgroup == 0 && !disabled && strstr(b->device.platform_name, "Portable Computing Language");
 }
 
 ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count, const char *options, cl_program *out,
@@ -114,7 +116,7 @@ ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count,
     ost_status status = ost_cl_key(&b->device, sources, count, options, &cache, err);
     if (status != OST_OK)
         return status;
-    const bool cached = !driver_has_cache(&b->device);
+    const bool cached = !driver_has_cache(b);
     *from_cache = cached && from_binary(b, &cache, options, out);
     if (*from_cache)
         return OST_OK;

@@ -123,6 +123,8 @@ void ost_gl_abandon(ost_gl *gl)
 {
     if (!gl)
         return;
+    ost_gl_targets_abandon(&gl->targets);
+    ost_gl_store_abandon(&gl->store);
     free(gl->numbers);
     free(gl->blocks);
     free(gl->bases);

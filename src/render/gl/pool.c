@@ -49,6 +49,11 @@ static void free_buffers(ost_gl_pool *p)
 void ost_gl_pool_free(ost_gl_pool *pool)
 {
     free_buffers(pool);
+    ost_gl_pool_abandon(pool);
+}
+
+void ost_gl_pool_abandon(ost_gl_pool *pool)
+{
     free(pool->used);
     *pool = (ost_gl_pool){0};
 }

@@ -34,6 +34,8 @@ typedef struct ost_gl_pool {
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
 /* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
 void ost_gl_pool_free(ost_gl_pool *pool);
+/* Frees only the pool's memory, without a call of OpenGL. */
+void ost_gl_pool_abandon(ost_gl_pool *pool);
 
 /* Reserves a run of granules for count elements. Stores the index of the run's first element and the number of
    granules. */

@@ -49,6 +49,20 @@ void ost_gl_store_free(ost_gl_store *store)
     ost_gl_pool_free(&store->shades);
     ost_gl_pool_free(&store->voxels);
     ost_gl_pool_free(&store->quads);
+    ost_gl_store_abandon(store);
+}
+
+void ost_gl_store_abandon(ost_gl_store *store)
+{
+    for (int i = 0; i < OST_GL_RESIDENTS; i++)
+        for (int form = 0; form < OST_GL_FORMS; form++)
+            free(store->resident[i].run[form]);
+    memset(store->resident, 0, sizeof store->resident);
+    ost_gl_pool_abandon(&store->points);
+    ost_gl_pool_abandon(&store->bricks);
+    ost_gl_pool_abandon(&store->shades);
+    ost_gl_pool_abandon(&store->voxels);
+    ost_gl_pool_abandon(&store->quads);
     ost_face_mesh_free(&store->mesh);
     free(store->clusters);
     free(store->slots);

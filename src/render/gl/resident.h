@@ -68,6 +68,8 @@ static inline uint32_t ost_gl_cell_of_brick(uint32_t brick)
 
 void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
+/* Frees only the memory, without a call of OpenGL. */
+void ost_gl_store_abandon(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
 /* Uploads the current state of the surface in the given form. The previous frame must be complete. */

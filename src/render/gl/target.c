@@ -48,6 +48,11 @@ void ost_gl_targets_free(ost_gl_targets *t)
         glDeleteFramebuffers(3, frames);
         glDeleteTextures(6, textures);
     }
+    ost_gl_targets_abandon(t);
+}
+
+void ost_gl_targets_abandon(ost_gl_targets *t)
+{
     free(t->farthest);
     free(t->depths);
     *t = (ost_gl_targets){0};
