@@ -253,18 +253,22 @@ static double meet(const ost_eye *e, const ost_smooth_triangle *t, double x, dou
 
 /*
  * The intersection of a pixel's ray with a triangle. Corners are rounded to 256ths of a pixel, which changes the depth
- * by up to `slack`.
+ * by up to `slack`. If the margin is less than `doubt`, a side of the triangle is so close that rounding decides
+ * whether the triangle covers the pixel. The margins of a narrow triangle change fast from pixel to pixel.
  */
 typedef struct candidate {
-    double depth, slack;
+    double depth, slack, margin, doubt;
 } candidate;
 
-static candidate candidate_at(const ost_eye *e, const ost_smooth_triangle *t, int x, int y, double *margin)
+static candidate candidate_at(const ost_eye *e, const ost_smooth_triangle *t, int x, int y)
 {
-    double ignored;
-    const double depth = meet(e, t, x + 0.5, y + 0.5, margin);
-    return (candidate){depth, 0.0001 * depth + fabs(meet(e, t, x + 0.51, y + 0.5, &ignored) - depth) +
-                                  fabs(meet(e, t, x + 0.5, y + 0.51, &ignored) - depth)};
+    double margin[3] = {-1, -1, -1};
+    const double depth = meet(e, t, x + 0.5, y + 0.5, &margin[0]), right = meet(e, t, x + 0.51, y + 0.5, &margin[1]),
+                 below = meet(e, t, x + 0.5, y + 0.51, &margin[2]);
+    return (candidate){.depth = depth,
+                       .slack = 0.0001 * depth + fabs(right - depth) + fabs(below - depth),
+                       .margin = margin[0],
+                       .doubt = fmax(0.02, fabs(margin[1] - margin[0]) + fabs(margin[2] - margin[0]))};
 }
 
 /* Returns a mesh of random triangles. Some of them share positions. */
@@ -312,11 +316,10 @@ static void a_pixel_shows_the_nearest_triangle(void **state)
                 int candidates = 0;
                 bool clear = true, shown = false;
                 for (int t = 0; t < TRIANGLES; t++) {
-                    double margin = -1;
-                    const candidate k = candidate_at(&eye, &mesh.triangle[t], x, y, &margin);
-                    clear &= !(fabs(margin) < 0.02 || fabs(k.depth - eye.near) < k.slack + 0.01);
-                    clipped += k.depth > 0 && k.depth < eye.near && margin > 0;
-                    if (!(margin > 0 && k.depth > eye.near))
+                    const candidate k = candidate_at(&eye, &mesh.triangle[t], x, y);
+                    clear &= !(fabs(k.margin) < k.doubt || fabs(k.depth - eye.near) < k.slack + 0.01);
+                    clipped += k.depth > 0 && k.depth < eye.near && k.margin > 0;
+                    if (!(k.margin > 0 && k.depth > eye.near))
                         continue;
                     found[candidates++] = k;
                     nearest = fmin(nearest, k.depth + k.slack);
