@@ -8,7 +8,7 @@
  *
  * An entry is used only if all these fields match.  An entry that is truncated or modified, or that
  * has a different key, is ignored and replaced.  If there is no cache, programs are built each
- * time; this is not an error.  The cache is not used with PoCL, which has its own (program.c).
+ * time; this is not an error.
  *
  * This process executes the binaries in the cache, so the cache is used only if no other user can
  * have written to it.  The folder and the entry must belong to the effective user, must not be

@@ -6,9 +6,6 @@
  *          | no                  | no
  *          '---------> source <--'   built; the binary is stored
  *
- * If the driver stores each kernel itself, the program is always built from its source, and the driver compiles only
- * the kernels that are executed.
- *
  * The log of a failed build may be long and has no fixed format.  The error message
  * contains the first line of the log that contains "error".
  */
@@ -95,19 +92,6 @@ static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program pr
     free(binary);
 }
 
-/*
- * Returns true if the driver has a cache of its own. PoCL stores each kernel when the kernel is first executed; a
- * request for the program's binary would make it compile all kernels, which takes twice as long. However, PoCL compiles
- * a kernel anew for each size of the work groups, whereas a binary serves all sizes; it is therefore used with the
- * option `workgroup`. The variable POCL_KERNEL_CACHE disables PoCL's cache.
- */
-static bool driver_has_cache(const cl_backend *b)
-{
-    const char *setting = getenv("POCL_KERNEL_CACHE");
-    const bool disabled = setting && strcmp(setting, "0") == 0;
-    return b->workgroup == 0 && !disabled && strstr(b->device.platform_name, "Portable Computing Language");
-}
-
 ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count, const char *options, cl_program *out,
                         bool *from_cache, ost_error *err)
 {
@@ -116,8 +100,7 @@ ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count,
     ost_status status = ost_cl_key(&b->device, sources, count, options, &cache, err);
     if (status != OST_OK)
         return status;
-    const bool cached = !driver_has_cache(b);
-    *from_cache = cached && from_binary(b, &cache, options, out);
+    *from_cache = from_binary(b, &cache, options, out);
     if (*from_cache)
         return OST_OK;
 
@@ -137,8 +120,7 @@ ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count,
         b->cl->clReleaseProgram(program);
         return status;
     }
-    if (cached)
-        store_binary(b, &cache, program);
+    store_binary(b, &cache, program);
     *out = program;
     return OST_OK;
 }

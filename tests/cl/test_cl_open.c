@@ -461,33 +461,16 @@ static void write_all(const char *path, const unsigned char *bytes, size_t size)
     assert_int_equal(fclose(f), 0);
 }
 
-/* Changes the case of the first letter of the platform's name, so that it is not the name of PoCL. */
-static cl_int other_platform_name(cl_platform_id platform, cl_platform_info what, size_t size, void *value, size_t *got)
-{
-    const cl_int code = ost_cl_loader.clGetPlatformInfo(platform, what, size, value, got);
-    if (what == CL_PLATFORM_NAME && code == CL_SUCCESS && value && size)
-        *(char *)value ^= 0x20;
-    return code;
-}
-
-static bool opened_from_cache_with(const ost_cl_api *api)
+/* Opens the first suitable device. Returns true if its program came from the cache. */
+static bool opened_from_cache(void)
 {
     ost_error err = {0};
     ost_backend *backend;
-    assert_ok(ost_cl_open_with(api, own_options(), &backend, &err));
+    assert_ok(ost_cl_open_with(&ost_cl_loader, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
     const bool from_cache = ((cl_backend *)backend)->from_cache;
     ost_backend_close(backend);
     return from_cache;
-}
-
-/* Opens the first suitable device, whose driver is not recognized as PoCL. Returns true if its program came from the
-   cache. */
-static bool opened_from_cache(void)
-{
-    ost_cl_api api = ost_cl_loader;
-    api.clGetPlatformInfo = other_platform_name;
-    return opened_from_cache_with(&api);
 }
 
 /* Returns true if the first suitable device is one of Mesa's (rusticl). */
@@ -651,34 +634,6 @@ static void cache_of_others(void **state)
     end_cache(cache, before);
 }
 
-/* PoCL has a cache of its own. Nothing is stored unless this cache is disabled. */
-static void cache_of_the_driver(void **state)
-{
-    (void)state;
-    ost_error err = {0};
-    ost_backend *backend;
-    assert_ok(ost_cl_open_with(&ost_cl_loader, own_options(), &backend, &err));
-    backend->ops = &ost_backend_cl;
-    const bool pocl = strcmp(((cl_backend *)backend)->device.platform_name, "Portable Computing Language") == 0;
-    ost_backend_close(backend);
-    if (!pocl) {
-        printf("# the driver is not PoCL\n");
-        skip();
-    }
-    char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64];
-    struct stat info;
-    begin_cache(cache, before, sizeof before);
-    snprintf(folder, sizeof folder, "%s/osteon", cache);
-    assert_false(opened_from_cache_with(&ost_cl_loader));
-    assert_false(opened_from_cache_with(&ost_cl_loader));
-    assert_int_equal(stat(folder, &info), -1);
-    setenv("POCL_KERNEL_CACHE", "0", 1);
-    assert_false(opened_from_cache_with(&ost_cl_loader));
-    assert_true(opened_from_cache_with(&ost_cl_loader));
-    unsetenv("POCL_KERNEL_CACHE");
-    end_cache(cache, before);
-}
-
 static ost_digest key_now(void)
 {
     const ost_cl_device device = {.platform_name = "P", .platform_version = "OpenCL 1.2", .name = "D", .driver = "1"};
@@ -785,7 +740,7 @@ int main(void)
         cmocka_unit_test(too_many_poses),
         cmocka_unit_test(build_fails),
         cmocka_unit_test(cache_damage),
-        cmocka_unit_test(cache_of_others), cmocka_unit_test(cache_of_the_driver),
+        cmocka_unit_test(cache_of_others),
         cmocka_unit_test(key_has_settings),
         cmocka_unit_test(listed),
     };
