@@ -79,6 +79,11 @@ class Pose:
         w, x, y, z = self.q30
         return ffi.new("ost_pose *", {"t": c_pm3(self.t_pm), "qw": w, "qx": x, "qy": y, "qz": z})
 
+    def _store(self, to: Any) -> None:
+        """Copies the pose to an ost_pose."""
+        to.t.x, to.t.y, to.t.z = self.t_pm
+        to.qw, to.qx, to.qy, to.qz = self.q30
+
     @classmethod
     def _of_c(cls, pose: Any) -> "Pose":
         return cls(of_pm3(pose.t), (pose.qw, pose.qx, pose.qy, pose.qz))

@@ -201,14 +201,12 @@ class Force(Owned):
             Duration of the tick in seconds.
         """
         pose.check()
-        to = self._pose
-        to.t.x, to.t.y, to.t.z = pose.t_pm
-        to.qw, to.qx, to.qy, to.qz = pose.q30
+        pose._store(self._pose)
         r = self._result
         with self._lock.held:
             if self.bone.closed:
                 raise UsageError("the bone of this Force is closed")
-            status = lib.ost_force_step(self._c, tool, to, period_s, r, self._err)
+            status = lib.ost_force_step(self._c, tool, self._pose, period_s, r, self._err)
             if status:
                 raise error_of(status, self._err)
             return ForceResult(Pose._of_c(r.tool), tuple(r.force_n), tuple(r.torque_nm), r.axial_n, r.off_axis_n,

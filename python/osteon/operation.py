@@ -270,8 +270,7 @@ class Operation(Owned):
         s.declared, s.tracking_lost = not fresh, not tracked
         to = s.state
         to.tool, to.lifted, to.buttons = tool, lifted, self._motor
-        to.pose.t.x, to.pose.t.y, to.pose.t.z = pose.t_pm
-        to.pose.qw, to.pose.qx, to.pose.qy, to.pose.qz = pose.q30
+        pose._store(to.pose)
         ffi.memmove(wrench, bytes(ffi.sizeof("ost_wrench")), ffi.sizeof("ost_wrench"))
         with self._lock.held:
             if self.world.closed or self.world.bone.closed:
@@ -392,8 +391,7 @@ class Operation(Owned):
             self._motor = motor
         to = self._input
         to.lifted, to.buttons = lifted, self._motor
-        to.pose.t.x, to.pose.t.y, to.pose.t.z = pose.t_pm
-        to.pose.qw, to.pose.qx, to.pose.qy, to.pose.qz = pose.q30
+        pose._store(to.pose)
         lib.ost_mouse_input_put(self._mouse, to)
 
     @property

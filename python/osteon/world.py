@@ -304,8 +304,7 @@ class World(Owned):
         """Advances the world by one tick, given by its values, as for a device that returns one pose at a time."""
         to = self._tick
         to.t_ns, to.tool, to.rpm, to.lifted = t_ns, tool, rpm, lifted
-        to.pose.t.x, to.pose.t.y, to.pose.t.z = pose.t_pm
-        to.pose.qw, to.pose.qx, to.pose.qy, to.pose.qz = pose.q30
+        pose._store(to.pose)
         return self._step(to)
 
     def _step(self, tick: Any) -> Step:
