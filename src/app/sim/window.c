@@ -229,13 +229,12 @@ static bool draws_directly(const sim_window *w, int width, int height)
 static ost_status renew_layer(sim_window *w, int width, int height, ost_error *err)
 {
     const ost_orbit *orbit = &w->camera.orbit;
-    w->layer_outdated = w->layer_outdated || w->outdated || memcmp(orbit, &w->layer_orbit, sizeof *orbit) != 0 ||
-                        !sim_layer_fits(&w->layer, width, height);
-    ost_status status = w->layer_outdated ? sim_layer_draw(&w->layer, width, height, w->hud, &w->facts, err) : OST_OK;
-    if (status == OST_OK) {
-        w->layer_outdated = false;
-        w->layer_orbit = *orbit;
-    }
+    if (!w->layer_outdated && memcmp(orbit, &w->layer_orbit, sizeof *orbit) == 0 &&
+        sim_layer_fits(&w->layer, width, height))
+        return OST_OK;
+    ost_status status = sim_layer_draw(&w->layer, width, height, w->hud, &w->facts, err);
+    w->layer_outdated = status != OST_OK;
+    w->layer_orbit = *orbit;
     return status;
 }
 
@@ -244,6 +243,7 @@ static ost_status draw(sim_window *w, int width, int height, ost_error *err)
 {
     sim_show *show = w->s->show;
     const bool directly = draws_directly(w, width, height);
+    w->layer_outdated = w->layer_outdated || w->outdated;
     ost_status status = directly ? renew_layer(w, width, height, err) : OST_OK;
     if (status != OST_OK)
         return status;
@@ -255,7 +255,6 @@ static ost_status draw(sim_window *w, int width, int height, ost_error *err)
         sim_layer_shown(&w->layer);
         return OST_OK;
     }
-    w->layer_outdated = w->layer_outdated || w->outdated;
     const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
     sim_hud_draw(w->hud, &sheet, &w->facts);
     if (w->shoot)
@@ -272,9 +271,7 @@ static ost_status show_frame(sim_window *w, bool follows, ost_error *err)
     ost_status status = show->on_screen ? ost_window_show_drawn(w->window, w->args->fps > 0, err)
                                         : present(w, &sheet, follows, err);
     const int resets = ost_window_info_get(w->window).resets;
-    if (status == OST_OK && resets == w->resets)
-        return OST_OK;
-    if (status == OST_OK) {
+    if (status == OST_OK && resets > w->resets) {
         ost_viewer_context_lost(&show->viewer, "the graphics driver was reset");
         w->resets = resets;
         sim_window_message(w, "the graphics driver was reset, and the window started anew; the operation went on");
