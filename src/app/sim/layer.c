@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/bits_run.h"
-
 void sim_layer_free(sim_layer *layer)
 {
     free(layer->pixels);
@@ -38,14 +36,11 @@ static ost_status resize(sim_layer *layer, int width, int height, ost_error *err
 static void erase(const sim_layer *layer)
 {
     for (int row = 0; row < layer->written.rows; row++)
-        for (int from, to = 0; ost_bits_run(ost_cells_row(&layer->written, row), layer->written.words, &from, &to);) {
-            const int x0 = from * OST_CELL_WIDTH,
-                      x1 = to * OST_CELL_WIDTH < layer->width ? to * OST_CELL_WIDTH : layer->width;
-            const int y0 = row * OST_CELL_HEIGHT,
-                      y1 = y0 + OST_CELL_HEIGHT < layer->height ? y0 + OST_CELL_HEIGHT : layer->height;
-            for (int y = y0; y < y1; y++)
-                memset(layer->pixels + (size_t)y * (size_t)layer->width + x0, 0,
-                       (size_t)(x1 - x0) * sizeof *layer->pixels);
+        for (int from, to = 0; ost_cells_run(&layer->written, row, &from, &to);) {
+            const ost_cells_box b = ost_cells_box_of(&layer->written, row, from, to);
+            for (int y = b.y0; y < b.y1; y++)
+                memset(layer->pixels + (size_t)y * (size_t)layer->width + b.x0, 0,
+                       (size_t)(b.x1 - b.x0) * sizeof *layer->pixels);
         }
 }
 

@@ -5,7 +5,6 @@
  *   picture --smooth the edges (show.frag)--> colours --sheet over them--> framebuffer
  *   sheet --changed cells--> texture
  */
-#include "core/bits_run.h"
 #include "render/gl/insides.h"
 #include "render/gl/pass.h"
 
@@ -15,14 +14,9 @@ static ost_status reserve_sheet(ost_gl *gl, int width, int height, bool *fresh, 
     *fresh = gl->sheet_width != width || gl->sheet_height != height;
     if (!*fresh)
         return OST_OK;
-    if (!gl->sheet)
-        glGenTextures(1, &gl->sheet);
+    glDeleteTextures(1, &gl->sheet); /* ignores 0 */
     gl->sheet_width = gl->sheet_height = 0;
-    glBindTexture(GL_TEXTURE_2D, gl->sheet);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl->sheet = ost_gl_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
     ost_status status = ost_gl_context_check(&gl->context, "makes the layer over a frame", err);
     if (status == OST_OK) {
         gl->sheet_width = width;
@@ -31,24 +25,18 @@ static ost_status reserve_sheet(ost_gl *gl, int width, int height, bool *fresh, 
     return status;
 }
 
-static void upload(const ost_gl_sheet *sheet, int x0, int x1, int y0, int y1)
+static void upload(const ost_gl_sheet *sheet, ost_cells_box b)
 {
-    glTexSubImage2D(GL_TEXTURE_2D, 0, x0, y0, x1 - x0, y1 - y0, GL_RGBA, GL_UNSIGNED_BYTE,
-                    sheet->pixels + (size_t)y0 * (size_t)sheet->stride + x0);
-}
-
-static int least(int a, int b)
-{
-    return a < b ? a : b;
+    glTexSubImage2D(GL_TEXTURE_2D, 0, b.x0, b.y0, b.x1 - b.x0, b.y1 - b.y0, GL_RGBA, GL_UNSIGNED_BYTE,
+                    sheet->pixels + (size_t)b.y0 * (size_t)sheet->stride + b.x0);
 }
 
 static void upload_cells(const ost_gl_sheet *sheet)
 {
     const ost_cells *cells = sheet->changed;
     for (int row = 0; row < cells->rows; row++)
-        for (int from, to = 0; ost_bits_run(ost_cells_row(cells, row), cells->words, &from, &to);)
-            upload(sheet, from * OST_CELL_WIDTH, least(to * OST_CELL_WIDTH, cells->width), row * OST_CELL_HEIGHT,
-                   least((row + 1) * OST_CELL_HEIGHT, cells->height));
+        for (int from, to = 0; ost_cells_run(cells, row, &from, &to);)
+            upload(sheet, ost_cells_box_of(cells, row, from, to));
 }
 
 static ost_status bring_sheet(ost_gl *gl, const ost_gl_sheet *sheet, ost_error *err)
@@ -60,7 +48,7 @@ static ost_status bring_sheet(ost_gl *gl, const ost_gl_sheet *sheet, ost_error *
     glBindTexture(GL_TEXTURE_2D, gl->sheet);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, sheet->stride);
     if (fresh || !sheet->changed)
-        upload(sheet, 0, gl->targets.width, 0, gl->targets.height);
+        upload(sheet, (ost_cells_box){0, gl->targets.width, 0, gl->targets.height});
     else
         upload_cells(sheet);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);

@@ -5,7 +5,7 @@
 
 #include "render/points/splat.h"
 
-static GLuint texture(GLenum internal, GLenum format, GLenum type, int width, int height)
+GLuint ost_gl_texture(GLenum internal, GLenum format, GLenum type, int width, int height)
 {
     GLuint t = 0;
     glGenTextures(1, &t);
@@ -19,7 +19,7 @@ static GLuint texture(GLenum internal, GLenum format, GLenum type, int width, in
 
 static GLuint depth_texture(int width, int height)
 {
-    return texture(GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height);
+    return ost_gl_texture(GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height);
 }
 
 /* Creates a framebuffer. The parameter `colour_1` is 0 if there is only one colour texture. */
@@ -74,22 +74,22 @@ ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *t, int w
     t->height = height;
     t->kind = kind;
     t->picture_depth = depth_texture(width, height);
-    t->picture_colour = texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
+    t->picture_colour = ost_gl_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height);
     t->picture = framebuffer(t->picture_depth, t->picture_colour, 0, &picture);
     if (kind != OST_GL_FORWARD) {
         t->gbuffer_depth = depth_texture(width, height);
         if (kind == OST_GL_COMPACT) {
-            t->gbuffer_0 = texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, width, height);
+            t->gbuffer_0 = ost_gl_texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, width, height);
             t->across = (width + OST_TILE - 1) / OST_TILE;
             t->down = (height + OST_TILE - 1) / OST_TILE;
-            t->tiles_depth = texture(GL_R32F, GL_RED, GL_FLOAT, t->across, t->down);
+            t->tiles_depth = ost_gl_texture(GL_R32F, GL_RED, GL_FLOAT, t->across, t->down);
             t->tiles = framebuffer(0, t->tiles_depth, 0, &tiles);
             t->farthest = malloc((size_t)t->across * (size_t)t->down * sizeof *t->farthest);
         } else {
             const GLenum internal = kind == OST_GL_WIDE ? GL_RGBA32F : GL_RGBA8,
                          type = kind == OST_GL_WIDE ? GL_FLOAT : GL_UNSIGNED_BYTE;
-            t->gbuffer_0 = texture(internal, GL_RGBA, type, width, height);
-            t->gbuffer_1 = texture(internal, GL_RGBA, type, width, height);
+            t->gbuffer_0 = ost_gl_texture(internal, GL_RGBA, type, width, height);
+            t->gbuffer_1 = ost_gl_texture(internal, GL_RGBA, type, width, height);
         }
         t->gbuffer = framebuffer(t->gbuffer_depth, t->gbuffer_0, t->gbuffer_1, &gbuffer);
     }

@@ -25,6 +25,8 @@ typedef struct ost_gl_targets {
     GLuint picture, picture_depth, picture_colour;
 } ost_gl_targets;
 
+/* Creates a texture without contents, whose texels are read without interpolation. */
+GLuint ost_gl_texture(GLenum internal, GLenum format, GLenum type, int width, int height);
 ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *targets, int width, int height,
                                ost_gl_target kind, ost_error *err);
 void ost_gl_targets_free(ost_gl_targets *targets);

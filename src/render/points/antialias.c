@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/bits_run.h"
 #include "core/conditions.h"
 
 enum { RUN = OST_ANTIALIAS_RUN, WORD = OST_CELL_WIDTH };
@@ -91,19 +90,12 @@ static int bit_of(const ost_antialias *a, const uint16_t *sides, int x, int y)
     return sides[word_of(a, x >> 4, y)] >> (x & 15) & 1;
 }
 
-/* Finds the next run of cells in a row. Sets *from and *to to the half-open range of the run. Returns false if there is
-   no further run. */
-static bool next_run(const ost_cells *cells, int row, int *from, int *to)
-{
-    return ost_bits_run(ost_cells_row(cells, row), cells->words, from, to);
-}
-
 void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int stride, const ost_cells *cells, int row)
 {
     const int y0 = row * OST_CELL_HEIGHT, y1 = y0 + OST_CELL_HEIGHT < a->height ? y0 + OST_CELL_HEIGHT : a->height;
     const int last = a->words - 3, /* the last cell */
         in_last = a->width - WORD * last;
-    for (int from, to = 0; next_run(cells, row, &from, &to);)
+    for (int from, to = 0; ost_cells_run(cells, row, &from, &to);)
         for (int y = y0; y < y1; y++) {
             const uint32_t *here = colour + (size_t)y * (size_t)stride + WORD * from;
             const size_t at = word_of(a, from, y);
@@ -118,7 +110,7 @@ void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int str
 void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row)
 {
     const int y0 = row * OST_CELL_HEIGHT, y1 = y0 + OST_CELL_HEIGHT < a->height ? y0 + OST_CELL_HEIGHT : a->height;
-    for (int from, to = 0; next_run(cells, row, &from, &to);)
+    for (int from, to = 0; ost_cells_run(cells, row, &from, &to);)
         for (int y = y0; y < y1; y++) {
             memset(a->below + word_of(a, from, y), 0, (size_t)(to - from) * sizeof *a->below);
             memset(a->right + word_of(a, from, y), 0, (size_t)(to - from) * sizeof *a->right);
@@ -246,7 +238,7 @@ void ost_antialias_smooth(const ost_antialias *a, const uint32_t *colour, uint32
                           const ost_cells *cells, int row)
 {
     const int y0 = row * OST_CELL_HEIGHT, y1 = y0 + OST_CELL_HEIGHT < a->height ? y0 + OST_CELL_HEIGHT : a->height;
-    for (int from, end = 0; next_run(cells, row, &from, &end);)
+    for (int from, end = 0; ost_cells_run(cells, row, &from, &end);)
         for (int y = y0; y < y1; y++)
             smooth_row(a, colour, to, stride, from, end, y);
 }

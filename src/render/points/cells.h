@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/bits_run.h"
+
 /* OST_CELL_WORDS is the maximum number of words per row, sufficient for 8192 pixels. */
 enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
@@ -38,6 +40,29 @@ void ost_cells_grow(const ost_cells *cells, int across, int down);
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
 {
     return cells->bit + (int64_t)row * cells->words;
+}
+
+/*
+ * Finds the next run of cells in a row. Sets *from and *to to the half-open range of the run. Returns false if there is
+ * no further run. On entry, *to must be 0 or the end of the previous run.
+ */
+static inline bool ost_cells_run(const ost_cells *cells, int row, int *from, int *to)
+{
+    return ost_bits_run(ost_cells_row(cells, row), cells->words, from, to);
+}
+
+/* A rectangle of pixels with x0 <= x < x1 and y0 <= y < y1. */
+typedef struct ost_cells_box {
+    int x0, x1, y0, y1;
+} ost_cells_box;
+
+/* Returns the pixels of the cells from <= c < to of a row that are in the picture. */
+static inline ost_cells_box ost_cells_box_of(const ost_cells *cells, int row, int from, int to)
+{
+    ost_cells_box b = {from * OST_CELL_WIDTH, to * OST_CELL_WIDTH, row * OST_CELL_HEIGHT, (row + 1) * OST_CELL_HEIGHT};
+    b.x1 = b.x1 < cells->width ? b.x1 : cells->width;
+    b.y1 = b.y1 < cells->height ? b.y1 : cells->height;
+    return b;
 }
 
 /* Returns true if the set contains the cell of the pixel (x, y). The pixel must be in the picture. */
