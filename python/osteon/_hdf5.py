@@ -61,15 +61,15 @@ def voxels_of(session: Session, world: World) -> Dict[str, np.ndarray]:
         end = min((int(report.chunks["chunk"][-1]) // layer + 1) * size, before.shape[0])
         now = bone.voxels(first, end - first)
         at = np.nonzero(before[first:end] != now)
-        group = np.full((len(at[0]), 1), float(len(times)))
+        number_of_group = np.full((len(at[0]), 1), float(len(times)))
         grey = np.clip(before[first:end][at] // 8, 0, 255).astype(float)
-        rows.append(np.column_stack([group, at[2], at[1], at[0] + first]))
-        colors.append(np.column_stack([group, grey, grey, grey, np.full_like(grey, 255.0)]))
+        rows.append(np.column_stack([number_of_group, at[2], at[1], at[0] + first]))
+        colors.append(np.column_stack([number_of_group, grey, grey, grey, np.full_like(grey, 255.0)]))
         times.append(path.ticks["t_ns"][number] / 1e9)
         before[first:end] = now
+    # The first element of `rows` has no rows, and each other element is a group.
     return {"voxel_time_stamp": np.array(times, float), "voxel_removed": np.vstack(rows),
-            "voxel_color": np.vstack(colors),
-            "voxel_count": np.bincount(np.vstack(rows)[:, 0].astype(int), minlength=len(times)).astype(np.uint64)}
+            "voxel_color": np.vstack(colors), "voxel_count": np.array([len(group) for group in rows[1:]], np.uint64)}
 
 
 def datasets_of(session: Session, world: Optional[World]) -> Dict[str, Any]:
