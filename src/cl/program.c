@@ -4,13 +4,14 @@
  *
  *   cache has a binary --> the driver accepts it --> done
  *          | no                  | no
- *          '---------> source <--'   built; the binary is stored
+ *          '---------> source <--'   built; the binary is stored, if it pays
  *
  * The log of a failed build may be long and has no fixed format.  The error message
  * contains the first line of the log that contains "error".
  */
 #include "cl/cl.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,6 +80,24 @@ static bool from_binary(cl_backend *b, const ost_cl_cache *cache, const char *op
     return false;
 }
 
+/*
+ * Returns true if the binary of a program that was built from its source is to be stored.
+ *
+ * PoCL compiles all kernels of a program when its binary is requested, which takes longer than everything else in the
+ * first start of a command. Without this request, it compiles a kernel when the kernel is launched, and stores the
+ * result in its own cache. The first program of a process is therefore not stored, and a command, which opens one
+ * backend, never pays for kernels that it does not launch. A process that opens several backends saves more time by
+ * the binary than the request takes. POCL_KERNEL_CACHE=0 switches PoCL's own cache off.
+ */
+static bool pays_to_store(const cl_backend *b)
+{
+    static atomic_bool later_program;
+    const char *own_cache = getenv("POCL_KERNEL_CACHE");
+    const bool compiles_late = strcmp(b->device.platform_name, "Portable Computing Language") == 0 &&
+                               !(own_cache && strcmp(own_cache, "0") == 0);
+    return atomic_exchange(&later_program, true) || !compiles_late;
+}
+
 /* Stores the binary of a program in the cache. A failure is ignored, because the program can be built again. */
 static void store_binary(cl_backend *b, const ost_cl_cache *cache, cl_program program)
 {
@@ -120,7 +139,8 @@ ost_status ost_cl_build(cl_backend *b, const char *const *sources, size_t count,
         b->cl->clReleaseProgram(program);
         return status;
     }
-    store_binary(b, &cache, program);
+    if (pays_to_store(b))
+        store_binary(b, &cache, program);
     *out = program;
     return OST_OK;
 }

@@ -8,6 +8,7 @@
 
 #include <dirent.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "cl/cache.h"
 #include "cl/cl.h"
@@ -473,14 +474,14 @@ static bool opened_from_cache(void)
     return from_cache;
 }
 
-/* Returns true if the first suitable device is one of Mesa's (rusticl). */
-static bool on_rusticl(void)
+/* Returns true if the platform of the first suitable device has this name. */
+static bool on_platform(const char *name)
 {
     ost_error err = {0};
     ost_backend *backend;
     assert_ok(ost_cl_open_with(&ost_cl_loader, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    const bool is = strcmp(((cl_backend *)backend)->device.platform_name, "rusticl") == 0;
+    const bool is = strcmp(((cl_backend *)backend)->device.platform_name, name) == 0;
     ost_backend_close(backend);
     return is;
 }
@@ -500,6 +501,25 @@ static void end_cache(const char *folder, const char *before)
     setenv("XDG_CACHE_HOME", before, 1);
     snprintf(command, sizeof command, "rm -rf '%s'", folder);
     assert_int_equal(system(command), 0);
+}
+
+/*
+ * On PoCL, the first program that a process builds from its source is not stored, because PoCL would compile all its
+ * kernels. The second program is stored. Must be the first test that opens a device.
+ */
+static void first_program(void **state)
+{
+    (void)state;
+    char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", osteon[64];
+    begin_cache(folder, before, sizeof before);
+    snprintf(osteon, sizeof osteon, "%s/osteon", folder);
+    assert_false(opened_from_cache());
+    const bool stored = access(osteon, F_OK) == 0;
+    assert_int_equal(opened_from_cache(), stored);
+    assert_true(opened_from_cache());
+    assert_int_equal(access(osteon, F_OK), 0);
+    assert_int_equal(stored, !on_platform("Portable Computing Language"));
+    end_cache(folder, before);
 }
 
 static void cache_damage(void **state)
@@ -544,7 +564,7 @@ static void cache_damage(void **state)
        attacker would write such an entry. rusticl (Mesa 22.3) then aborts the process in its program.rs instead of
        returning an error. */
     ost_digest checksum;
-    if (on_rusticl())
+    if (on_platform("rusticl"))
         printf("# a binary that is rubbish: left out, rusticl panics\n");
     else {
         const char rubbish[] = "not what a driver made";
@@ -728,6 +748,7 @@ int main(void)
     if (missing)
         return missing;
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(first_program),
         cmocka_unit_test(options),
         cmocka_unit_test(no_such_device),
         cmocka_unit_test(refused_for_what_it_says),
