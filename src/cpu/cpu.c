@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the CPU backend and its options. */
+/* Opens the CPU backend with its options, and defines its function table. */
 #include "cpu/cpu.h"
 #include "cpu/face_mesh.h"
 #include "cpu/voxelize/embree.h"
@@ -27,7 +27,7 @@ static bool available(char *reason, size_t size)
 static int default_threads(void)
 {
 #if defined _OPENMP
-    const int most = omp_get_max_threads(); /* the value of OMP_NUM_THREADS or, if it is not set, the number of cores */
+    const int most = omp_get_max_threads(); /* OMP_NUM_THREADS if it is set, otherwise the number of cores */
     return most < THREADS_MAX ? most : THREADS_MAX;
 #else
     return 1;
@@ -36,7 +36,7 @@ static int default_threads(void)
 
 static ost_status set_threads(const char *value, int *threads, ost_error *err)
 {
-    /* The value may contain only digits; strtol alone would also accept spaces and a sign. */
+    /* strtol would also accept leading spaces and a sign, so only digits are allowed */
     const size_t digits = strspn(value, "0123456789");
     const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
     if (n < 1 || n > THREADS_MAX)
@@ -71,8 +71,8 @@ static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost
 typedef struct cpu_options {
     const char *isa;
     int threads;
-    int64_t grain; /* threshold of all paths; 0 selects the measured thresholds */
-    int64_t order; /* seed for the order of blocks; 0 selects the usual order */
+    int64_t grain; /* size from which work enters every path (share.h); 0 selects the measured thresholds */
+    int64_t order; /* seed of the random order in which blocks are processed (share.h); 0 selects the usual order */
     ost_voxelizer voxelizer;
     unsigned given; /* bit k is set if the option named keys[k] was given */
 } cpu_options;
@@ -190,7 +190,7 @@ static void visit_paths(const ost_backend *base, ost_path_visit *visit, void *us
     ost_cpu_sharing_visit(backend->sharing, backend->threads, visit, user);
 }
 
-/* Does nothing, because every function of this backend has completed its work when it returns. */
+/* Does nothing: every function of this backend has finished its work when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

@@ -41,7 +41,7 @@ typedef struct visible {
     uint32_t any[ROWS];
 } visible;
 
-/* The active voxels of a chunk. */
+/* The active voxels of a chunk, as written by compact(). */
 typedef struct compacted {
     uint32_t count, faces;
     uint32_t voxel[OST_FACE_VOXELS];
@@ -106,7 +106,7 @@ static void classify(const padded *p, visible *v)
     }
 }
 
-/* Lists the active voxels of a chunk. */
+/* Writes the list of the active voxels of a chunk to *out. */
 static void compact(const visible *v, compacted *out)
 {
     uint32_t count = 0, faces = 0;
@@ -159,7 +159,7 @@ static void find_active(const ost_face_cluster *cluster, bool timed, thread_scra
     stage_done(t, timed, OST_FACE_STAGE_COMPACT, &begin);
 }
 
-/* Meshes up to BATCH chunks, beginning with chunk `from`. */
+/* Computes the meshes of up to BATCH clusters, starting with cluster `from`. */
 static ost_status mesh_batch(const ost_face_cluster *clusters, size_t from, int count, const uint32_t corners[6][4],
                              int threads, compacted *list, ost_face_mesh *mesh, ost_error *err)
 {

@@ -207,7 +207,7 @@ typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutti
                                bool stream, uint8_t *voxels);
 
 typedef struct ost_cpu_kernels {
-    ost_isa isa; /* the instruction set for which the slots were set */
+    ost_isa isa; /* the instruction set whose variants fill the slots */
     ost_gather_row_fn *gather_row;
     ost_blend_rows_fn *blend_rows;
     ost_stretch_row_fn *stretch_row;

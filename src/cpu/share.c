@@ -25,13 +25,15 @@ static const struct {
     [OST_PATH_LEAVES] = {"digest", 64},                   /* leaves */
     [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles per part */
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
-    [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},            /* voxels in all chunks of the event */
+    /* sum over all chunks of the event, in voxels */
+    [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
-    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},                /* bytes; the mapping uses huge pages */
+    /* in bytes; larger grids are mapped, so that the system can use huge pages */
+    [OST_PATH_MAPPED] = {"grid in mapped memory", 1 << 22},
     [OST_PATH_LAYERS] = {"conversion in several parts", (1 << 14) + 1},  /* chunks */
-    /* bytes, more than fit into the caches */
+    /* in bytes; larger chunks would not stay in the caches anyway */
     [OST_PATH_CHUNK_STREAM] = {"chunks written past the caches", (8 << 20) + 1},
-    /* voxels, more than fit into the caches */
+    /* in voxels; larger tools would not stay in the caches anyway */
     [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
     /*
      * bytes; if there are several tiles, the two planes of a tile are together smaller than this threshold, so that
@@ -100,7 +102,7 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {
-    enum { TRIES = 20000 }; /* number of polls, which take tens of microseconds in total */
+    enum { TRIES = 20000 }; /* maximum number of polls; all together take tens of microseconds */
     const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
     const uint64_t drawn = mixed(team->order + (uint64_t)turn);
     const int64_t all = (round + 1) * me->stride;

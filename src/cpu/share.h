@@ -37,7 +37,7 @@
 #include "core/backend.h"
 
 typedef enum ost_cpu_path {
-    /* Paths that divide work among threads. */
+    /* paths that divide work among threads */
     OST_PATH_SCATTER,
     OST_PATH_GRID_UPLOAD,
     OST_PATH_GRID_COPY,
@@ -48,7 +48,7 @@ typedef enum ost_cpu_path {
     OST_PATH_TILES,
     OST_PATH_REMOVAL,
     OST_PATHS_SHARED,
-    /* Paths that do not depend on the number of threads. */
+    /* paths that do not depend on the number of threads */
     OST_PATH_BLOCKS = OST_PATHS_SHARED,
     OST_PATH_MAPPED,
     OST_PATH_LAYERS,
@@ -62,7 +62,8 @@ typedef struct ost_cpu_sharing {
     int64_t least[OST_CPU_PATHS]; /* smallest size of work with which each path is entered */
     /* true if the option `grain` or `order` was given; blocks are then assigned to the members in turn */
     bool dealt;
-    uint64_t order;               /* seed given by the `order` option; 0 without it */
+    /* value of the `order` option, the seed of the random order; 0 if the option was not given */
+    uint64_t order;
     /*
      * number of teams that have been started, counted only if the option `order` is given; the order of a team's blocks
      * depends on this number
@@ -74,7 +75,7 @@ typedef struct ost_cpu_sharing {
 
 /* Initialises *sharing. If grain is 0, the measured thresholds are used; if order is 0, blocks have the usual order. */
 void ost_cpu_sharing_init(ost_cpu_sharing *sharing, int64_t grain, uint64_t order);
-/* Calls visit for each path that a backend with `threads` threads can enter. */
+/* Calls visit for each path that a backend with this number of threads can enter. */
 void ost_cpu_sharing_visit(const ost_cpu_sharing *sharing, int threads, ost_path_visit *visit, void *user);
 
 /* Returns true if work of this size enters the path; if so, increments the path's counter.  Called by one thread at
@@ -93,7 +94,7 @@ typedef struct ost_team {
     ost_cpu_path path;
     /* true if block b is processed by member b mod members; false if it is processed by the next free member */
     bool dealt;
-    /* `count` is the total number of items, and `block` is the number of items per block */
+    /* number of items in total, and per block */
     int64_t count, block;
     /* the next block if `dealt` is false; with a random order, the number of blocks that members have begun */
     _Atomic int64_t next;
@@ -104,7 +105,7 @@ typedef struct ost_team {
 } ost_team;
 
 typedef struct ost_member {
-    int64_t at, end;      /* remaining items of the current block, at <= item < end */
+    int64_t at, end;      /* the remaining items of the member's current block, at <= item < end */
     /*
      * if `dealt` is true, `next` is the member's next block, and `stride` is the distance between the member's blocks
      */

@@ -14,12 +14,13 @@ typedef struct cpu_shapes {
      * The tables of class 1 (`cutting`) and of class 2 (`touching`). `touching` is computed only if `touches` is true.
      */
     ost_shape cutting, touching;
-    bool touches;                /* true if the tool has voxels of class 2 */
+    bool touches;                /* true if the tool has non-cutting voxels (class 2) */
 } cpu_shapes;
 
 typedef struct cpu_tool {
     ref_tool ref;
-    cpu_shapes *shapes; /* owned tables for the bone voxel size of the last call of ost_cpu_tool_prepare */
+    /* owned tables for the size of bone voxels in the last call of ost_cpu_tool_prepare; NULL before the first call */
+    cpu_shapes *shapes;
 } cpu_tool;
 
 /*

@@ -18,7 +18,7 @@ typedef struct two_bricks {
     int16x8_t v[2];
 } two_bricks;
 
-/* Computes eighth p of the two bricks x and x + 1. */
+/* Computes one eighth (number p, 0 to 7) of brick x and of brick x + 1. */
 static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
 {
     const int64x2_t low = vreinterpretq_s64_s16(vld1q_s16(rows[2 * p] + 4 * x));
@@ -26,7 +26,7 @@ static inline two_bricks eighths(const int16_t *const rows[16], size_t x, int p)
     return (two_bricks){{vreinterpretq_s16_s64(vzip1q_s64(low, high)), vreinterpretq_s16_s64(vzip2q_s64(low, high))}};
 }
 
-/* Narrows the 16-bit lanes (0 or -1) of two registers to the bytes of one register. */
+/* Narrows two registers of 16-bit lanes, each 0 or -1, to one register of bytes. */
 static inline uint8x16_t narrow(uint16x8_t a, uint16x8_t b)
 {
     return vuzp1q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
@@ -65,12 +65,13 @@ bool ost_any_active_neon(const int16_t *base, const size_t *row, int count, int 
 {
     if (width < LANES)
         return ost_any_active_scalar(base, row, count, width, threshold);
-    int16x8_t most = vdupq_n_s16(0); /* initially 0, which is below every threshold */
+    int16x8_t most = vdupq_n_s16(0); /* starts at 0, because no threshold is below 1 */
     for (int r = 0; r < count; r++) {
         const int16_t *const from = base + row[r];
         for (int x = 0; x + LANES <= width; x += LANES)
             most = vmaxq_s16(most, vld1q_s16(from + x));
-        most = vmaxq_s16(most, vld1q_s16(from + width - LANES)); /* the last voxels, some of which are read twice */
+        /* loads the last eight voxels of the row; some of them were already included */
+        most = vmaxq_s16(most, vld1q_s16(from + width - LANES));
     }
     return vmaxvq_s16(most) >= threshold;
 }

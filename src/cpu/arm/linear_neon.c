@@ -32,7 +32,8 @@ static inline void blend(const int16_t *a, const int16_t *b, int16_t lower, int1
 void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
                          int16_t *to)
 {
-    const int16_t lower = (int16_t)(OST_WEIGHT_ONE - weight), upper = (int16_t)weight; /* both 1 to 2^15 - 1 */
+    /* both weights are in 1..2^15 - 1, so they fit int16 */
+    const int16_t lower = (int16_t)(OST_WEIGHT_ONE - weight), upper = (int16_t)weight;
     if (width < LANES) {
         ost_blend_rows_scalar(a, b, row, count, width, weight, to);
         return;
@@ -42,7 +43,7 @@ void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, 
         int16_t *const result = to + (size_t)OST_ROW_STRIDE * (size_t)r;
         for (int x = 0; x + LANES <= width; x += LANES)
             blend(ra + x, rb + x, lower, upper, result + x);
-        if (width % LANES) /* the last eight voxels, some of which are computed twice */
+        if (width % LANES) /* interpolates the last eight voxels of the row; some of them are computed a second time */
             blend(ra + width - LANES, rb + width - LANES, lower, upper, result + width - LANES);
     }
 }

@@ -93,7 +93,7 @@ enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
     uint16_t low[3][PIECE];  /* c mod 2^7 */
-    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of the window's line */
+    uint32_t line[PIECE]; /* number of the window of each brick; later replaced by the number of the window's line */
     uint32_t tied[PIECE];
 } places;
 
@@ -118,7 +118,7 @@ static inline void place_four(const ost_match *match, const ost_cubes *bricks, s
         const int32x4_t u = vaddq_s32(vld1q_s32(bricks->u[a] + from), vdupq_n_s32(match->lowest[a]));
         window[a] = windows_of(vaddq_s32(vshrq_n_s32(u, OST_MAP_FRACTION), margin), w->step);
         const int32x4_t begin = vshlq_n_s32(vsubq_s32(vmulq_n_s32(window[a], w->step), margin), OST_MAP_FRACTION);
-        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin)); /* c < 2^23, so that c >> 7 fits 16 bits */
+        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin)); /* c is below 2^23, so c >> 7 fits 16 bits */
         vst1_u16(out->high[a] + to, vshrn_n_u32(c, LOW));
         vst1_u16(out->low[a] + to, vmovn_u32(vandq_u32(c, vdupq_n_u32((1 << LOW) - 1))));
     }
@@ -147,12 +147,13 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
    contain one byte per voxel, with three bits for the coordinate in the window and five bits of fraction. */
 static inline uint8x16_t lookup(uint8x16x4_t line, uint8x16_t x, uint8x16_t y, uint8x16_t z)
 {
-    const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5)); /* row number 8 y + z < 64 */
+    /* number 8 y + z of the row in the window, below 64 */
+    const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5));
     const uint8x16_t bit = vshlq_u8(vdupq_n_u8(1), vreinterpretq_s8_u8(vshrq_n_u8(x, 5)));
     return vtstq_u8(row, bit);
 }
 
-/* Returns the high bytes of the 16-bit lanes of two registers. */
+/* Returns the high byte of each 16-bit lane of two registers. */
 static inline uint8x16_t high_bytes(uint16x8_t a, uint16x8_t b)
 {
     return vuzp2q_u8(vreinterpretq_u8_u16(a), vreinterpretq_u8_u16(b));
@@ -163,7 +164,7 @@ static inline uint8x16_t coordinate(const uint16_t *offsets, uint16x8_t c)
     return high_bytes(vaddq_u16(vld1q_u16(offsets), c), vaddq_u16(vld1q_u16(offsets + 8), c));
 }
 
-/* Computes the same coordinates as the function `coordinate`, but includes the carries of the low bits. */
+/* Computes the same coordinates as `coordinate`, but exactly: the carries of the low bits are included. */
 static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets,
                                          uint16x8_t low)
 {

@@ -64,7 +64,7 @@ static inline size_t emit_bits(uint32_t *out, vi v, unsigned lanes)
 
 #define emit(out, v, m) emit_bits(out, v, vm_bits(m))
 
-/* Loads y and z of one corner of each of the two triangles. */
+/* Loads y and z of one corner of both triangles. */
 static inline int32x4_t yz_of_both(const ost_snapped_mesh *mesh, const uint32_t *t, int corner)
 {
     return vcombine_s32(vld1_s32(mesh->vertices[mesh->triangles[t[0]][corner]] + 1),
@@ -99,7 +99,7 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    /* The shift counts are negative, because a negative count shifts to the right. */
+    /* The counts are negated, because NEON shifts to the right by negative counts. */
     const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);
@@ -145,7 +145,7 @@ static inline uint8x16_t classes_of(const uint64_t *cutting, const uint64_t *non
     return v;
 }
 
-/* The `stream` parameter is ignored, because the NEON intrinsics have no stores that bypass the caches. */
+/* Ignores `stream`, because the NEON intrinsics have no stores that bypass the caches. */
 void ost_vox_expand_neon(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                          bool stream, uint8_t *voxels)
 {

@@ -142,7 +142,7 @@ static const int16_t *slab_row(const slab *s, int32_t y, int32_t z)
 
 typedef struct chunk_position {
     int32_t first[3]; /* grid coordinates of the chunk's first voxel */
-    int32_t end[3];   /* exclusive upper bound of the chunk's voxels, clipped to the grid */
+    int32_t end[3];   /* grid coordinates at which the chunk ends (exclusive), clipped to the grid */
 } chunk_position;
 
 static chunk_position chunk_position_of(const cpu_bone *bone, int64_t index)

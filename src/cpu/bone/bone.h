@@ -28,7 +28,7 @@
 typedef struct cpu_chunk {
     /* start of the owned, 64-byte aligned block that contains densities and occupancy; NULL if `active` is 0 */
     int16_t *density;
-    uint64_t *occupancy; /* occupancy words, in the memory block that begins at `density` */
+    uint64_t *occupancy; /* occupancy words; they follow the densities in the block at `density` */
     ost_chunk_pool *pool; /* pool that owns the block; NULL if the block was allocated with malloc */
     int32_t active;
     int32_t highest;
@@ -70,7 +70,7 @@ static inline int32_t ost_brick_gather(int32_t number)
  * exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
-/* Frees the memory of a chunk that has no active voxel. */
+/* Frees the memory of a chunk whose `active` count has become 0. */
 void ost_cpu_chunk_release(cpu_chunk *chunk);
 
 ost_status ost_cpu_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size, int32_t threshold,

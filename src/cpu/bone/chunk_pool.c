@@ -20,7 +20,7 @@ enum { EXTENTS_MAX = 64 };
 #define RETAINED_BYTES ((size_t)1 << 28)
 
 typedef struct extent {
-    unsigned char *base; /* aligned to the size of a huge page */
+    unsigned char *base; /* start of the extent, aligned to the size of a huge page */
     size_t bytes;
 } extent;
 
@@ -29,7 +29,7 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    /* number of blocks that were never taken; these blocks are the first elements of the stack */
+    /* number of blocks that have never been taken; they are the lowest elements of the stack */
     atomic_llong fresh;
     int64_t trimmed;    /* value of `fresh` at the last call of ost_chunk_pool_trim */
     void **stack;       /* owned array with `total` elements */

@@ -45,7 +45,7 @@ size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
  * Returns NULL if no reserved block is available.
  */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
-/* Returns a block to the pool. */
+/* Returns a block that ost_chunk_pool_take returned. */
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);
 /*
  * Releases pages that no block uses: the pages after the last used block, or all pages if no block is in

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the densities of single voxels. These functions are called within a tick. */
+/* Reads the densities of single voxels. A tick calls these functions, so they neither allocate memory nor block. */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
 #include "cpu/cpu.h"

@@ -35,7 +35,7 @@ typedef struct filling {
     const ost_cpu_kernels *kernels;
     ost_chunk_pool *pool; /* may be NULL */
     cpu_view view;
-    bool linear; /* true if the voxels are interpolated, which is the case if the view has weights */
+    bool linear; /* true if voxels are interpolated, that is, if the view has weights */
     /*
      * For each column of chunks, true if the grid does not clip the column and the column's source voxels are adjacent
      * along x.
@@ -58,8 +58,8 @@ static int32_t min32(int32_t a, int32_t b)
 typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
-    int slices; /* number of slices of the layer that lie in the grid */
-    size_t row[2 * N_MAX]; /* source rows of all y, in ascending order, without duplicates */
+    int slices; /* number of the layer's slices that lie in the grid */
+    size_t row[2 * N_MAX]; /* the source rows of all y of the task, in ascending order, without duplicates */
     /*
      * `rows` is the number of elements of row[]. For group g of four y, first[g] is the index in row[] of the first
      * source row that is not also used for a smaller y.
@@ -202,7 +202,8 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
         return false;
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span)) /* this test is faster than the interpolation */
+    /* skips the interpolation, because without an active source voxel, no result is active */
+    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span))
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
     return true;
@@ -259,7 +260,7 @@ static void write_void_layer(const filling *f, cpu_chunk *chunk, int32_t z)
         add(chunk, write_rows(f, chunk, rows, y, z));
 }
 
-/* Prefetches the source voxels of the next layer while the current layer is written. */
+/* Prefetches the source voxels of the next layer. Called while the current layer is written. */
 static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
 {
     for (int i = 0; i < t->aheads; i++)

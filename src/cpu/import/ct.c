@@ -33,7 +33,7 @@ typedef struct axis {
 
 typedef struct axis_position {
     int64_t index;
-    int64_t off; /* distance from the sample to the lattice point */
+    int64_t off; /* distance of the sample from the nearest lattice point, in picometres */
 } axis_position;
 
 /*
@@ -189,7 +189,7 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    /* array of BLOCK elements; index of each sample's voxel, or -1 if the sample is rejected */
+    /* index of the voxel of each sample in the block, or -1 if the sample is rejected; BLOCK elements */
     int64_t *at;
 } batch;
 

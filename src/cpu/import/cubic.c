@@ -49,8 +49,8 @@ static source_position source_position_of(int64_t i, ost_pm cubic, ost_pm rect, 
 typedef struct lists {
     int32_t *map[3];
     int16_t *minus[3];
-    bool same[3]; /* true if each voxel i of the axis is voxel i of the rect grid */
-    bool weighted[3]; /* true if at least one weight of an upper neighbour is above 0 */
+    bool same[3]; /* for each axis: true if voxel i of the cubic grid is voxel i of the rect grid for all i */
+    bool weighted[3]; /* for each axis: true if at least one voxel has an upper neighbour with a weight above 0 */
 } lists;
 
 static void drop_weights(lists *l, int axis)
@@ -137,7 +137,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* the voxels of the rect grid are themselves selected by lists */
+    if (rect->map[0]) /* If the rect grid has lists too, the new lists are changed so that they refer to its store. */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

@@ -30,7 +30,7 @@ typedef struct cpu_grid {
     cpu_store *store; /* the store that contains the voxels; other grids may share it */
     /* owned lists; on axis a, voxel i of the grid is voxel map[a][i] of the store; all NULL if the grid has no lists */
     int32_t *map[3];
-    int16_t *minus[3]; /* owned lists of weights; see cpu_view */
+    int16_t *minus[3]; /* owned lists of negated weights, in the format of cpu_view */
     /* owned bit array with one bit per voxel, 1 if the voxel has a sample; NULL before the first batch of samples */
     uint8_t *seen;
 } cpu_grid;
@@ -46,7 +46,7 @@ typedef struct cpu_grid {
  */
 typedef struct cpu_view {
     const int16_t *voxels;
-    size_t row, slice;     /* distance in elements between adjacent rows, and between adjacent slices */
+    size_t row, slice;     /* distance, in elements, between adjacent rows and between adjacent slices */
     const int32_t *map[3]; /* index lists of the axes; if all are NULL, voxel i is voxel i of the store */
     const int16_t *minus[3];
 } cpu_view;
@@ -88,7 +88,7 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
                          const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);
 
 cpu_view ost_cpu_grid_view(const cpu_grid *grid);
-/* Copies the first `width` voxels of row (y, z) of the view to `to`. */
+/* Writes the first `width` voxels of row (y, z) of the view to `to`. */
 void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
                       int16_t *to);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stages of the import, as functions of the CPU backend. */
+/* Declares the slots of the CPU backend that import a CT: from samples to chunks. */
 #ifndef OST_CPU_IMPORT_H
 #define OST_CPU_IMPORT_H
 

@@ -60,7 +60,7 @@ static void stretch(const cpu_view *view, const ost_cpu_kernels *kernels, const 
 {
     if (view->row > 1)
         kernels->stretch_row(row, view->map[0] + x0, view->minus[0] + 2 * (size_t)x0, width, to);
-    for (int32_t i = 0; i < width && view->row == 1; i++) /* in a row of one voxel, a voxel has no neighbour */
+    for (int32_t i = 0; i < width && view->row == 1; i++) /* a row of a single voxel cannot be interpolated along x */
         to[i] = row[0] * -OST_WEIGHT_ONE;
 }
 
@@ -84,7 +84,9 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    /* negative, like the sums along x; at least -2^30 */
+                    /*
+                     * The product is at most 2^30. It is negated, because the sums along x have negated weights, too.
+                     */
                     weight[count++] = -(y[j].minus[a] * z[k].minus[b]);
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);

@@ -21,13 +21,13 @@ enum { SIDE = OST_FACE_CHUNK, PADDED = OST_FACE_PADDED, VOXELS = OST_FACE_VOXELS
 
 typedef struct scratch {
     int16_t padded[PADDED][PADDED][PADDED]; /* [z][y][x]; ACTIVE or 0 */
-    uint8_t visible[VOXELS];     /* bit f: face f is visible */
-    uint32_t before[VOXELS];     /* number of active voxels before this voxel */
+    uint8_t visible[VOXELS];     /* visible faces of each voxel; bit f is set if face f is visible */
+    uint32_t before[VOXELS];     /* number of active voxels with a lower number than this voxel */
     uint32_t faces_before[VOXELS];
-    uint32_t voxel[VOXELS];      /* numbers of the active voxels */
+    uint32_t voxel[VOXELS];      /* numbers of the active voxels, in ascending order */
     uint32_t first[VOXELS];      /* index of the first quad of each active voxel */
     uint32_t vertices[4 * OST_FACE_QUADS_MAX];
-    uint32_t count, faces;       /* numbers of active voxels and of visible faces */
+    uint32_t count, faces;       /* number of active voxels, and number of visible faces */
 } scratch;
 
 static int16_t voxel_of(const uint32_t *words, int x, int y, int z)
@@ -102,7 +102,7 @@ static void make_quads(scratch *s)
     }
 }
 
-/* Adds the time since *begin to a stage, and sets *begin to the current time. */
+/* Adds the time since *begin to a stage of the mesh, and sets *begin to now. */
 static void stage_done(ost_face_mesh *mesh, ost_face_stage stage, int64_t *begin)
 {
     const int64_t now = mesh->timed ? ost_clock_ns() : 0;

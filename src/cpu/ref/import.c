@@ -79,7 +79,7 @@ ost_status ost_ref_grid_download(const ost_grid *base, int32_t z0, int32_t count
 typedef struct lattice {
     int64_t index;
     int64_t off;     /* |p - lattice point| */
-    int64_t spacing; /* distance between neighbouring voxels; off / spacing is the offset in voxels */
+    int64_t spacing; /* spacing of the axis; off / spacing is the distance in voxels */
 } lattice;
 
 static lattice on_lattice(ost_pm p, ost_pm origin, ost_pm spacing)

@@ -44,7 +44,7 @@ static ost_backend_settings settings(const ost_backend *backend)
     return (ost_backend_settings){.isa = "", .threads = 1, .platform = -1, .device = -1};
 }
 
-/* Does nothing, because every function of this backend has completed its work when it returns. */
+/* Does nothing: every function of this backend has finished its work when it returns. */
 static ost_status finish(ost_backend *backend, ost_error *err)
 {
     (void)backend;

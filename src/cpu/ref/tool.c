@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tools of the reference: grids with one uint8 per voxel, x fastest (include/osteon/tool.h). */
+/* Implements the tools of the reference: one uint8 per voxel, x fastest (include/osteon/tool.h). */
 #include "cpu/ref/ref.h"
 
 #include <stdlib.h>

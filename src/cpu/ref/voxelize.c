@@ -50,7 +50,7 @@ typedef struct slice {
     int32_t *steps; /* (dims.x + 1) * dims.y elements; steps after a row's last centre are stored at x = dims.x */
 } slice;
 
-/* Returns the lattice coordinate of the centre of voxel i on one axis. */
+/* Returns the coordinate of the centre of voxel i along one axis, in units of 2^-f voxels. */
 static int64_t centre(int32_t i, int f)
 {
     return ((int64_t)i << f) + (1 << (f - 1));
@@ -75,7 +75,7 @@ static int32_t greatest3(int32_t a, int32_t b, int32_t c)
     return m > c ? m : c;
 }
 
-/* Adds the steps of one triangle to the rows of one slice. */
+/* Adds the steps of one triangle at its crossings with the rows of one slice. */
 static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, const int32_t *c)
 {
     const int64_t z = centre(s->k, s->f);
@@ -93,7 +93,7 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
     if (nx == 0)
         return;
     int32_t step = -1;
-    if (nx < 0) { /* if the outward normal points to low x, the line enters the mesh */
+    if (nx < 0) { /* nx < 0: in the direction of x, the row enters the mesh, so the winding number increases */
         const int32_t *swap = b;
         b = c;
         c = swap;
@@ -111,7 +111,8 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
         const int64_t y = centre(j, s->f);
         if (!owns(a, b, y, z) || !owns(b, c, y, z) || !owns(c, a, y, z))
             continue;
-        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]); /* x of the crossing, times nx */
+        /* nx times the x coordinate of the crossing */
+        const int64_t crossing = nx * a[X] - ny * (y - a[Y]) - nz * (z - a[Z]);
         const int64_t i = ost_ceil_div(crossing - nx * half, nx * width);
         assert(i >= 0 && i <= s->dims.x);
         s->steps[(int64_t)j * (s->dims.x + 1) + i] += step;
@@ -128,7 +129,8 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        winding += steps[i]; /* the sum began with the row's total, which is 0 or, with the parity rule, even */
+        /* The sum starts at the total of all steps of the row. It is 0 or, with the parity rule, even. */
+        winding += steps[i];
         if (winding & mask)
             row[i] = tool_class;
     }
@@ -169,7 +171,7 @@ ost_status ost_ref_voxelize(const ost_snapped_mesh *cutting, const ost_snapped_m
         memset(plane, OST_TOOL_VOID, plane_size);
         if (noncutting)
             add_mesh(&s, noncutting, rule, OST_TOOL_NONCUTTING, plane, &sums);
-        /* added last, so that voxels in both meshes are of the cutting class */
+        /* The cutting mesh is added last, so a voxel that is solid in both meshes becomes cutting. */
         add_mesh(&s, cutting, rule, OST_TOOL_CUTTING, plane, &sums);
         for (size_t i = 0; i < plane_size; i++) {
             sums.solid_voxels += plane[i] != OST_TOOL_VOID;

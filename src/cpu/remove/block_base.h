@@ -22,7 +22,7 @@ typedef struct ost_block_bases {
     const ost_map *map;
     /* first block and number of blocks along each axis, as set by the last call of ost_block_bases_make */
     int32_t lo[3], count[3];
-    /* owned arrays; element part[bone axis][3 * (block - lo) + tool axis] */
+    /* owned arrays of the parts of a base for each bone axis; element part[bone axis][3 * (block - lo) + tool axis] */
     int64_t *part[3];
     size_t capacity[3];
 } ost_block_bases;
@@ -42,7 +42,8 @@ void ost_block_bases_free(ost_block_bases *bases);
 static inline bool ost_block_base(const ost_block_bases *bases, const int32_t block[3], int32_t base[3])
 {
     const int64_t low = -(INT64_C(1) << 29);
-    const uint64_t span = UINT64_C(1) << 31; /* valid bases are low <= base < low + span = 2^30 + 2^29 */
+    /* A base is valid if low <= base < low + span, where low + span = 2^30 + 2^29. */
+    const uint64_t span = UINT64_C(1) << 31;
     const int64_t *x = bases->part[0] + 3 * (size_t)(block[0] - bases->lo[0]),
                   *y = bases->part[1] + 3 * (size_t)(block[1] - bases->lo[1]),
                   *z = bases->part[2] + 3 * (size_t)(block[2] - bases->lo[2]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Declares removal and collision of the CPU backend, and the scratch memory that all events use. */
+/* Declares removal and collision of the CPU backend, and their scratch memory, which all events share. */
 #ifndef OST_CPU_REMOVE_EVENT_H
 #define OST_CPU_REMOVE_EVENT_H
 
@@ -13,14 +13,14 @@ typedef struct ost_pose_plan {
     ost_split split[2];
     ost_match match;
     ost_block_bases bases;
-    ost_voxel_box box; /* box of the pose, clipped to the bone's grid */
+    ost_voxel_box box; /* the pose's box, clipped to the bone's grid */
     ost_block_reach reach;
 } ost_pose_plan;
 
 typedef struct ost_event_chunk {
     int32_t index, first[3];
     cpu_chunk *chunk;
-    uint64_t *occupancy; /* occupancy of the chunk, or of a copy of the chunk's occupancy */
+    uint64_t *occupancy; /* occupancy words of the chunk, or of a copy that the event may change */
     ost_tally tally, touched;
 } ost_event_chunk;
 

@@ -243,7 +243,7 @@ static void run_chunk(const ost_cpu_kernels *kernels, const ost_pose_plan *plan,
     }
 }
 
-/* Computes the half-open range of blocks that overlap the box. */
+/* Computes the range lo <= block < hi of the blocks that overlap a box of voxels. */
 static void block_range(const ost_voxel_box *box, int32_t lo[3], int32_t hi[3])
 {
     for (int a = 0; a < 3; a++) {

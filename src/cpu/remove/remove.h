@@ -81,7 +81,7 @@ typedef struct ost_numbers {
 typedef struct ost_split {
     /* offset from the coordinate u of a cube to the u of the cube's part x + 2y + 4z */
     _Alignas(32) int32_t first[3][8];
-    /* offset from the coordinate u of a cube to the centre of the part, rounded down */
+    /* offset from the coordinate u of a cube to the centre of each of its eight parts, rounded down */
     _Alignas(32) int32_t centre[3][8];
     /* least absolute value of a cell for which a part is not mixed, 1..127; 128 if every part is mixed */
     int32_t least;
@@ -92,7 +92,7 @@ typedef struct ost_split {
  * of a brick are numbered as in ost_match.
  */
 typedef struct ost_carries {
-    /* Element [a][k][g] is the threshold with the number 4 g + k in ascending order, 1..2^20. */
+    /* The sorted thresholds of each axis, 1..2^20: element [a][k][g] is number 4 g + k in ascending order. */
     _Alignas(64) uint32_t threshold[3][4][16];
     /* row[3 z + y][v] is the number of the window's byte for voxel v without carries, if floor(c) is (any, y, z) */
     uint8_t row[9][64];
@@ -110,12 +110,12 @@ typedef struct ost_carries {
  * of the same instruction set reads: either `high`, `low`, `tie` and `near_tie`, or `carries`.
  */
 typedef struct ost_match {
-    _Alignas(64) uint16_t high[3][64]; /* (offset[a][i] - lowest[a]) >> 7 */
-    _Alignas(64) uint16_t low[3][64];  /* (offset[a][i] - lowest[a]) mod 2^7 */
+    _Alignas(64) uint16_t high[3][64]; /* high bits of the offset above the lowest: (offset[a][i] - lowest[a]) >> 7 */
+    _Alignas(64) uint16_t low[3][64];  /* the remaining low bits: (offset[a][i] - lowest[a]) mod 2^7 */
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
-    int32_t lowest[3];                 /* the least element of offset[] on each axis */
-    bool windows;                      /* true if the `match` kernel may use windows */
-    bool wide;                         /* true if the `match` kernel may use wide windows */
+    int32_t lowest[3];                 /* the lowest offset[a][i] of each axis a */
+    bool windows;                      /* true if the `match` kernel may use windows of 8^3 tool voxels */
+    bool wide;                         /* true if the `match` kernel may use wide windows, of 16^3 tool voxels */
     /* bit a of tie[v] is set if the value v is a tie on axis a ("Sixteen bits per lane") */
     uint8_t tie[1 << OST_TIE_BITS];
     /* bit n of near_tie[a] is set if at least one of the elements tie[8 n] to tie[8 n + 7] has bit a set */
@@ -124,12 +124,13 @@ typedef struct ost_match {
     const ost_shape *shape;
 } ost_match;
 
-/* The parameters of the `take` kernel. */
+/* The parameters of the `take` kernel, which removes or counts the voxels that are hit. */
 typedef struct ost_take {
-    int borders;        /* number of borders, 0..OST_CLASS_MAX - 1 */
+    int borders;        /* number of borders between density classes, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */
-    int32_t highest;    /* upper bound of the densities of the chunk, 1..32767 */
-    bool apply;         /* true if the voxels that are hit are set to 0 */
+    int32_t highest;    /* upper bound of all densities in the chunk, 1..32767 */
+    /* true to remove the voxels that are hit, that is, to set them to 0; false to count them only */
+    bool apply;
 } ost_take;
 
 /*

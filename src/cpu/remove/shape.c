@@ -40,7 +40,7 @@ static grain grain_for(int32_t ratio)
 
 typedef struct lattice {
     grain grain;
-    int32_t margin; /* number of granules before and after the tool's granules on each axis */
+    int32_t margin; /* number of granules before the first and after the last granule of the tool, on each axis */
     int32_t dims[3], cells[3];
     uint8_t *state;
 } lattice;
@@ -87,7 +87,7 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
  */
 static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int per, uint8_t kind, uint8_t *out)
 {
-    /* this shortcut applies to most rows */
+    /* In most rows, all granules have the same state. */
     if (state[0] == state[granules - 1] && memcmp(state, state + 1, (size_t)granules - 1) == 0) {
         memset(out, state[0] == kind ? FAR : 0, (size_t)cells);
         return;
@@ -265,7 +265,7 @@ static bool make_columns(const ost_shape *shape, window_size size, int32_t step,
     return enough;
 }
 
-enum { WORDS = 8 * OST_WIDE_LINES }; /* greatest number of 64-bit words of a window */
+enum { WORDS = 8 * OST_WIDE_LINES }; /* maximum number of 64-bit words per window */
 
 static void read_window(const columns *c, window_size size, int32_t step, int32_t i, int32_t j, int32_t k,
                         uint64_t word[WORDS])

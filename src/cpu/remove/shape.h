@@ -47,7 +47,7 @@ enum {
     OST_CELL_REACH = 8, /* granules */
     OST_WINDOW_MARGIN = 12,
     OST_WIDE_MARGIN = 24,
-    OST_WIDE_LINES = 8, /* number of lines of a wide window */
+    OST_WIDE_LINES = 8, /* number of 64-byte lines per wide window */
 };
 
 typedef struct ost_cells {
@@ -55,12 +55,12 @@ typedef struct ost_cells {
     const int8_t *value;
     int32_t dims[3];
     int32_t margin; /* number of cells that precede the tool's voxel (0, 0, 0) on each axis */
-    int32_t shift;  /* log2 of a cell's edge in units of 2^-20 tool voxels */
-    int32_t unit;   /* one eighth of a granule's edge, in units of 2^-20 tool voxels */
+    int32_t shift;  /* log2 of the edge length of a cell, in units of 2^-20 tool voxels */
+    int32_t unit;   /* one eighth of the edge length of a granule, in units of 2^-20 tool voxels */
 } ost_cells;
 
 typedef struct ost_windows {
-    const uint32_t *index; /* number of each window's first line in the array `line`, x fastest */
+    const uint32_t *index; /* for each window, x fastest: the number of its first line in `line` */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
     int32_t step; /* distance between adjacent windows in tool voxels: 6, 3, 2 or 1; 0 if there are no windows */
@@ -68,10 +68,10 @@ typedef struct ost_windows {
 
 typedef struct ost_shape {
     ost_cells cells;
-    ost_windows windows, wide; /* at most one of them has windows */
+    ost_windows windows, wide; /* windows of 8^3 and of 16^3 tool voxels; at most one of the two is filled */
     const uint8_t *voxels; /* the tool's voxels, one byte per voxel, x fastest; not owned */
     int32_t dims[3];
-    uint8_t kind; /* the class of tool voxels that this shape describes */
+    uint8_t kind; /* class of the tool voxels that the shape contains */
     void *memory[3]; /* owned */
 } ost_shape;
 
@@ -83,7 +83,7 @@ typedef struct ost_shape {
 ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
-/* Returns true if ost_shape_make would compute the tables of *shape for this ratio too. */
+/* Returns true if the tables of *shape are also valid for this ratio of bone voxels to tool voxels. */
 bool ost_shape_covers_ratio(const ost_shape *shape, int32_t ratio);
 
 #endif

@@ -114,7 +114,7 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
     const size_t tiles = (size_t)plan->tiles_y * (size_t)plan->tiles_z, triangles = mesh->triangle_count;
     if (tiles == 1)
         return OST_OK;
-    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* minimum number of triangles per piece */
+    const size_t piece = (size_t)backend->sharing->least[OST_PATH_SORT]; /* minimum number of triangles per thread */
     size_t pieces = triangles / piece + (triangles % piece > 0);
     pieces = pieces < 1 ? 1 : pieces > PIECES_MAX ? PIECES_MAX : pieces;
     if (pieces > (size_t)threads)

@@ -95,7 +95,7 @@ struct ost_embree {
 struct ost_embree_scratch {
     /* for each primitive, the number of the last tile whose rays hit the primitive; 0 before the first hit */
     uint32_t *last_tile;
-    uint32_t tiles;      /* number of tiles so far, which is also the number of the current tile */
+    uint32_t tiles;      /* number of tiles that have been processed; it identifies the current tile */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;
     size_t count;
@@ -164,7 +164,7 @@ static void build(ost_embree *e)
     union {
         const ost_snapped_mesh *in;
         void *out;
-    } mesh = {.in = e->mesh}; /* Embree passes the pointer to callbacks, which do not write to the mesh */
+    } mesh = {.in = e->mesh}; /* The callbacks of Embree take a pointer to non-const, but do not write to the mesh. */
     rtcSetGeometryUserData(geometry, mesh.out);
     rtcSetGeometryBoundsFunction(geometry, bounds_of, NULL);
     rtcSetGeometryIntersectFunction(geometry, note_primitive);
@@ -287,7 +287,8 @@ void ost_embree_mark(const ost_embree *e, ost_embree_scratch *scratch, ost_vox_t
 {
     scratch->tile = tile;
     scratch->mark = mark;
-    scratch->tiles++; /* cannot overflow, because a grid has at most 2^24 rows and therefore at most 2^24 tiles */
+    /* The number cannot overflow, because a grid has at most 2^24 rows and therefore at most 2^24 tiles. */
+    scratch->tiles++;
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
         for (int32_t j = tile->j0; j < tile->j1; j += SIDE)
             cast(e, scratch, j, k);

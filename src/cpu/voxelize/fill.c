@@ -37,7 +37,7 @@
 
 static int count_bits(uint64_t v)
 {
-    /* v is tested first, because most words are 0 and some processors lack POPCNT */
+    /* The test of v saves most calls: most words are 0, and without POPCNT the builtin is a loop. */
     return v ? __builtin_popcountll(v) : 0;
 }
 
@@ -45,7 +45,7 @@ static int count_bits(uint64_t v)
    *count. */
 static bool fill_row(const uint64_t *enter, const uint64_t *leave, size_t words, uint64_t *bits, uint64_t *count)
 {
-    uint64_t wrong = 0, inside = 0, n = 0; /* `inside` is the last bit of the previous word */
+    uint64_t wrong = 0, inside = 0, n = 0; /* `inside` is the last solid bit of the previous word */
     for (size_t w = 0; w < words; w++) {
         const uint64_t x = enter[w] ^ leave[w], q = leave[w] - enter[w] - inside;
         wrong |= (x ^ q ^ (q << 1 | inside)) | (x & (q ^ enter[w]));
@@ -90,7 +90,7 @@ static bool sum_bits(const uint64_t *plus, const uint64_t *minus, int words, int
     for (int w = 0; w < words; w++) {
         uint64_t x = plus[w] ^ minus[w], solid = winding & mask ? UINT64_MAX : 0;
         for (; x; x &= x - 1) {
-            const uint64_t from = -(x & -x); /* the lowest set bit of x and all higher bits */
+            const uint64_t from = -(x & -x); /* mask of the lowest set bit of x and all bits above it */
             winding += plus[w] & x & -x ? 1 : -1;
             solid = winding & mask ? solid | from : solid & ~from;
         }

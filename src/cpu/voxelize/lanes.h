@@ -56,7 +56,7 @@
 
 enum { BUFFER = 1024 };
 
-/* The numbers of the plane bits that have not been set yet. */
+/* Numbers of plane bits that still have to be set. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;
@@ -69,10 +69,10 @@ static inline void set_pending(ost_vox_tile *tile, pending *p)
     p->count = 0;
 }
 
-/* One edge (ab, bc or ca) of each of LANES triangles. */
+/* The same edge (ab, bc or ca) of LANES triangles. */
 typedef struct lane_edge {
-    vd c;     /* C + 1/4 in the current slice */
-    vd dc;    /* change of C from one slice to the next */
+    vd c;     /* C + 1/4 in the current slice (C: mark.c) */
+    vd dc;    /* difference of C between neighbouring slices */
     vd r;     /* 1 / D */
     vm lower; /* D < 0 */
 } lane_edge;
@@ -134,7 +134,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     vi a[3], b[3], c[3];
     corners(tile->mesh, t, a, b, c);
 
-    /* The bounds of the triangles, as numbers of rows and slices clipped to the tile. */
+    /* Bounds of the triangles in rows and slices, clipped to the tile. */
     const vd ay = vd_from_vi(a[1]), az = vd_from_vi(a[2]);
     vd by = vd_from_vi(b[1]), bz = vd_from_vi(b[2]);
     vd cy = vd_from_vi(c[1]), cz = vd_from_vi(c[2]);
@@ -142,7 +142,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* The number of rows, minus 1, and the number of slices, minus 1, in the bounds. */
+    /* Last minus first row, and last minus first slice, of the bounds. */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));
@@ -159,7 +159,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
         ost_vox_mark_triangle(tile, t[__builtin_ctz(bits)]);
     valid = vm_and(valid, small);
 
-    /* Computes the normal, and exchanges corners so that the triangle is oriented counter-clockwise. */
+    /* Computes the normals, and exchanges corners so that all triangles are counter-clockwise. */
     const vd ux = vd_sub(bx, ax), uy = vd_sub(by, ay), uz = vd_sub(bz, az);
     const vd vx = vd_sub(cx, ax), vy = vd_sub(cy, ay), vz = vd_sub(cz, az);
     vd nx = vd_sub(vd_mul(uy, vz), vd_mul(uz, vy));
@@ -221,7 +221,7 @@ static inline void mark_list(ost_vox_tile *tile, const uint32_t *list, size_t co
         mark_lanes(tile, list + i, LANES, p);
     if (i < count) {
         uint32_t t[LANES];
-        for (size_t l = 0; l < LANES; l++) /* unused lanes repeat the last triangle */
+        for (size_t l = 0; l < LANES; l++) /* fills unused lanes with the last triangle */
             t[l] = list[i + l < count ? i + l : count - 1];
         mark_lanes(tile, t, (int)(count - i), p);
     }

@@ -44,7 +44,7 @@
 
 enum { X, Y, Z };
 
-/* Returns floor(q). |q| must be at most 2^43. */
+/* Returns floor(q) for |q| <= 2^43. */
 static int64_t floor_of(double q)
 {
     int64_t t = (int64_t)q;
@@ -88,8 +88,8 @@ void ost_vox_spill(ost_vox_tile *tile, uint32_t row, int32_t i, int step)
 }
 
 typedef struct edge {
-    int64_t c;  /* C in the first slice (formula at the top of this file) */
-    int64_t dc; /* change of C from one slice to the next */
+    int64_t c;  /* C in the tile's first slice (formula at the top of this file) */
+    int64_t dc; /* difference of C between neighbouring slices */
     int64_t dz;
     double d; /* dz w */
 } edge;

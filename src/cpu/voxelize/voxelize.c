@@ -28,14 +28,14 @@ enum {
 
 typedef struct job {
     const cpu_backend *backend;
-    const ost_snapped_mesh *mesh[2]; /* mesh[0] is the cutting mesh; mesh[1] is the noncutting mesh or NULL */
+    const ost_snapped_mesh *mesh[2]; /* the cutting mesh, and the non-cutting mesh or NULL */
     ost_fill_rule rule;
     int threads;
     ost_vox_plan plan;
     ost_vox_bins bins[2];
-    ost_embree *embree[2]; /* if not NULL, Embree finds the candidate triangles, and bins are not used */
+    ost_embree *embree[2]; /* the Embree scenes that find candidate triangles; NULL if bins are used */
     ost_vox_result result;
-    bool stream; /* true if classes are written by stores that bypass the caches */
+    bool stream; /* true to write classes with stores that bypass the caches */
     /*
      * True if the fill kernel writes directly to the result. This requires that there is one mesh, that only bits are
      * requested, and that rows fill complete blocks.
@@ -43,12 +43,12 @@ typedef struct job {
     bool direct;
 } job;
 
-/* The scratch memory of one thread for voxelizing tiles. */
+/* Scratch memory of one thread, for one tile at a time. */
 typedef struct scratch {
     ost_vox_tile tile;
     uint64_t *bits[2];
     ost_embree_scratch *embree[2];
-    size_t plane_words; /* number of words of one plane of a tile, with padding */
+    size_t plane_words; /* number of 64-bit words of one plane of a tile, including padding */
 } scratch;
 
 /*
@@ -160,7 +160,7 @@ static size_t result_row(const job *j, const ost_vox_tile *tile, size_t row)
     return k * (size_t)j->plan.dims.y + (size_t)tile->j0;
 }
 
-/* Returns true if no triangle of mesh m is listed for the tile with this number. */
+/* Returns true if the lists contain no triangle of mesh m for tile `number`. */
 static bool is_void(const job *j, int m, size_t number)
 {
     const ost_vox_bins *bins = &j->bins[m];
@@ -194,7 +194,7 @@ static uint64_t fill_mesh(const job *j, scratch *d, int m, size_t number, uint64
         if (tile->any_unproven && !tile->no_memory)
             count += (uint64_t)ost_vox_fill_unproven(tile, r, run, j->rule, bits, leaking_rows);
     }
-    if (tile->any_unproven) { /* if any_unproven is false, the kernel has cleared the planes */
+    if (tile->any_unproven) { /* otherwise, the kernel has cleared the planes */
         memset(tile->planes, 0, 2 * d->plane_words * 8);
         memset(tile->row_state, 0, rows);
         tile->any_unproven = false;
@@ -229,7 +229,7 @@ static void deliver_void(const job *j, const ost_vox_tile *tile)
     }
 }
 
-/* Writes the rows of the current tile to all result buffers. */
+/* Writes the rows of a finished tile to all output buffers. */
 static void deliver(const job *j, const scratch *d)
 {
     const ost_vox_tile *tile = &d->tile;
@@ -350,7 +350,8 @@ static uint8_t *new_voxels(size_t size)
         return NULL;
 #if defined __linux__
     if (size >= HUGE_PAGE)
-        (void)madvise(p, size, MADV_HUGEPAGE); /* only a hint: if the call fails, only the speed differs */
+        /* The call is a hint that affects only the speed, so an error is ignored. */
+        (void)madvise(p, size, MADV_HUGEPAGE);
 #endif
     return p;
 }

@@ -35,22 +35,22 @@ struct ost_vox_tile {
     const ost_snapped_mesh *mesh;
     int f;              /* fraction bits, 1..10 */
     int32_t nx;         /* voxels per row */
-    int32_t j0, j1;     /* rows j0 <= j < j1 */
-    int32_t k0, k1;     /* slices k0 <= k < k1 */
-    uint32_t row_bits;  /* number of bits of a row in a plane: 64 * words, >= nx */
-    uint32_t minus;     /* offset in bits of the minus plane in `planes`, which has < 2^31 bits */
+    int32_t j0, j1;     /* first row, and end of the rows (exclusive) */
+    int32_t k0, k1;     /* first slice, and end of the slices (exclusive) */
+    uint32_t row_bits;  /* number of bits per row of a plane: a multiple of 64, at least nx */
+    uint32_t minus;     /* offset of the minus plane in `planes`, in bits; `planes` has fewer than 2^31 bits */
     uint64_t *planes;   /* the plus plane, padding to complete blocks, the minus plane, and padding */
-    uint8_t *row_state; /* flags of each row: OST_VOX_SPILLED, OST_VOX_UNPROVEN */
+    uint8_t *row_state; /* flags of each row, OST_VOX_SPILLED and OST_VOX_UNPROVEN */
     /* array of nx + 1 steps per row, valid for rows with the flag OST_VOX_SPILLED; NULL before the first spill */
     int32_t *spill;
     bool any_unproven;
-    bool no_memory; /* true if the allocation of spill has failed; the result is then invalid */
+    bool no_memory; /* true if memory for `spill` could not be allocated; the result is then invalid */
 };
 
 enum {
-    OST_VOX_SPILLED = 1,   /* the row has steps in `spill` */
-    OST_VOX_UNPROVEN = 2,  /* it is not proven that the row's crossings enter and leave alternately */
-    OST_VOX_BLOCK = 8      /* number of words per block; the buffers of planes and bits consist of complete blocks */
+    OST_VOX_SPILLED = 1,   /* crossings of the row are in `spill` */
+    OST_VOX_UNPROVEN = 2,  /* the crossings of the row may not alternate between entering and leaving */
+    OST_VOX_BLOCK = 8      /* number of words per block; planes and bit buffers consist of complete blocks */
 };
 
 /*
@@ -102,7 +102,7 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
                               uint64_t *bits, uint64_t *leaking_rows);
 
-/* Returns the number of rows of a tile, counted over all of its slices. */
+/* Returns the number of rows of a tile, over all its slices. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
 {
     return (size_t)(tile->j1 - tile->j0) * (size_t)(tile->k1 - tile->k0);
@@ -113,15 +113,16 @@ struct ost_vox_plan {
     ost_dims dims;
     int f;
     int words;                /* per row */
-    int32_t shift_y, shift_z; /* a tile has 2^shift rows along the axis; the last tile may have fewer */
+    /* log2 of the number of rows and slices per tile; the last tile of an axis may be smaller */
+    int32_t shift_y, shift_z;
     int32_t tiles_y, tiles_z;
 };
 
-/* For each tile, the list of the triangles that can cross its rows. */
+/* For each tile, lists the triangles that can cross rows of the tile. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1 elements; NULL if there is only one tile */
-    uint32_t *list;  /* tile t has the triangles list[i] with start[t] <= i < start[t + 1] */
-    uint32_t *large; /* triangles that overlap many tiles; every tile processes them */
+    size_t *start;   /* tiles + 1 elements, the ranges of `list`; NULL if there is only one tile */
+    uint32_t *list;  /* numbers of triangles; those of tile t are list[start[t]] to list[start[t + 1] - 1] */
+    uint32_t *large; /* numbers of the triangles that overlap many tiles; each tile processes all of them */
     size_t large_count;
 } ost_vox_bins;
 
@@ -130,28 +131,28 @@ ost_status ost_vox_bins_make(ost_vox_bins *bins, const ost_vox_plan *plan, const
 void ost_vox_bins_free(ost_vox_bins *bins);
 
 /* The keys that the `vox_keys` kernel writes for triangles that are in no tile or in several tiles. */
-#define OST_VOX_KEY_NONE UINT32_MAX        /* the triangle's bounds contain no row centre */
-#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* the bounds overlap several tiles */
+#define OST_VOX_KEY_NONE UINT32_MAX        /* key of a triangle whose bounds contain no row centre */
+#define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* key of a triangle whose bounds overlap several tiles */
 
 /* The output buffers. A buffer that is NULL is not written. Buffers of bits have ost_vox_words words per row, and rows
    are ordered by (k, j). */
 typedef struct ost_vox_result {
-    uint8_t *voxels;      /* class of each voxel (OST_TOOL_*), one byte per voxel */
+    uint8_t *voxels;      /* one byte per voxel, its class (OST_TOOL_*) */
     uint64_t *cutting;    /* one bit per voxel, set if the voxel is solid in the cutting mesh */
-    uint64_t *noncutting; /* one bit per voxel, set if the voxel is solid only in the noncutting mesh */
+    uint64_t *noncutting; /* one bit per voxel, set if the voxel is solid in the non-cutting mesh only */
 } ost_vox_result;
 
-/* Voxelizes the cutting and the noncutting mesh on one grid, with the same results as ost_ref_voxelize. */
+/* Voxelizes one or two meshes on the same grid. The results equal those of ost_ref_voxelize. */
 ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting,
                             const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                             const ost_vox_result *result, ost_error *err);
 
-/* Implements the `voxelize` slot of the backend's table. */
+/* The `voxelize` slot of the backend's function table. */
 ost_status ost_cpu_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *cutting,
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);
 
-/* The scalar kernels of the voxelizer. kernels.h has their contracts. */
+/* The scalar kernels of the voxelizer; kernels.h contains their contracts. */
 void ost_vox_mark_scalar(ost_vox_tile *tile, const uint32_t *list, size_t count);
 void ost_vox_keys_scalar(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
                          uint32_t *keys);

@@ -93,7 +93,7 @@ bool ost_any_active_avx512(const int16_t *base, const size_t *row, int count, in
     int first = width < 32 ? width : 32;
     const __mmask32 in0 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)first);
     const __mmask32 in1 = (__mmask32)_bzhi_u32(UINT32_MAX, (unsigned)(width - first));
-    __m512i most = _mm512_setzero_si512(); /* initially 0, which is below every threshold */
+    __m512i most = _mm512_setzero_si512(); /* starts at 0, because no threshold is below 1 */
     for (int r = 0; r < count; r++) {
         most = _mm512_max_epi16(most, _mm512_maskz_loadu_epi16(in0, base + row[r]));
         if (in1)

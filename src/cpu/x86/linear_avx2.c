@@ -45,7 +45,7 @@ static void blend_row(const int16_t *a, const int16_t *b, int width, __m256i wei
     }
     for (int x = 0; x + LANES <= width; x += LANES)
         blend(a + x, b + x, weights, to + x);
-    if (width % LANES) /* the last 16 voxels, some of which are computed twice */
+    if (width % LANES) /* interpolates the last 16 voxels of the row; some of them are computed a second time */
         blend(a + width - LANES, b + width - LANES, weights, to + width - LANES);
 }
 

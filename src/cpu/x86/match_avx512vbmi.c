@@ -70,7 +70,7 @@ static void sort_thresholds(const ost_match *match, int a, ost_carries *out)
     }
 }
 
-/* Returns the complete voxels of the 64 offsets along axis a as bytes. */
+/* Returns floor(offset) in complete tool voxels along axis a, as bytes, for the 64 voxels of a brick. */
 static __m512i whole_offsets(const ost_match *match, int a)
 {
     _Alignas(64) uint8_t whole[64];
@@ -100,7 +100,7 @@ void ost_match_carries_avx512vbmi(ost_match *match)
     const __m512i x = whole_offsets(match, 0), y = whole_offsets(match, 1), z = whole_offsets(match, 2);
     if (match->windows)
         make_rows(x, y, z, out);
-    else { /* 16 y fits a byte, because y < 16 */
+    else { /* 16 y fits a byte, because y is below 16 */
         _mm512_storeu_si512(out->wide[0], _mm512_add_epi8(_mm512_slli_epi16(y, 4), z));
         _mm512_storeu_si512(out->wide[1], x);
     }
@@ -136,7 +136,7 @@ static inline __m512i step_if_reached(__m512i rank, __m512i fraction, __m512i th
     return _mm512_mask_add_epi32(rank, _mm512_cmpge_epu32_mask(fraction, threshold), rank, _mm512_set1_epi32(step));
 }
 
-/* Returns the number of thresholds that the fraction in each lane reaches. */
+/* Returns the rank of each lane's fraction: the number of thresholds that it reaches. */
 static inline __m512i ranks_of(const rank_tables *t, __m512i fraction)
 {
     __m512i group = step_if_reached(_mm512_setzero_si512(), fraction, t->middle, 8);
@@ -150,16 +150,17 @@ static inline __m512i ranks_of(const rank_tables *t, __m512i fraction)
 }
 
 enum { PIECE = 128 };
-/* The positions of the bricks of a piece in their windows. */
+/* The positions, in their windows, of the bricks of a piece. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
     /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows:
        16 y + z and x of the least coordinate's voxel in the window. */
     uint32_t row[PIECE], bit[PIECE];
-    uint32_t line[PIECE];            /* number of each brick's window, later replaced by the number of its line */
+    /* number of the window of each brick; later replaced by the number of the window's line */
+    uint32_t line[PIECE];
 } places;
 
-/* The number of a row is y row_y + z row_z. */
+/* Row (y, z) of a window has the number y row_y + z row_z. */
 static inline void place_piece(const ost_match *match, const ost_windows *w, int32_t margin, int row_y, int row_z,
                                const rank_tables tables[3], const ost_cubes *bricks, size_t from, size_t count,
                                places *at)
@@ -210,12 +211,12 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     }
 }
 
-/* The tables of a pose that stay in registers. */
+/* The tables of a pose that the loop over bricks keeps in registers. */
 typedef struct wide_tables {
     __m512i row, x, bits;
 } wide_tables;
 
-/* Returns the bytes with the numbers `row` of 256 bytes in four lines. */
+/* Selects bytes from 256 bytes in four lines; `row` contains the number of each byte. */
 static inline __m512i select_of_four(const uint8_t (*line)[64], __m512i row)
 {
     const __m512i near = _mm512_permutex2var_epi8(_mm512_load_si512(line[0]), row, _mm512_load_si512(line[1])),
@@ -239,7 +240,7 @@ static inline uint64_t look_up_wide(const ost_carries *c, const wide_tables *t, 
     return _cvtmask64_u64(_mm512_test_epi8_mask(byte, _mm512_shuffle_epi8(t->bits, x)));
 }
 
-/* Replaces the numbers of `count` windows with the numbers of their lines, and prefetches the lines. */
+/* Replaces window numbers by the numbers of the windows' lines, and prefetches these lines. */
 static inline void find_wide_lines(const ost_windows *windows, size_t count, uint32_t *number)
 {
     for (size_t i = 0; i < count; i++) {

@@ -42,7 +42,7 @@ static inline __m256i cell_along(__m256i u, const ost_cells *cells, int axis)
     return _mm256_min_epi32(_mm256_max_epi32(c, _mm256_setzero_si256()), _mm256_set1_epi32(cells->dims[axis] - 1));
 }
 
-/* Returns v with the lanes whose bits are set in mask moved to the front. */
+/* Moves the lanes of v whose bits are set in mask to the front. */
 static inline __m256i packed(__m256i v, unsigned mask)
 {
     const uint64_t bytes = _pdep_u64(mask, UINT64_C(0x0101010101010101)) * 0xff;
@@ -105,9 +105,9 @@ enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128 };
 /* The positions of the bricks of a piece in their windows, as in remove_avx512.c, and the list of the bricks that are
    tied. */
 typedef struct places {
-    _Alignas(32) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
+    _Alignas(32) uint32_t high[3][PIECE]; /* c >> 7 of each brick, a 16-bit value, in both halves of a 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE]; /* number of each brick's window, later replaced by the number of the window's line */
+    uint32_t line[PIECE]; /* number of the window of each brick; later replaced by the number of the window's line */
     uint32_t tied[PIECE];
 } places;
 
@@ -192,7 +192,7 @@ static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_and_si256(row, bit), bit));
 }
 
-/* Loads voxels 0..7 and 16..23, so that high_bytes results in voxels in order. */
+/* Loads voxels 0..7 and 16..23. high_bytes of two such registers then has the voxels in order. */
 static inline __m256i ordered(const uint16_t *voxels)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128((const __m128i *)voxels)),
@@ -214,7 +214,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* Recomputes the hits of the tied bricks with the carries of the low bits. */
+/* Recomputes the hits of the bricks that are ties, including the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);

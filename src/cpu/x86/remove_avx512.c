@@ -45,7 +45,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
     const int64_t *part[3][2];
     unsigned valid = 0xff, unsure = 0;
     for (int b = 0; b < 3; b++) {
-        /* A lane without a valid block contains the values of a neighbouring valid block. */
+        /* A lane without a block loads the values of a neighbouring block, so that its address is valid. */
         part[b][0] = bases->part[b] + 3 * (size_t)(from[b] - bases->lo[b]);
         part[b][1] = bases->part[b] + 3 * (size_t)(to[b] - 1 - bases->lo[b]);
         valid &= (from[b] == first[b] ? 0xff : second[b]) & (to[b] == first[b] + 2 ? 0xff : ~(unsigned)second[b]);
@@ -116,7 +116,7 @@ typedef struct split_piece {
     /* the cubes of the piece that have active voxels; used only if the occupancy of the cubes' parts is available */
     int32_t u[3][PIECE_CUBES + 8], number[PIECE_CUBES + 8];
 } split_piece;
-/* Pointers to the first cube of a piece, either in the kernel's list or in split_piece. */
+/* The first cube of a piece, in the kernel's list or in split_piece, as pointers. */
 typedef struct some_cubes {
     const int32_t *u[3], *number;
     size_t count;
@@ -151,7 +151,7 @@ INLINED __m512i repeated(const int32_t *u, int wide)
                      : _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i *)(const void *)u));
 }
 
-/* Selects all parts of the cubes of a piece. */
+/* Returns all parts of the cubes of a piece. */
 static inline some_cubes all_cubes(const ost_cubes *cubes, size_t from, size_t count, split_piece *piece)
 {
     memset(piece->keep, 0xff, count);
@@ -263,7 +263,7 @@ static inline uint64_t eight_bytes(const uint8_t *bytes)
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    /* a local copy, because the compiler must assume that stores of bytes change the field */
+    /* The compiler must assume that stores of bytes change cells->value, so the pointer is copied. */
     const int8_t *const table = cells->value;
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
@@ -306,10 +306,12 @@ enum { PIECE = 128 };
  * of the brick's window (remove.h).
  */
 typedef struct places {
-    _Alignas(64) uint32_t high[3][PIECE]; /* the 16-bit value c >> 7, stored twice in each 32-bit lane */
+    _Alignas(64) uint32_t high[3][PIECE]; /* c >> 7 of each brick, a 16-bit value, in both halves of a 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
-    uint32_t line[PIECE];        /* number of each brick's window, later replaced by the number of the window's line */
-    uint32_t tied[PIECE + 16];   /* list of the bricks near a tie, whose hits may be recomputed with carries */
+    /* number of the window of each brick; later replaced by the number of the window's line */
+    uint32_t line[PIECE];
+    /* bricks whose coordinates are near a tie (near_tie); their hits may be recomputed with carries */
+    uint32_t tied[PIECE + 16];
 } places;
 
 /*
@@ -426,7 +428,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
             const __m512i window = _mm512_load_si512(line[at.line[i]]);
             const __m512i x = _mm512_set1_epi32((int32_t)at.high[0][i]), y = _mm512_set1_epi32((int32_t)at.high[1][i]),
                           z = _mm512_set1_epi32((int32_t)at.high[2][i]);
-            /* The masks are stored directly, so that they are not first moved to general registers. */
+            /* Storing the masks directly avoids a move to general registers. */
             __mmask32 *half = (__mmask32 *)(void *)(hits + i);
             _store_mask32(half,
                           lookup(window, _mm512_add_epi16(x, x0), _mm512_add_epi16(y, y0), _mm512_add_epi16(z, z0)));
@@ -455,7 +457,7 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
                 v[a] = _mm512_srai_epi32(
                     _mm512_add_epi32(_mm512_loadu_si512(match->offset[a] + 16 * q), _mm512_set1_epi32(bricks->u[a][i])),
                     OST_MAP_FRACTION);
-            /* The comparison is unsigned, so a negative coordinate exceeds every dimension. */
+            /* Compared as unsigned numbers, negative coordinates are above every dimension. */
             __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
             in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
             in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
@@ -476,7 +478,7 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
     const int32_t *d = match->shape->dims;
     if (match->windows)
         match_windows(match, bricks, hits);
-    else if (d[0] >= 4) /* a tool has at most 2^30 voxels, so indices fit int32 */
+    else if (d[0] >= 4) /* A tool has at most 2^30 voxels, so the index of a voxel fits int32. */
         match_voxels(match, bricks, hits);
     else
         ost_match_scalar(match, bricks, hits);
@@ -484,9 +486,9 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
 
 /* ------------------------------------------------------------------- take */
 
-enum { AHEAD = 16 }; /* while brick i is processed, brick i + AHEAD is prefetched */
+enum { AHEAD = 16 }; /* prefetch distance, in bricks */
 
-/* Returns the sum of the 16-bit lanes of v, which are unsigned numbers. */
+/* Returns the sum of the 16-bit lanes of v, as unsigned numbers. */
 static inline uint64_t sum16(__m512i v)
 {
     const __m512i even = _mm512_and_si512(v, _mm512_set1_epi32(0xffff)), odd = _mm512_srli_epi32(v, 16);

@@ -16,7 +16,7 @@ _Static_assert(sizeof(cpu_chunk) == 32 && offsetof(cpu_chunk, density) == 0 && o
                "four words a chunk");
 
 typedef struct halves {
-    __m512i low, high; /* 64-bit lanes: low for voxels 0 to 7, high for voxels 8 to 15 */
+    __m512i low, high; /* 64-bit lanes of voxels 0 to 7 (low) and 8 to 15 (high) */
 } halves;
 
 static inline halves wide(__m512i v)
@@ -60,7 +60,7 @@ void ost_sample_avx512(const cpu_bone *bone, size_t count, const int32_t *const 
         const __mmask16 some = count - i < 16 ? (__mmask16)((1u << (count - i)) - 1) : (__mmask16)0xffff;
         const __m512i x = _mm512_maskz_loadu_epi32(some, at[0] + i), y = _mm512_maskz_loadu_epi32(some, at[1] + i),
                       z = _mm512_maskz_loadu_epi32(some, at[2] + i);
-        /* The comparison is unsigned, so a negative coordinate exceeds every dimension. */
+        /* Compared as unsigned numbers, negative coordinates are above every dimension. */
         __mmask16 mask = _mm512_mask_cmplt_epu32_mask(some, x, _mm512_set1_epi32(dims.x));
         mask = _mm512_mask_cmplt_epu32_mask(mask, y, _mm512_set1_epi32(dims.y));
         mask = _mm512_mask_cmplt_epu32_mask(mask, z, _mm512_set1_epi32(dims.z));

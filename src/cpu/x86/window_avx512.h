@@ -31,14 +31,14 @@ static inline __m512i ost_window_of(__m512i voxel, int32_t step)
     return _mm512_mulhi_epu16(twice, _mm512_set1_epi32(inverse / 2));
 }
 
-/* Returns the number of the window (window[0], window[1], window[2]). An axis has fewer than 2^15 windows. */
+/* Returns the number of the window at the position `window`. Each axis has fewer than 2^15 windows. */
 static inline __m512i ost_window_number(const ost_windows *w, const __m512i window[3])
 {
     const __m512i row = _mm512_add_epi32(window[1], _mm512_madd_epi16(window[2], _mm512_set1_epi32(w->dims[1])));
     return _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0])));
 }
 
-/* Replaces the numbers of `count` windows with the numbers of their lines, and prefetches the lines. */
+/* Replaces window numbers by the numbers of the windows' lines, and prefetches these lines. */
 static inline void ost_find_lines(const ost_windows *windows, size_t count, uint32_t *number)
 {
     const uint8_t(*const line)[64] = windows->line;
