@@ -139,7 +139,7 @@ static ost_status reserve(cl_bone *bone, size_t capacity, bool raw, ost_error *e
         status = ost_cl_copy(b, bone->words, words, bone->used * word_bytes, err);
     if (status == OST_OK && bone->used) {
         b->entered[OST_CL_PATH_POOL_GROWN]++;
-        /* the copies read the old buffers, so they must end before these buffers are released */
+        /* The old buffers must not be released before the copies that read them have ended. */
         status = ost_cl_finish(b, err);
     }
     if (status != OST_OK) {
@@ -174,7 +174,7 @@ void ost_cl_bone_release(cl_bone *bone, size_t chunk)
     bone->slots_outdated = true;
 }
 
-/* Copies the table of slots from the host to the device if the table has changed. */
+/* Copies slot[] to the device if it has changed since the last copy. */
 static ost_status sync_slots(cl_bone *bone, ost_error *err)
 {
     if (!bone->slots_outdated)
@@ -192,7 +192,7 @@ typedef struct slices {
     int32_t z0, z1;
     /* voxels of slice z0 on the host; NULL if the source is a grid on the device, whose slab begins with slice 0 */
     const int16_t *voxels;
-    cl_mem slab;           /* a buffer of `step` slices, or the store of the grid */
+    cl_mem slab;           /* the slices to convert: a buffer of `step` slices, or the store of a grid */
     /* slice k is slice layers[first + k - z0] of the slab or, if `first` is negative, slice k - z0 */
     cl_mem layers;
     /* If weights >= 0, slice k is the mean of slice layers[first + k - z0] and the next slice of the slab, and
@@ -311,7 +311,7 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
  */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
-    /* In the kernel set for CPUs, the kernel that stores slices also writes the padding. */
+    /* On the kernel set for CPUs, a kernel stores complete chunks including the padding, so slots need no zeros. */
     const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
@@ -330,7 +330,7 @@ static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_sl
     return OST_OK;
 }
 
-/* Releases the slots of all chunks that have no active voxel. */
+/* Releases the slot of each chunk whose active voxels have all been removed. */
 static void release_empty(cl_bone *bone)
 {
     for (size_t c = 0; c < bone->chunks; c++)
@@ -356,12 +356,12 @@ static ost_status store_slices(cl_bone *bone, const slices *s, ost_error *err)
     if (status == OST_OK)
         status = sync_slots(bone, err);
     if (status != OST_OK)
-        goto done; /* nothing was stored, so chunks with a new slot still have no active voxel */
+        goto done; /* no kernel has stored a voxel, so chunks that just received a slot have no active voxel */
 
     status = bone->used ? for_slabs(bone, s, store, NULL, err) : OST_OK;
     if (status == OST_OK && counted)
         status = count_slots(bone, counted, err);
-    if (status == OST_OK) /* waiting for the queue also reports errors of earlier commands */
+    if (status == OST_OK) /* ost_cl_finish also returns the errors of commands that were enqueued earlier. */
         status = ost_cl_finish(backend_of(bone), err);
     bone->lost = status != OST_OK;
     for (size_t c = layer * (size_t)(s->z0 / n); status == OST_OK && c < layer * (size_t)((s->z1 + n - 1) / n); c++)
@@ -432,7 +432,7 @@ ost_status ost_cl_cubic_to_chunks(const ost_grid *base, int chunk_size, int32_t 
     return OST_OK;
 }
 
-/* Copies the slices z0 <= z < z1 of the bone to the slab. */
+/* Enqueues a kernel that copies the slices z0 <= z < z1 of the bone to `slab`. */
 static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -496,7 +496,7 @@ ost_status ost_cl_bone_occupancy(const ost_bone *base, size_t count, const int32
         else
             memset(words, 0, bytes);
     }
-    /* waits also after an error, because transfers to `words` may be in progress */
+    /* Waits even after an error, because transfers to `words` may not have ended. */
     const ost_status finished = ost_cl_finish(backend_of(bone), status == OST_OK ? err : NULL);
     return status == OST_OK ? finished : status;
 }

@@ -166,7 +166,7 @@ bool ost_cl_cache_store(const ost_cl_cache *cache, const unsigned char *binary, 
     char parent[sizeof cache->folder];
     snprintf(parent, sizeof parent, "%s", cache->folder);
     *strrchr(parent, '/') = 0;
-    mkdir(parent, 0700); /* mkdir creates only the last two levels of the path */
+    mkdir(parent, 0700); /* creates the folder and its parent; a missing grandparent is not created */
     mkdir(cache->folder, 0700);
     const int folder = open_folder(cache);
     if (folder < 0)

@@ -22,7 +22,7 @@
 
 typedef struct ost_cl_cache {
     char folder[1024]; /* path of the cache's folder; "" if no folder was found */
-    char entry[80];    /* file name of the entry in `folder` */
+    char entry[80];    /* file name of the entry, without the folder */
     ost_digest key;
 } ost_cl_cache;
 

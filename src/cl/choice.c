@@ -23,7 +23,7 @@
 /* The maximum number of platforms, and of devices per platform. A driver that reports more than this is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Removes the blanks at both ends of a string and replaces control characters with '?'. */
+/* Removes leading and trailing blanks, and replaces control characters by '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");

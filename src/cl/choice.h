@@ -22,22 +22,22 @@ enum { OST_CL_NAME = 160, OST_CL_REASON = 256 };
 
 typedef struct ost_cl_device {
     cl_platform_id platform;
-    cl_device_id id; /* NULL if this entry represents a platform without devices */
+    cl_device_id id; /* NULL if the entry is a platform that has no devices */
     int platform_index, device_index;
     char platform_name[OST_CL_NAME], platform_version[OST_CL_NAME];
     char name[OST_CL_NAME], driver[OST_CL_NAME];
     cl_ulong max_buffer; /* maximum size of one buffer, in bytes */
     cl_ulong memory;     /* total memory, in bytes */
     size_t max_workgroup;
-    bool cpu; /* true if the device has few strong cores; OST_CL_SET_AUTO then selects the kernel set for CPUs */
-    /* the reason for which the device is rejected; "" if the device is not rejected */
+    bool cpu; /* true if the device has few, strong cores; OST_CL_SET_AUTO then selects the kernel set for CPUs */
+    /* the reason why the backend rejects the device; "" if it accepts the device */
     char reason[OST_CL_REASON];
 } ost_cl_device;
 
 typedef struct ost_cl_devices {
     size_t count;
     ost_cl_device *list; /* owned */
-    char reason[OST_CL_REASON]; /* the reason why there is no platform; set only if the list is empty */
+    char reason[OST_CL_REASON]; /* if the list is empty, the reason why no platform was found */
 } ost_cl_devices;
 
 /* Lists all platforms and devices. Sets all members of *out, also on failure. */
@@ -51,7 +51,8 @@ void ost_cl_devices_free(ost_cl_devices *devices);
 typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CPU = 2 } ost_cl_set;
 
 typedef struct ost_cl_options {
-    char platform[OST_CL_NAME], device[OST_CL_NAME]; /* "" selects any platform or device */
+    /* name, part of the name, or number, of the platform and of the device; "" selects any */
+    char platform[OST_CL_NAME], device[OST_CL_NAME];
     size_t workgroup;                                /* number of work items per work group; 0 selects the default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */
     size_t staging;
@@ -61,7 +62,7 @@ typedef struct ost_cl_options {
 } ost_cl_options;
 
 ost_status ost_cl_options_read(const char *text, ost_cl_options *out, ost_error *err);
-/* Returns true if the `platform` and `device` options select this device. */
+/* Returns true if a device matches the `platform` and `device` options. */
 bool ost_cl_options_match(const ost_cl_options *options, const ost_cl_device *device);
 
 /*

@@ -46,7 +46,7 @@ ost_status ost_cl_open_with(const ost_cl_api *cl, const char *text, ost_backend 
 
     bool tried = false;
     ost_status first = OST_OK;
-    ost_error why = {0}; /* error of the first selected device, which is probably the intended one */
+    ost_error why = {0}; /* error of the first selected device; the user probably means this device */
     for (size_t i = 0; i < devices.count && !backend; i++) {
         if (!ost_cl_options_match(&options, &devices.list[i]))
             continue;

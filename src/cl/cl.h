@@ -94,9 +94,9 @@ typedef struct cl_backend {
     ost_cl_device device;
     bool cpu_set;     /* true if the kernel set for CPUs is used; false if the set for GPUs is used */
     size_t workgroup; /* number of work items per work group; 0 selects the default */
-    size_t staging;   /* value of the option staging; see ost_cl_options */
-    unsigned order;   /* value of the option order; see ost_cl_options */
-    /* number of iterations after which the device ends a loop; OST_CL_TURNS if no limit was found */
+    size_t staging;   /* value of the option `staging` (ost_cl_options) */
+    unsigned order;   /* value of the option `order` (ost_cl_options) */
+    /* number of iterations after which the device ends a loop; OST_CL_TURNS if the test found no limit */
     uint32_t turns;
     /* number of voxels that a work item of ost_cubic_gather or ost_cubic_linear computes (OST_RUN) */
     int run;
@@ -109,10 +109,10 @@ typedef struct cl_backend {
     } spare[OST_CL_SPARES];
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
-    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel */
+    size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel on this device */
     bool from_cache;                              /* true if the program's binary was loaded from the cache */
     ost_digest empty_leaf;
-    /* number of launches of each kernel; launches without a block are not counted */
+    /* number of launches of each kernel that computed at least one voxel */
     uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
     struct ost_cl_face_program *faces;  /* owned; the kernels and buffers for face meshes; NULL before the first mesh */
@@ -169,12 +169,12 @@ void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
    buffer before the function returns. If `bytes` is 0, the buffer has 1 byte. */
 ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out,
                          ost_error *err);
-/* Creates a buffer on the device and sets it to zeros. */
+/* Creates a buffer on the device that is filled with zeros. */
 ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
-/* Releases a buffer and sets *buffer to NULL. *buffer may be NULL before the call. */
+/* Releases a buffer and sets *buffer to NULL. A NULL buffer is ignored. */
 void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer);
 ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
-/* ost_cl_write and ost_cl_read wait until the transfer has ended. */
+/* ost_cl_write and ost_cl_read block until the transfer has ended. */
 ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data,
                         ost_error *err);
 ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data, ost_error *err);
@@ -187,7 +187,7 @@ ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, 
 ost_status ost_cl_read_later(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data,
                              ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
-/* Waits until all commands in the queue have ended. */
+/* Blocks until all enqueued commands have ended. Returns the first error of any of them. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* ---------------------------------------------------------------- spare.c */
@@ -212,7 +212,7 @@ void ost_cl_face_free(cl_backend *backend);
 
 /* --------------------------------------------------------------- launches */
 
-/* One argument of a kernel: a pointer to the value, and the size of the value. */
+/* An argument of a kernel: pointer to its value, and size of the value in bytes. */
 typedef struct ost_cl_arg {
     size_t size;
     const void *value;

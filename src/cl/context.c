@@ -77,7 +77,7 @@ static void drop_program(cl_backend *b)
     b->program = NULL;
 }
 
-/* Builds the program of the backend's kernel set, creates its kernels and runs the checks. */
+/* Builds the program for the backend's kernel set, creates the kernels, and runs the two checks. */
 static ost_status set_up_program(cl_backend *b, ost_error *err)
 {
     char options[96], order[32] = "";
@@ -117,7 +117,7 @@ static ost_status set_up(cl_backend *b, bool chosen, ost_error *err)
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "OpenCL device '%.120s' ends a loop after %u iterations, too early for kernels=cpu; use "
                         "kernels=gpu", b->device.name, (unsigned)b->turns);
-    /* A device that ends long loops gets the kernel set for GPUs. */
+    /* The kernels for CPUs need long loops, so a device that ends them gets the kernels for GPUs. */
     if (status == OST_OK && b->cpu_set && b->turns < OST_CL_TURNS) {
         b->cpu_set = false;
         drop_program(b);

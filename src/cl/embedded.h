@@ -5,10 +5,10 @@
 
 #include <stddef.h>
 
-/* The program whose kernels compute voxels. It uses only integers. */
+/* The program that computes voxels. It contains only integer arithmetic. */
 extern const char *const ost_cl_program[];
 extern const size_t ost_cl_program_count;
-/* The program whose results describe the device's floating-point arithmetic. */
+/* A program whose results show how the device computes with floats. */
 extern const char *const ost_cl_floats[];
 extern const size_t ost_cl_floats_count;
 /* The program that makes face meshes. The meshes are only drawn and do not affect any voxel. */

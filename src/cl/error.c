@@ -17,7 +17,7 @@ typedef struct cl_error_text {
     cl_int code;
     const char *name;
     ost_status status;
-    const char *cause; /* cause of the error; NULL if the error's name is clear enough */
+    const char *cause; /* probable cause of the error code; NULL if the name of the code is clear */
 } cl_error_text;
 
 /* The table of errors. Error codes of extensions are written as numbers, because not all headers define them. */

@@ -35,7 +35,7 @@ struct ost_cl_face_program {
     cl_kernel kernel[KERNELS];
     size_t group[KERNELS];
     cl_mem clusters, padded, visible, rows, slices, active, sums, first, vertices;
-    size_t chunks, quads; /* number of chunks and number of quads for which the buffers have space */
+    size_t chunks, quads; /* capacity of the buffers, in chunks and in quads */
     uint32_t words[BATCH * CLUSTER];
 };
 typedef struct ost_cl_face_program faces;
@@ -54,7 +54,7 @@ void ost_cl_face_free(cl_backend *b)
     faces *f = b->faces;
     if (!f)
         return;
-    /* waits after a failure too, because a transfer from f->words may still be in progress */
+    /* Waits even after an error, because a transfer from f->words may not have ended. */
     b->cl->clFinish(b->queue);
     free_buffers(b, f);
     ost_cl_buffer_free(b, &f->vertices);
@@ -139,7 +139,7 @@ static ost_status reserve_quads(cl_backend *b, faces *f, size_t quads, ost_error
     return status;
 }
 
-/* Launches a kernel with `range` items for each of `chunks` chunks. */
+/* Launches kernel k with `range` work items per chunk, for this number of chunks. */
 static ost_status launch(cl_backend *b, int k, size_t range, size_t chunks, const cl_mem *const *args, cl_uint count,
                          ost_error *err)
 {
@@ -158,7 +158,7 @@ static ost_status launch(cl_backend *b, int k, size_t range, size_t chunks, cons
     launch(b, k, range, chunks, (const cl_mem *const[]){__VA_ARGS__},                       \
            sizeof((const cl_mem *const[]){__VA_ARGS__}) / sizeof(const cl_mem *), err)
 
-/* Ends a stage. If the stages are timed, waits for the device first. */
+/* Ends the timing of a stage, which requires waiting for the device. Does nothing if stages are not timed. */
 static ost_status stage_done(cl_backend *b, ost_face_mesh *mesh, ost_face_stage stage, int64_t *begin, ost_error *err)
 {
     if (!mesh->timed)
@@ -237,7 +237,7 @@ static ost_status mesh_batch(cl_backend *b, const ost_face_cluster *clusters, si
     if (status != OST_OK)
         return status;
     for (size_t i = 0; i < chunks; i++) {
-        /* The counts are checked so that a faulty device cannot cause an access outside the buffers. */
+        /* A faulty device may return counts that exceed the buffers, so they are checked. */
         if (sums[2 * i] > OST_FACE_VOXELS || sums[2 * i + 1] > OST_FACE_QUADS_MAX)
             return ost_fail(err, OST_ERR_UNAVAILABLE, "OpenCL device '%.120s' counts %u visible faces of a chunk",
                             b->device.name, (unsigned)sums[2 * i + 1]);
@@ -247,7 +247,7 @@ static ost_status mesh_batch(cl_backend *b, const ost_face_cluster *clusters, si
     }
     const size_t quads = begins[chunks] - begins[0];
     status = ost_face_mesh_reserve(mesh, mesh->count, begins[chunks], err);
-    /* ost_face_mesh_reserve may reallocate the array to which `begins` points, so `begins` is not used below */
+    /* `begins` is invalid from here on, because ost_face_mesh_reserve may have moved its array. */
     if (status != OST_OK || quads == 0)
         return status;
     status = reserve_quads(b, f, quads, err);

@@ -63,7 +63,7 @@ static void put_line(FILE *to, const char *name, fact_kind kind, fact *v, size_t
                                    [BITS] = sizeof v->ulong,
                                    [BUS] = sizeof v->bus};
     if (kind != TEXT && size != sizes[kind])
-        return; /* the driver reports no value, or a value of the wrong size */
+        return; /* The driver has no such property, or returned a value of an unexpected size. */
     fprintf(to, "%s=", name);
     switch (kind) {
     case TEXT:

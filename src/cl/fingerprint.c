@@ -213,7 +213,7 @@ done:
 
 /* ---------------------------------------------------------------- floats */
 
-/* The bit patterns of the floats a, b and c with which kernels/fingerprint_float.cl is called. */
+/* Bit patterns of the inputs a, b and c of the kernel in kernels/fingerprint_float.cl. */
 enum { FLOATS = 4 };
 static const uint32_t float_in[3 * FLOATS] = {
     0x3f800800, 0x3f800800, 0xbf800000, /* a = b = 1 + 2^-12, c = -1: a * b + c shows whether the sum is fused */

@@ -134,7 +134,7 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
         return status;
     status = ost_cl_write((cl_backend *)base->backend, grid->store->voxels, slice * (size_t)z0, slice * (size_t)count,
                           voxels, err);
-    grid->lost = status != OST_OK; /* after a failure, some of the slices may have been written */
+    grid->lost = status != OST_OK; /* A failed upload may have written some of the slices. */
     return status;
 }
 

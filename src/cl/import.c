@@ -31,7 +31,7 @@ static bool earlier(int64_t line, int64_t recorded)
     return recorded == 0 || line < recorded;
 }
 
-/* Adds the report of a part to the report of the batch. */
+/* Adds the report of one part of a batch to the report of the batch. */
 static void add_part(ost_scatter_report *total, const ost_cl_scatter_report *part, const ost_sample *samples,
                      size_t count, int64_t first_line)
 {
@@ -124,7 +124,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
         if (status == OST_OK)
             add_part(&total, &part, samples + done, now, first_line);
         else if (done > 0)
-            grid->lost = true; /* earlier parts of the batch have been stored */
+            grid->lost = true; /* the parts before the failure have already changed the grid */
         done += now;
     }
     if (status == OST_OK)
@@ -165,7 +165,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK)
         status = ost_cl_buffer(b, 2 * axes * sizeof(int32_t), NULL, "resampling", &sources, err);
     if (status == OST_OK)
-        /* The voxels are not initialised, because the kernel writes all of them. */
+        /* The buffer need not be initialised, because the kernel writes every voxel. */
         status = ost_cl_grid_create_raw(base->backend, geometry, z_alone ? rect->store : NULL, &to, err);
     if (status == OST_OK)
         status = OST_CL_LAUNCH(b, ost_cubic_sources, axes, 1, 1, err, OST_CL_ARG(cubic_buffer), OST_CL_ARG(sources));
@@ -173,7 +173,7 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
     if (status == OST_OK && !z_alone)
         status = ost_cl_resample(b, geometry->dims, linear, cubic_buffer, sources, rect->store->voxels,
                                  ((cl_grid *)to)->store->voxels, err);
-    if (status == OST_OK) /* waiting for the queue also reports errors of earlier commands */
+    if (status == OST_OK) /* ost_cl_finish also returns the errors of commands that were enqueued earlier. */
         status = ost_cl_finish(b, err);
     if (status == OST_OK && z_alone) {
         ((cl_grid *)to)->cubic = cubic_buffer;

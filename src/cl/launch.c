@@ -33,7 +33,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    /* used for sizes above the limit, so that this error is the same with every driver */
+    /* A size above the limit is not passed to the driver, so that all drivers cause the same error. */
     cl_int code = CL_INVALID_BUFFER_SIZE;
     *out = NULL;
     if (bytes <= b->device.max_buffer)
@@ -42,7 +42,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
     if (*out && code == CL_SUCCESS)
         return OST_OK;
     *out = NULL;
-    /* releasing the buffers stored for reuse may free enough memory, so the function is called again */
+    /* Releasing the buffers that are kept for reuse may free enough memory, so the call is repeated. */
     if (ost_cl_spare_clear(b))
         return ost_cl_buffer(b, bytes, data, what, out, err);
     return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);

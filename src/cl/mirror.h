@@ -23,18 +23,18 @@
 
 struct cl_mirror {
     ost_chunk_grid grid;
-    int32_t *changed; /* owned; the chunks that removals have changed since the last update */
+    int32_t *changed; /* owned; numbers of the chunks that removals have changed since the last update */
     size_t count;
-    bool *listed;     /* owned; for each chunk, true if `changed` contains this chunk */
-    uint32_t *words;  /* owned; occupancy of up to `at_once` chunks */
+    bool *listed;     /* owned; for each chunk, true if its number is in `changed` */
+    uint32_t *words;  /* owned; occupancy words of up to `at_once` chunks */
     size_t at_once;
 };
 
-/* Makes a mirror without voxels. On failure, bone->mirror is NULL. */
+/* Creates the mirror of a bone, without voxels. On failure, bone->mirror is NULL. */
 ost_status ost_cl_mirror_make(cl_bone *bone, ost_error *err);
-/* Frees the mirror. The function does nothing if the bone has none. */
+/* Frees the mirror of a bone. Does nothing if the bone has no mirror. */
 void ost_cl_mirror_free(cl_bone *bone);
-/* Returns the host memory of the mirror in bytes; 0 if the bone has no mirror. */
+/* Returns the host memory of a bone's mirror in bytes; 0 without a mirror. */
 int64_t ost_cl_mirror_bytes(const cl_bone *bone);
 /* Records that a removal has changed a chunk. The function does nothing if the bone has no mirror. */
 void ost_cl_mirror_changed(cl_bone *bone, size_t chunk);

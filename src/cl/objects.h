@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The grids, bones and tools on a device, and the slot functions that process them. */
+/* Defines the grids, bones and tools on a device, and declares the slots that process them. */
 #ifndef OST_CL_OBJECTS_H
 #define OST_CL_OBJECTS_H
 
@@ -8,7 +8,7 @@
 /* The voxels of one grid or of several grids. Voxels that several grids share are not written. */
 typedef struct cl_store {
     cl_mem voxels;
-    size_t reserved; /* size of the `voxels` buffer in bytes */
+    size_t reserved; /* capacity of the `voxels` buffer in bytes */
     int holders;
 } cl_store;
 
@@ -23,13 +23,13 @@ typedef struct cl_grid {
     cl_store *store;       /* counted in store->holders */
     /* owned; arguments for resampling the voxels of the store; NULL if the store contains the grid's own voxels */
     cl_mem cubic, sources;
-    /* true if ost_cubic_linear resamples the voxels of the store; false if ost_cubic_gather does */
+    /* true if ost_cubic_linear makes the voxels from the store; false if ost_cubic_gather does */
     bool linear;
-    cl_mem seen, owner; /* buffers for scattering samples (kernels/shared.h); NULL before the first batch */
+    cl_mem seen, owner; /* for scattering samples, see kernels/shared.h; NULL before the first batch */
     bool lost;
 } cl_grid;
 
-/* A copy of a bone's voxels in host memory (mirror.h). */
+/* a copy of a bone's voxels in host memory (mirror.h) */
 typedef struct cl_mirror cl_mirror;
 
 /*
@@ -47,14 +47,14 @@ typedef struct cl_bone {
     size_t chunks;
     size_t chunk_voxels; /* n^3 */
     uint32_t *slot, *active; /* owned */
-    uint32_t *free;          /* owned array of `capacity` elements */
+    uint32_t *free;          /* owned; `capacity` elements */
     size_t free_count, used, capacity;
     cl_mem shape; /* buffer with one ost_cl_bone */
     cl_mem density, words;
-    size_t density_bytes_reserved; /* size of the `density` buffer in bytes */
+    size_t density_bytes_reserved; /* capacity of the `density` buffer in bytes */
     cl_mem slots;     /* slot[] on the device */
-    bool slots_outdated; /* true if the array slot[] has changed since it was copied to the buffer `slots` */
-    cl_mirror *mirror; /* owned; NULL before the first sample, and after an upload */
+    bool slots_outdated; /* true if slot[] has changed since it was last copied to the device */
+    cl_mirror *mirror; /* owned; NULL before the first call of bone_sample and after an upload */
     bool lost;
 } cl_bone;
 
@@ -62,12 +62,12 @@ typedef struct cl_bone {
 typedef struct cl_tool {
     ost_tool base;
     cl_mem classes;
-    size_t reserved; /* size of the `classes` buffer in bytes */
+    size_t reserved; /* capacity of the `classes` buffer in bytes */
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
-    /* windows (kernels/shared.h) if the kernel set for CPUs is used; otherwise NULL */
+    /* windows of the tool (kernels/shared.h); NULL on the kernel set for GPUs */
     cl_mem windows;
-    bool touches;   /* true if a voxel may have class 2 */
-    bool made;     /* true if the launches that compute cells and windows have completed */
+    bool touches;   /* true if the tool may have non-cutting voxels (class 2) */
+    bool made;     /* true if cells and windows have been computed */
 } cl_tool;
 
 /*
@@ -120,11 +120,11 @@ ost_status ost_cl_bone_sample(const ost_bone *bone, size_t count, const int32_t 
 /* voxelize.c, tool.c */
 ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
-/* Voxelizes like ost_cl_voxelize, but by tiles of rows, for CPUs. */
+/* Voxelizes tile by tile, for CPUs. The results are those of ost_cl_voxelize. */
 ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting,
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);
-/* Creates a tool without initialising the classes of its voxels. */
+/* Creates a tool whose voxels are not initialised. */
 ost_status ost_cl_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, cl_tool **out, ost_error *err);
 ost_status ost_cl_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_cl_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);

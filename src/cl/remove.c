@@ -32,12 +32,12 @@ typedef struct event_array {
 
 struct ost_cl_event_scratch {
     event_array poses, blocks, entries, reports;
-    event_array input; /* the event struct, followed by the arrays of the event */
+    event_array input; /* the struct of the event and, after it, the event's arrays */
     cl_mem input_device, reports_device;
-    size_t input_capacity, reports_capacity; /* sizes in bytes of input_device and reports_device */
-    size_t *chunk; /* owned array with the chunk number of each block */
+    size_t input_capacity, reports_capacity; /* capacity of input_device and of reports_device, in bytes */
+    size_t *chunk; /* owned; for each block, the number of its chunk */
     size_t chunk_capacity;
-    bool warm; /* true if the removal kernel has been launched before */
+    bool warm; /* true after the first launch of the removal kernel */
 };
 
 void ost_cl_event_free(cl_backend *b)
@@ -106,9 +106,9 @@ typedef struct plan {
     const ost_removal_event *event;
     struct ost_cl_event_scratch *s;
     bool apply;
-    bool changed; /* true if a launch that removes voxels was enqueued */
+    bool changed; /* true once a launch that removes voxels has been enqueued */
     ost_removal_report *report;
-    ost_chunk_report part; /* the sums of the current chunk; part.chunk is -1 if there is no current chunk */
+    ost_chunk_report part; /* sums over the blocks of the current chunk; part.chunk is -1 before the first chunk */
 } plan;
 
 static int32_t least(int32_t a, int32_t b)
@@ -155,7 +155,7 @@ static bool is_outside(const int32_t base[3], const ost_map *map, ost_dims dims)
 {
     const int64_t d[3] = {dims.x, dims.y, dims.z};
     for (int a = 0; a < 3; a++) {
-        int64_t low = base[a], high = base[a]; /* 64 bits, so that the sums cannot overflow */
+        int64_t low = base[a], high = base[a]; /* 64-bit variables, because the sums may exceed int32 */
         for (int axis = 0; axis < 3; axis++) {
             const int64_t along = (int64_t)(BLOCK - 1) * map->step[axis][a];
             low += along < 0 ? along : 0;
@@ -324,7 +324,7 @@ static ost_status write_input(plan *p, ost_error *err)
     size_t bytes = sizeof head;
     for (int c = 0; c < classes->count; c++)
         head.border[c] = classes->border[c];
-    for (int i = 0; i < 3; i++) { /* all offsets and struct sizes are multiples of 8 */
+    for (int i = 0; i < 3; i++) { /* aligned, because all offsets and sizes are multiples of 8 */
         *at[i] = (uint32_t)bytes;
         bytes += parts[i]->bytes;
     }
@@ -359,7 +359,7 @@ static ost_status warm(plan *p, ost_error *err)
     if (status == OST_OK)
         status = launch(p, 0, err);
     if (status == OST_OK)
-        /* a launch without blocks computes no voxel, so it is not counted */
+        /* A warm-up launch has no blocks, so it is not counted. */
         p->b->launched[p->b->cpu_set ? OST_CL_KERNEL_ost_remove_blocks : OST_CL_KERNEL_ost_remove]--;
     if (status == OST_OK)
         status = ost_cl_finish(p->b, err);
@@ -479,7 +479,7 @@ static ost_status run_event(cl_bone *bone, cl_tool *tool, const ost_removal_even
         status = warm(&p, err);
     if (status != OST_OK) {
         bone->lost = bone->lost || p.changed;
-        ost_cl_finish(b, NULL); /* waits, because transfers from the arrays of this event may be in progress */
+        ost_cl_finish(b, NULL); /* Waits, because transfers from the event's arrays may not have ended. */
         ost_cl_tool_finish(tool, false);
     }
     return status;

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads single voxels of a bone from its mirror. */
+/* Reads single voxels of a bone. They are read from a copy in host memory, the mirror. */
 #include "cl/mirror.h"
 
 #include <stdlib.h>
 
 enum { DOWNLOAD_BYTES = 1 << 24 };
 
-/* Downloads the bone in parts of complete layers of chunks. */
+/* Downloads all voxels of a bone to a chunk grid, several layers of chunks at a time. */
 static ost_status download(const cl_bone *bone, ost_chunk_grid *grid, ost_error *err)
 {
     const ost_dims d = bone->base.geometry.dims;
     const size_t slice = (size_t)d.x * (size_t)d.y, layer = slice * (size_t)grid->size * sizeof(int16_t);
     const int32_t layers = layer < DOWNLOAD_BYTES ? (int32_t)(DOWNLOAD_BYTES / layer) : 1;
-    /* if slices are small, this may be more layers than the bone has */
+    /* for small slices, this may exceed the number of slices of the bone */
     const int64_t most = (int64_t)layers * grid->size;
     const int32_t step = most < d.z ? (int32_t)most : d.z;
     int16_t *voxels = malloc(slice * (size_t)step * sizeof *voxels);

@@ -18,7 +18,7 @@
 enum { STEPS_BYTES = 1 << 28, ITEMS = 1 << 14 };
 
 typedef struct mesh_buffers {
-    const ost_snapped_mesh *mesh; /* NULL if the tool has no mesh of this class */
+    const ost_snapped_mesh *mesh; /* NULL if the tool has no mesh of this class (cutting or non-cutting) */
     uint8_t tool_class;
     cl_mem vertices, triangles;
 } mesh_buffers;

@@ -34,15 +34,15 @@ typedef struct centres {
 } centres;
 
 typedef struct mesh_bins {
-    const ost_snapped_mesh *mesh; /* NULL if there is no such mesh */
+    const ost_snapped_mesh *mesh; /* NULL if the tool has no mesh of this class (cutting or non-cutting) */
     uint8_t tool_class;
-    uint64_t entries; /* total number of entries of all lists */
-    size_t count;     /* number of triangles whose bounds contain a centre */
+    uint64_t entries; /* sum of the lengths of all lists */
+    size_t count;     /* number of triangles whose bounds contain at least one voxel centre */
     /* numbers of the triangles whose bounds contain a centre; `number` and the next four arrays are owned */
     uint32_t *number;
-    centres *range;   /* centres in the bounds of each triangle of `number` */
+    centres *range;   /* for each triangle in `number`, the ranges of centres in its bounds */
     centres *vertex;
-    uint32_t *start;  /* index in `list` at which each list begins; lists + 1 elements */
+    uint32_t *start;  /* for each list, the index in `list` at which it starts; lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 

@@ -84,13 +84,15 @@ struct ost_backend_ops {
     ost_status (*grid_upload)(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
     ost_status (*grid_download)(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
-    /* Scatters samples into a rect grid (AR-CT-4 to 6). The result is bit-exact, including the report. */
+    /* Scatters samples into a rect grid (AR-CT-4 to 6). The grid and the report are bit-identical on all backends. */
     ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
-    /* Resamples rect to a new cubic grid with the given geometry (AR-CUB). The result is bit-exact. */
+    /*
+     * Creates a cubic grid with the given geometry, and resamples rect to it (AR-CUB). Bit-identical on all backends.
+     */
     ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err);
-    /* Creates a bone from a cubic grid (AR-CHK). The result is bit-exact. */
+    /* Creates a bone from a cubic grid (AR-CHK). Bit-identical on all backends. */
     ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                   ost_error *err);
 
@@ -131,7 +133,7 @@ struct ost_backend_ops {
     ost_status (*voxelize)(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
     ost_status (*tool_upload)(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
-    /* Writes the voxels of a tool to *volume, which has been initialised with the tool's geometry. */
+    /* Writes the voxels of a tool to *volume. The caller has initialised *volume with the tool's geometry. */
     ost_status (*tool_download)(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
     void (*tool_free)(ost_tool *tool);
 

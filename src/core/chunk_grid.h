@@ -34,31 +34,31 @@ typedef struct ost_chunk {
      * is 0
      */
     int16_t *density;
-    uint32_t *occupancy; /* words of the occupancy, in the memory block that begins at `density` */
+    uint32_t *occupancy; /* occupancy words; they follow the densities in the block at `density` */
     int32_t active;
 } ost_chunk;
 
 typedef struct ost_chunk_grid {
-    ost_dims dims; /* size in voxels, without the padding */
-    int size;      /* edge length of a chunk in voxels, n in the head of this file */
+    ost_dims dims; /* size of the grid in voxels, without padding */
+    int size;      /* edge length of a chunk in voxels, called n in the comment at the top of this file */
     int32_t threshold;
     ost_dims chunk_dims;
     int64_t count;
     ost_chunk *chunks; /* owned array, x fastest */
 } ost_chunk_grid;
 
-/* Initialises a grid without active voxels. ost_chunk_grid_free may be called even if the initialisation has failed. */
+/* Initialises a grid without active voxels. After a failure, *grid may be passed to ost_chunk_grid_free. */
 ost_status ost_chunk_grid_init(ost_chunk_grid *grid, ost_dims dims, int size, int32_t threshold, ost_error *err);
 void ost_chunk_grid_free(ost_chunk_grid *grid);
 
-/* Returns the number of chunks along each axis, ceil(dims / size). */
+/* Returns the number of chunks along each axis: dims / size, rounded up. */
 ost_dims ost_chunk_dims(ost_dims dims, int size);
-/* Returns the memory size of an active chunk in bytes, for densities and occupancy. */
+/* Returns the memory of an active chunk, in bytes: densities and occupancy. */
 size_t ost_chunk_bytes(int size);
 
-/* Allocates zero-filled memory for a chunk without memory. Returns false if the allocation fails. */
+/* Allocates memory filled with zeros for a chunk that has none. Returns false if memory is exhausted. */
 bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
-/* Frees the memory of a chunk. chunk->active must be 0. */
+/* Frees the memory of a chunk whose `active` count is 0. */
 void ost_chunk_release(ost_chunk *chunk);
 
 /*

@@ -75,7 +75,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
     ost_decimal d = {.negative = negative};
     int mantissa_digits = 0;
-    int64_t tail_unit = TEN_TO_18; /* unit of the last digit that was added to the tail */
+    int64_t tail_unit = TEN_TO_18; /* value of the last digit position that the tail contains */
     int64_t exponent = 0;
     int64_t places = 0;
     bool any = false;
@@ -152,7 +152,7 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
 
     ost_i128 ten_to_e = 1;
     int32_t e = value->exponent < 0 ? -value->exponent : 0;
-    if (e > 37) { /* integer < 2^125 < 10^38 / 2, so the result is 0 */
+    if (e > 37) { /* 10^e is more than twice the integer, which is below 2^125, so the quotient rounds to 0 */
         none_rounded = none_rounded && integer == 0;
         integer = 0;
     } else {

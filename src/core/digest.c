@@ -69,7 +69,7 @@ ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err)
     return status;
 }
 
-/* Computes the digest of up to three pieces that follow each other. */
+/* Computes the SHA-256 of the concatenation of up to three pieces. */
 static ost_status hash_pieces(const void *const piece[], const size_t size[], int count, ost_digest *out,
                               ost_error *err)
 {
@@ -94,7 +94,7 @@ static ost_status hash_prefixed(uint8_t prefix, const void *a, size_t a_size, co
     return hash_pieces((const void *const[]){&prefix, a, b}, (const size_t[]){1, a_size, b_size}, 3, out, err);
 }
 
-/* The bytes of the voxels are little-endian, because src/core/conditions.h accepts no other machine. */
+/* Hashes the voxels as they lie in memory, because conditions.h accepts only little-endian machines. */
 ost_status ost_digest_leaf16(const int16_t voxels[LEAF_VOXELS], ost_digest *out, ost_error *err)
 {
     return hash_prefixed(PREFIX_LEAF, voxels, LEAF_VOXELS * sizeof *voxels, "", 0, out, err);
@@ -140,7 +140,7 @@ static void put64(uint8_t *p, uint64_t v)
     memcpy(p, &v, sizeof v);
 }
 
-/* Writes the header in the layout of AR-DIG-4. */
+/* Writes the header of a digest, with the layout of AR-DIG-4. */
 static void fill_header(uint8_t header[HEADER_BYTES], ost_grid_kind kind, const ost_geometry *geometry,
                         int32_t threshold, size_t count)
 {

@@ -28,11 +28,12 @@
 
 typedef struct ost_divider {
     ost_i128 divisor;
-    int64_t inverse; /* reciprocal I = floor(2^124 / (d + 1)), derived at the top of this file */
+    /* I = floor(2^124 / (d + 1)), the scaled reciprocal that the comment at the top of this file derives */
+    int64_t inverse;
     int shift;       /* number of bits by which the dividend is shifted to the right, s + 46; never negative */
 } ost_divider;
 
-/* Prepares divisions by a divisor, 2^15 <= divisor <= 2^120. */
+/* Prepares repeated divisions by the same divisor, which must be in 2^15..2^120. */
 static inline ost_divider ost_divider_of(ost_i128 divisor)
 {
     const uint64_t high = (uint64_t)(divisor >> 64), low = (uint64_t)divisor;
@@ -62,7 +63,7 @@ static inline int64_t ost_floor_by(const ost_divider *by, ost_i128 n, ost_i128 *
     return q;
 }
 
-/* Returns RHE(n / divisor). n must be in the range that ost_floor_by requires. */
+/* Returns n / divisor, rounded half to even. n must be in the range that ost_floor_by requires. */
 static inline int64_t ost_rhe_by(const ost_divider *by, ost_i128 n)
 {
     ost_i128 r;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The memory of face meshes, and the call of a backend's slot. */
+/* Manages the memory of face meshes, and calls the backend's `face_mesh` slot. */
 #include "core/backend.h"
 
 #include <stdlib.h>

@@ -29,13 +29,13 @@
 #include "core/visible.h"
 
 enum {
-    OST_FACE_CHUNK = 32,       /* edge length of a chunk in voxels */
-    OST_FACE_PADDED = 34,      /* edge length of a padded chunk in voxels */
+    OST_FACE_CHUNK = 32,       /* edge length of a chunk, in voxels */
+    OST_FACE_PADDED = 34,      /* edge length of a chunk with one layer of its neighbours on each side, in voxels */
     OST_FACE_ROWS = 32 * 32,   /* number of words of a chunk's occupancy; bit x of word y + 32 z is voxel (x, y, z) */
     OST_FACE_VOXELS = 32 * 32 * 32,
     /* maximum number of quads of a chunk, reached if half of the voxels have six visible faces */
     OST_FACE_QUADS_MAX = 3 * OST_FACE_VOXELS,
-    OST_FACE_CLUSTERS_MAX = 1 << 20, /* maximum number of chunks per call */
+    OST_FACE_CLUSTERS_MAX = 1 << 20, /* maximum number of clusters per call */
 };
 
 /*
@@ -48,11 +48,11 @@ typedef struct ost_face_cluster {
 } ost_face_cluster;
 
 typedef enum ost_face_stage {
-    OST_FACE_STAGE_PAD, /* includes the transfer of the words to a device */
+    OST_FACE_STAGE_PAD, /* padding a chunk; on a device, includes the transfer of the occupancy words */
     OST_FACE_STAGE_CLASSIFY,
     OST_FACE_STAGE_COMPACT,
     OST_FACE_STAGE_QUADS,
-    OST_FACE_STAGE_COPY, /* includes the transfer of the vertices from a device */
+    OST_FACE_STAGE_COPY, /* copying the vertices; on a device, includes their transfer */
     OST_FACE_STAGES
 } ost_face_stage;
 
@@ -64,16 +64,16 @@ typedef struct ost_face_mesh {
      * quads
      */
     uint32_t *first;
-    uint32_t *vertices;   /* owned; 4 words for each quad */
+    uint32_t *vertices;   /* owned; four 32-bit words per quad */
     size_t chunk_capacity, quad_capacity;
     /* Set by the caller: if true, the times of the stages are measured, which makes a call slower. */
     bool timed;
-    /* durations of the stages in the last call, summed over all chunks and all threads */
+    /* duration of each stage of the last call in ns, summed over chunks and threads */
     int64_t stage_ns[OST_FACE_STAGES];
 } ost_face_mesh;
 
 void ost_face_mesh_free(ost_face_mesh *mesh); /* accepts a zero-initialized mesh */
-/* Reserves memory for `chunks` chunks and `quads` quads in total. The contents are preserved. */
+/* Ensures capacity for this total number of chunks and of quads. Keeps the content. */
 ost_status ost_face_mesh_reserve(ost_face_mesh *mesh, size_t chunks, size_t quads, ost_error *err);
 
 /*

@@ -13,7 +13,7 @@ int64_t ost_file_spool_max = INT64_C(16) << 30;
 
 /* The pipe that ost_file_spool has copied to an unnamed file, or the regular file that is standard input. */
 static struct {
-    char name[64]; /* path of the pipe or file; "" before ost_file_spool is called */
+    char name[64]; /* path of the file or pipe in the file system; "" before ost_file_spool is called */
     int fd;
 } stream = {"", -1};
 
@@ -192,7 +192,7 @@ static int descriptor_of(const char *path)
     return (int)strtol(path + 8, NULL, 10);
 }
 
-/* Opens an unnamed file for reading and writing. */
+/* Opens a temporary file without a name in this folder, for reading and writing. */
 static int open_unnamed(const char *folder)
 {
     int fd = -1;
@@ -211,7 +211,7 @@ static int open_unnamed(const char *folder)
     return fd;
 }
 
-/* Writes all bytes. Returns false after a failure, with errno set. */
+/* Writes `size` bytes, also if the system accepts only a part at a time. On failure, returns false and sets errno. */
 static bool write_all(int fd, const char *bytes, size_t size)
 {
     while (size > 0) {

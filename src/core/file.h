@@ -24,9 +24,9 @@
 #include <osteon/status.h>
 
 typedef struct ost_file {
-    int fd;       /* file descriptor, close-on-exec and blocking; -1 after a failure */
-    int64_t size; /* size in bytes at the time of opening */
-    bool absent;  /* set after a failure; true if no file has this name */
+    int fd;       /* file descriptor, close-on-exec and blocking; -1 if the file could not be opened */
+    int64_t size; /* size in bytes when the file was opened */
+    bool absent;  /* after a failure: true if the reason is that no file has this name */
 } ost_file;
 
 /*
@@ -54,7 +54,7 @@ ost_status ost_file_spool(const char *path, ost_error *err);
  */
 bool ost_file_is_stream(const char *path);
 
-/* The maximum size of a stream in bytes, 16 GiB. Tests set a smaller size. */
+/* Maximum size in bytes of a stream that is spooled to a file: 16 GiB. A variable, so that tests can reduce it. */
 extern int64_t ost_file_spool_max;
 
 /*

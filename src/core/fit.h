@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Least-squares fits of spheres and planes to points. */
+/* Fits spheres and planes to points by least squares. */
 #ifndef OST_CORE_FIT_H
 #define OST_CORE_FIT_H
 

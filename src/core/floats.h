@@ -24,7 +24,7 @@ typedef unsigned int ost_floats;
 static inline ost_floats ost_floats_enter(void)
 {
     const ost_floats state = __builtin_ia32_stmxcsr();
-    __builtin_ia32_ldmxcsr(0x1f80); /* no traps, rounding to nearest, denormals not flushed */
+    __builtin_ia32_ldmxcsr(0x1f80); /* MXCSR: all exceptions masked, rounding to nearest, denormals kept */
     return state;
 }
 

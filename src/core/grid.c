@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Dimensions, geometries and dense volumes (AR-GRID). */
+/* Checks dims and geometries, and manages the memory of dense volumes (AR-GRID). */
 #include "core/conditions.h"
 
 #include <osteon/grid.h>

@@ -16,18 +16,18 @@ const char *ost_isa_name(ost_isa isa)
 
 enum {
     LEAF1_C = 1 << 23 | 1 << 28,                   /* POPCNT, AVX */
-    OSXSAVE = 1 << 27,                             /* leaf 1, ECX: XGETBV may be executed */
+    OSXSAVE = 1 << 27,                             /* leaf 1, ECX: the operating system has enabled XGETBV */
     EXTENDED1_C = 1 << 5,                          /* LZCNT */
     LEAF7_B_AVX2 = 1 << 3 | 1 << 5 | 1 << 8,       /* BMI1, AVX2, BMI2 */
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
-    /* bits of XCR0: the operating system saves XMM and the upper halves of YMM */
+    /* XCR0 bits: the operating system saves XMM registers and the upper halves of YMM registers */
     YMM_SAVED = 0x06,
     /* bits of XCR0: the operating system also saves the opmasks, the upper halves of ZMM0-15, and ZMM16-31 */
     ZMM_SAVED = 0xe6,
 };
 #define LEAF7_B_AVX512                                                                                                 \
     (UINT32_C(1) << 16 | UINT32_C(1) << 17 | UINT32_C(1) << 28 | UINT32_C(1) << 30 |                                   \
-     UINT32_C(1) << 31) /* F, DQ, CD, BW, VL */
+     UINT32_C(1) << 31) /* AVX-512 F, DQ, CD, BW and VL */
 
 static bool all(uint32_t value, uint32_t bits)
 {
@@ -85,7 +85,7 @@ bool ost_isa_available(ost_isa isa)
 
 #else
 
-/* Advanced SIMD is part of every AArch64 system that runs Linux. */
+/* Every AArch64 system that runs Linux has Advanced SIMD, so nothing is tested at run time. */
 bool ost_isa_available(ost_isa isa)
 {
     return isa == OST_ISA_SCALAR || (isa == OST_ISA_NEON && HAVE_NEON_BUILD);

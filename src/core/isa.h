@@ -47,7 +47,7 @@ typedef struct ost_isa_cpuid {
     uint32_t leaf1_c;
     uint32_t leaf7_b, leaf7_c;
     uint32_t extended1_c; /* leaf 0x80000001 */
-    uint32_t xcr0;        /* mask of the register sets that the operating system saves */
+    uint32_t xcr0;        /* XCR0: bit mask of the register sets that the operating system saves */
 } ost_isa_cpuid;
 
 /*
@@ -56,16 +56,16 @@ typedef struct ost_isa_cpuid {
  */
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 
-/* Returns true if a machine that runs the level `isa` also runs the code for `level`. */
+/* Returns true if every machine of the level `isa` can also execute code of `level`. */
 static inline bool ost_isa_includes(ost_isa isa, ost_isa level)
 {
     return isa == level || level == OST_ISA_SCALAR || (isa != OST_ISA_NEON && level < isa);
 }
 
 const char *ost_isa_name(ost_isa isa);
-/* Returns true if this build contains code of the level and this machine can run it. */
+/* Returns true if the library contains code of this level and the machine can execute it. */
 bool ost_isa_available(ost_isa isa);
-/* Returns the highest available level. */
+/* Returns the highest level for which ost_isa_available returns true. */
 ost_isa ost_isa_best(void);
 /*
  * Selects a level by its name, for example "avx2". NULL and "auto" select the level named by the environment

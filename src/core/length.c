@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Conversion of decimals and floats to picometres, and of picometres to text (AR-LEN). */
+/* Converts decimal numbers and floats to picometres, and picometres to text (AR-LEN). */
 #include "core/conditions.h"
 
 #include <osteon/length.h>
@@ -66,9 +66,9 @@ bool ost_pm_from_binary(double mm, ost_pm *out)
     if (!isfinite(mm) || mm > 8000.0 || mm < -8000.0)
         return false;
     int exponent;
-    double fraction = frexp(mm, &exponent); /* exact, 0.5 <= |fraction| < 1 */
+    double fraction = frexp(mm, &exponent); /* frexp is exact: mm = fraction 2^exponent with 0.5 <= |fraction| < 1 */
     ost_i128 scaled = (ost_i128)(int64_t)ldexp(fraction, 53) * OST_PM_PER_MM;
-    int shift = 53 - exponent; /* >= 40, because exponent <= 13 */
+    int shift = 53 - exponent; /* at least 40, because exponent is at most 13 */
     *out = shift > 120 ? 0 : (ost_pm)ost_rhe_div128(scaled, (ost_i128)1 << shift);
     return true;
 }

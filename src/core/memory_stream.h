@@ -13,8 +13,8 @@
 #include <stdio.h>
 
 typedef struct ost_memory_stream {
-    char *bytes;           /* written bytes, followed by a NUL that is not counted in `size` */
-    size_t size, capacity; /* valid after the stream is closed */
+    char *bytes;           /* the bytes that were written, followed by a NUL, which `size` does not count */
+    size_t size, capacity; /* sizes in bytes; valid only after the stream has been closed */
 } ost_memory_stream;
 
 /*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Facts, which are stored in files together with the voxels of a grid. */
+/* Implements the facts of a grid, which files store together with its voxels (grid.h). */
 #include <osteon/grid.h>
 
 #include <string.h>

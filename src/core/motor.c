@@ -119,7 +119,7 @@ static bool turns_too_far(const ost_pose *a, const ost_pose *b)
     return 2 * (ost_i128)p * p < (ost_i128)na * nb;
 }
 
-/* Returns the greatest r with r^2 <= n, for n < 2^62. */
+/* Returns the integer square root of n: the greatest r with r^2 <= n. Requires n < 2^62. */
 static int64_t root(int64_t n)
 {
     int64_t r = 0;

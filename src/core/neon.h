@@ -35,7 +35,7 @@ static inline unsigned ost_neon_bits8(uint8x8_t v)
     return vaddv_u8(vand_u8(v, ost_neon_own_bits()));
 }
 
-/* Returns 1 if at least one bit of v is set, otherwise 0. */
+/* Returns 1 if v has at least one set bit, otherwise 0. */
 static inline int ost_neon_any(uint8x16_t v)
 {
     return vmaxvq_u32(vreinterpretq_u32_u8(v)) != 0;

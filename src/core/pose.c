@@ -4,7 +4,7 @@
 
 #include <osteon/pose.h>
 
-#include <math.h> /* declares sqrt, which is used only to format a message */
+#include <math.h> /* for sqrt, which only a message uses */
 #include <stdlib.h>
 
 #include "core/integer.h"
@@ -86,7 +86,7 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
             return ost_fail(err, OST_ERR_RANGE, "position %c = %g mm is not a number within 8000 mm", "xyz"[a],
                             t_mm[a]);
     for (int a = 0; a < 4; a++) {
-        ost_decimal decimal; /* a float represents its shortest decimal (AR-LEN-4) */
+        ost_decimal decimal; /* A float stands for the shortest decimal number that reads as this float (AR-LEN-4). */
         if (!(q[a] >= -1.5 && q[a] <= 1.5) || !ost_decimal_shortest(q[a], false, &decimal) ||
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(

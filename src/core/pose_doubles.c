@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Poses as doubles, for pictures, forces and devices; not used in the arithmetic on voxels. */
+/* Converts poses to doubles for pictures, forces and devices. The arithmetic of voxels does not use these functions. */
 #include <osteon/pose.h>
 
 #include <math.h>
@@ -15,7 +15,7 @@ void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4])
     q[3] = (double)pose->qz / OST_Q30_ONE;
 }
 
-/* The largest component is computed first, because the other components are divided by it (Shepperd 1978). */
+/* Divides by the largest component, which is computed first (Shepperd 1978). */
 void ost_quaternion_of_columns(const double c[3][3], double q[4])
 {
     const double trace = c[0][0] + c[1][1] + c[2][2];

@@ -17,7 +17,7 @@ int32_t ost_code_point(const char *text, size_t *bytes)
             return -1;
         code = code << 6 | (p[i] & 0x3f);
     }
-    /* Overlong sequences, surrogates and numbers beyond Unicode are not UTF-8. */
+    /* Rejects overlong sequences, surrogates and code points above U+10FFFF, as UTF-8 requires. */
     if (code < least[length] || (code >= 0xd800 && code <= 0xdfff) || code > 0x10ffff)
         return -1;
     *bytes = length;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reports of events, and density classes (AR-REM-7, AR-CLS). */
+/* Implements the reports of events and the density classes (AR-REM-7, AR-CLS). */
 #include "core/conditions.h"
 
 #include <osteon/event.h>

@@ -32,7 +32,7 @@ static inline bool ost_rotation_fits(const ost_pose *pose)
 }
 
 typedef struct ost_rotation {
-    int64_t m[3][3]; /* [row][column]: p_bone = M p_tool / n + t */
+    int64_t m[3][3]; /* numerators [row][column] of the rotation matrix: p_bone = M p_tool / n + t */
     int64_t n;
 } ost_rotation;
 

@@ -17,7 +17,7 @@ void ost_point_put_back(char *text)
     char *point = text + strspn(text, "-0123456789");
     const size_t length = strcspn(point, "0123456789e");
     if (length == 0)
-        return; /* a number with a single digit has no separator */
+        return; /* A number with a single digit contains no decimal separator. */
     *point = '.';
     memmove(point + 1, point + length, strlen(point + length) + 1);
 }
@@ -30,9 +30,9 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    /* number of digits up to which different decimals always read as different float32 numbers */
+    /* with at most six significant digits, different decimal numbers are different float32 numbers */
     enum { MAX_DIGITS_TRIED = 6 };
-    char text[64];     /* space for a sign, 17 digits, a separator of a few bytes, and e-308 */
+    char text[64];     /* sign, 17 digits, a separator of a few bytes, "e-308" and NUL */
     const int most = single ? 9 : 17;
     for (int digits = 1; digits <= most; digits++) {
         if (single && digits > MAX_DIGITS_TRIED && is_ninth_binary_place(value)) {

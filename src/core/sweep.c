@@ -98,7 +98,8 @@ ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_
         return ost_fail(err, OST_ERR_RANGE, "the tool turns by more than 90 degrees in one tick");
 
     ost_i128 needed = 4 * greatest_displacement_squared(a, b, tool); /* < 2^94.4 */
-    ost_i128 voxel_squared = (ost_i128)bone_voxel * bone_voxel;      /* <= 10^22 < 2^73.1; times 4096^2 < 2^97.1 */
+    /* at most 10^22 < 2^73.1, so 4096^2 times this value is below 2^97.1 */
+    ost_i128 voxel_squared = (ost_i128)bone_voxel * bone_voxel;
     ost_i128 n = 1;
     while (n <= OST_SWEEP_MAX && n * n * voxel_squared < needed)
         n++;

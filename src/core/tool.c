@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tool grids on the host (AR-TOOL). */
+/* Manages tool grids in host memory (AR-TOOL). */
 #include <osteon/tool.h>
 
 #include <stdlib.h>

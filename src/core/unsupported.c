@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Implements slots of the function table for operations that a backend does not support. */
+/* Implements the slots of operations that some backends do not support. They return an error. */
 #include "core/backend.h"
 #include "core/paths.h"
 

@@ -14,7 +14,7 @@ static inline double ost_vector_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Computes the cross product a x b. The array `out` must be neither a nor b. */
+/* Writes the cross product a x b to out, which must not be a or b. */
 static inline void ost_vector_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];

@@ -13,7 +13,7 @@
 
 #include <stdint.h>
 
-/* The faces in the order in which all lists, masks and meshes contain them. */
+/* The six faces of a voxel, in the order of all lists, bit masks and meshes. */
 typedef enum ost_face {
     OST_FACE_X0, /* the face toward -x */
     OST_FACE_X1, /* the face toward +x */

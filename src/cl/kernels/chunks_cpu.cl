@@ -7,7 +7,7 @@
  */
 #if OST_FOR & 2
 
-/* Returns how many of 16 adjacent voxels are at least the threshold. */
+/* Returns how many of 16 adjacent voxels have at least the density `threshold`. */
 static uint ost_count16(__global const short *from, short threshold)
 {
     ushort count = 0;
@@ -112,7 +112,8 @@ static uint ost_store16(__global const short *row, ulong plane, int weight, int 
         if (x + i < nx)
             read = weight > 0 ? ost_mean15(row[x + i] * (32768 - weight) + row[plane + (ulong)(x + i)] * weight)
                               : row[x + i];
-        to[i] = read >= threshold ? read : (short)0; /* at x >= nx, `read` is 0, which is below every threshold */
+        /* beyond the grid (x >= nx), `read` is 0 and therefore below the threshold */
+        to[i] = read >= threshold ? read : (short)0;
         bits |= (read >= threshold ? 1u : 0u) << i;
     }
     return bits;

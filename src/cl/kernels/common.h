@@ -32,7 +32,7 @@ static inline size_t ost_item(uint dimension)
 #define get_global_id(dimension) ost_item(dimension)
 #endif
 
-/* Returns floor(n / d) (AR-INT-1) for d > 0. */
+/* Returns n / d rounded down, for d > 0 (AR-INT-1). */
 static inline long ost_floor_div(long n, long d)
 {
     const long q = n / d;
@@ -103,7 +103,7 @@ static inline uint ost_bits16(int lo, int hi)
     return from < to ? (0xffffu >> (16 - (to - from))) << from : 0u;
 }
 
-/* Returns the number of trailing zeros of a word. The word must not be 0. */
+/* Returns the number of trailing zero bits of a word that is not 0. */
 static inline int ost_lowest_bit(uint word)
 {
     return 31 - (int)clz(word & (0u - word));

@@ -19,7 +19,7 @@
 #define VOXELS 32768u
 #define ROWS 1024u
 #define PADDED_VOXELS 39304u
-/* words of a cluster: the chunk, and one layer of 32 words for each neighbour */
+/* number of words per cluster: the chunk's own, and a layer of 32 words for each of six neighbours */
 #define CLUSTER_WORDS (1024 + 6 * 32)
 
 /*

@@ -16,7 +16,7 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
     const uint a32 = (uint)a, b32 = (uint)b, by = b32 & 63u, by32 = b32 & 31u;
     const long sa = as_long(a), sb = as_long(b);
     const int sa32 = as_int(a32), sb32 = as_int(b32);
-    const ulong d = b | 1ul;                    /* the divisor, which is odd and therefore not 0 */
+    const ulong d = b | 1ul;                    /* the divisor; it is odd, so never 0 */
     const long sd = as_long(b >> 1 | 1ul);      /* positive */
     const int sd32 = as_int(b32 >> 1 | 1u);     /* positive */
     __global ulong *to = out + item * OST_CL_FINGERPRINT;

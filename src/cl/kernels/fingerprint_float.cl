@@ -12,7 +12,7 @@ __kernel void ost_fingerprint_float(uint count, __global const uint *in, __globa
         return;
     const float a = as_float(in[3 * item]), b = as_float(in[3 * item + 1]), c = as_float(in[3 * item + 2]);
     __global uint *to = out + item * OST_CL_FLOATS;
-    to[0] = as_uint(a * b + c); /* shows whether the sum is fused */
+    to[0] = as_uint(a * b + c); /* shows whether the compiler fuses the product with the sum */
     to[1] = as_uint(mad(a, b, c));
     to[2] = as_uint(fma(a, b, c));
     to[3] = as_uint(a / b);
@@ -21,7 +21,7 @@ __kernel void ost_fingerprint_float(uint count, __global const uint *in, __globa
     to[6] = as_uint(rsqrt(a));
     to[7] = as_uint(a * 1.17549435e-38f); /* denormal or 0 */
     to[8] = as_uint((a + b) - b);
-    to[9] = as_uint(a * b - a * b); /* not 0 if one of the products is fused with the difference */
+    to[9] = as_uint(a * b - a * b); /* not 0 if the compiler fuses one of the two products with the difference */
     to[10] = as_uint(sin(a));
     to[11] = as_uint(exp(b));
     to[12] = as_uint(convert_int_sat(a));

@@ -20,9 +20,9 @@
 typedef struct ost_ct_position {
     ulong voxel;
     uint ppm;
-    int read;   /* true if the coordinates are within the allowed range of lengths */
-    int off;    /* true if the distance from the lattice is more than 1/8 of a voxel */
-    int inside; /* true if the sample is readable, is not rejected, and lies in the grid */
+    int read;   /* true if the coordinates are in the allowed range (OST_LENGTH_MAX) */
+    int off;    /* true if the sample is more than 1/8 of a voxel away from the lattice */
+    int inside; /* true if the sample is read, lies in the grid, and is close enough to the lattice */
 } ost_ct_position;
 
 static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
@@ -105,7 +105,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         return;
     const uint i = (uint)item;
     const ost_ct_position position = ost_ct_position_of(scatter, &samples[i]);
-    /* The previous launch has computed worst_ppm, so its value does not change in this launch. */
+    /* The launch of ost_ct_claim has computed worst_ppm, so it is constant here. */
     if (position.ppm > 0 && position.ppm == report->worst_ppm)
         atomic_min(&report->worst_line, samples[i].line);
     if (!position.inside)
@@ -118,7 +118,7 @@ __kernel void ost_ct_place(__global const ost_cl_scatter *scatter, __global cons
         if ((atomic_or(&owner[position.voxel], 0u) & ~OST_OWNER_FLAG) != key)
             return;
         if (atomic_or(&owner[position.voxel], OST_OWNER_FLAG) & OST_OWNER_FLAG)
-            return; /* a different sample with the same density writes the voxel */
+            return; /* another sample with the same density has set the flag and writes the voxel */
         if (!seen_before || density > voxels[position.voxel])
             voxels[position.voxel] = density;
         return;

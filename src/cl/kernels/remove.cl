@@ -41,7 +41,9 @@ static uint ost_cell_at(__global const uchar *cells, const int dims[3], int ux, 
     return (uint)ost_greatest(away, (cell & 3u) == 0 ? (int)(cell >> 2) : 0) << 2;
 }
 
-/* ost_poses_of, ost_blocks_of and ost_entries_of return the arrays that follow the event in the event's buffer. */
+/*
+ * The functions ost_poses_of, ost_blocks_of and ost_entries_of return the arrays that follow the struct in its buffer.
+ */
 static __global const ost_cl_pose *ost_poses_of(__global const ost_cl_event *event)
 {
     return (__global const ost_cl_pose *)(__global const void *)((__global const uchar *)event + event->poses_at);

@@ -24,8 +24,8 @@
 #if OST_FOR & 2
 
 #ifdef __clang__
-#if __has_warning("-Wpsabi") /* NVIDIA's compiler is clang without this warning */
-/* The warning is harmless, because only functions of this file pass vectors wider than registers. */
+#if __has_warning("-Wpsabi") /* NVIDIA's compiler is a clang that does not have this warning */
+/* Disables a warning about the calling convention of wide vectors, which only functions of this file pass. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 #endif
@@ -35,7 +35,7 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-/* The bit number of a voxel within the voxel's half of a brick. */
+/* For each lane, the bit number of its voxel within the voxel's half of the brick's word. */
 __constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
@@ -43,9 +43,9 @@ __constant uint ost_part_z[8] = {0, 0, 0, 0, 1, 1, 1, 1};
 __constant ushort ost_column_bit[16] = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768};
 
 typedef struct ost_block_rows {
-    /* active voxels before the event, four rows per word; valid if `loaded` is 1 */
+    /* bits of the voxels that were active before the event, four rows per word; valid if `loaded` is 1 */
     ulong active[64];
-    ulong open[64];   /* voxels that are active and not yet hit, four rows per word */
+    ulong open[64];   /* bits of the voxels that are active and not yet hit, four rows per word */
     ulong touch[64];
     int loaded;
     /* one bit per group of rows; set in `hit` if a voxel was hit, and in `touched` if a voxel was touched */
@@ -53,7 +53,7 @@ typedef struct ost_block_rows {
     /* for rows 4 b to 4 b + 3 of every plane, the voxels whose x and y are in the pose's box */
     ulong inside[4];
     int lo, hi;        /* planes in the box */
-    int within;        /* true if the entire block lies in the pose's box */
+    int within;        /* 1 if the pose's box contains the entire block */
 } ost_block_rows;
 
 /*
@@ -66,8 +66,8 @@ typedef struct ost_view {
     /* offsets to the middles of eight parts, in eighths[1] for a block and in eighths[0] for a cube of 8^3 voxels */
     uint8 eighths[2][3];
     uint at[3], step[3][3];
-    uint lowest[3]; /* offset from a brick's first voxel to the brick's least coordinate on each axis */
-    int dims[3], wide[3]; /* dimensions of the tool and of its windows */
+    uint lowest[3]; /* offset from the first voxel of a brick to the least coordinate of the brick, on each axis */
+    int dims[3], wide[3]; /* dimensions of the tool's grid, and of its windows */
     /* number of planes of a window that a brick may overlap; 0 if a brick may exceed a window */
     int planes;
     uint complete[3];
@@ -192,10 +192,10 @@ static int ost_window_index(const ost_view *view, int x, int y, int z)
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
 }
 
-/* The window of a brick: the part of the tool that the brick may overlap. */
+/* The window of a brick: a part of the tool's grid that contains all tool voxels that the brick may overlap. */
 typedef struct ost_window {
     ulong plane[8];
-    uint from[3]; /* position of the brick's first voxel relative to the window's first voxel */
+    uint from[3]; /* position of the brick's first voxel in the window */
     ulong any, all;
 } ost_window;
 
@@ -203,7 +203,8 @@ typedef struct ost_window {
 static void ost_open_window(ost_window *w, const ost_view *view, __global const uchar *windows, const uint u[3])
 {
     int begin[3];
-    for (int a = 0; a < 3; a++) /* the index may be clamped, because all windows entirely outside the grid are equal */
+    /* The index may be clamped: all windows that lie entirely outside the grid are empty. */
+    for (int a = 0; a < 3; a++)
         begin[a] = ost_least(ost_greatest((int)((u[a] + view->lowest[a]) >> 20) - 1016, 0), view->dims[a] + 8);
     begin[0] &= ~1;
     for (int a = 0; a < 3; a++)
@@ -278,7 +279,8 @@ static ulong ost_lookup(const ost_view *view, volatile __global const uchar *win
         vstore16((view->along[0] + kx) >> 20u, 0, x);
         vstore16((view->along[1] + ky) >> 20u, 0, y);
         vstore16((view->along[2] + kz) >> 20u, 0, z);
-        for (int v = 0; v < 16; v++) { /* coordinates outside the grid are moved to the empty space next to the grid */
+        /* clamps coordinates outside the grid to the empty border of the table, so that each look-up is valid */
+        for (int v = 0; v < 16; v++) {
             x[v] = ost_clamped(x[v], 1023u, 1024u + (uint)view->dims[0]) - 1016u;
             y[v] = ost_clamped(y[v], 1023u, 1024u + (uint)view->dims[1]) - 1016u;
             z[v] = ost_clamped(z[v], 1023u, 1024u + (uint)view->dims[2]) - 1016u;
@@ -313,7 +315,7 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
 typedef struct ost_bricks {
     int count;
     int at[8][3];
-    uint u[8][3]; /* coordinates of the brick's first voxel, plus 2^30 */
+    uint u[8][3]; /* coordinates of the first voxel of each of eight bricks, plus 2^30 */
     ulong open[8];
     ost_window window[8];
 } ost_bricks;
@@ -452,9 +454,9 @@ static void ost_run_pose(ost_block_rows *rows, const ost_cl_entry *entry, __glob
 /* The rows of the block that have hits, with their offsets in the pool and the voxels that are hit. */
 typedef struct ost_hit_rows {
     int count;
-    uint touched; /* number of voxels that are touched and not hit */
+    uint touched; /* number of voxels that are touched but not hit */
     ushort hit[256], left[256];
-    uint row[256]; /* offset of the row from the block's first voxel */
+    uint row[256]; /* for each row, its offset in voxels from the block's first voxel */
 } ost_hit_rows;
 
 static void ost_list_hits(const ost_block_rows *rows, int n, ost_hit_rows *list)
@@ -495,7 +497,7 @@ static void ost_sum_hits(const ost_hit_rows *list, __global const short *density
         short16 counts = (column & list->hit[i]) != (ushort)0;
         if (!all)
             counts &= d >= border;
-        count -= counts; /* each count is at most 256 */
+        count -= counts; /* a lane counts at most 256 voxels */
         sums += convert_int16(d & counts);
     }
     short counted[16];
@@ -551,7 +553,7 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
      * The sums for c cover the hit voxels whose density is at least border c; the sums for c = 0 cover all hit voxels.
      * The result of class c is the sums for c minus the sums for c + 1.
      */
-    uint above = 0, above_sum = 0; /* number of hits and sum of densities for c + 1 */
+    uint above = 0, above_sum = 0; /* number of hits, and sum of densities, of the class above (c + 1) */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

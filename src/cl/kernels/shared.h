@@ -142,7 +142,7 @@ typedef struct ost_cl_cubic {
     ost_cl_i32 rect_dims[3], dims[3];
     ost_cl_i32 rule; /* OST_CL_RESAMPLE_*, equal to ost_resample */
     ost_cl_i32 z0, z1;
-    ost_cl_i32 slab; /* 1 if `out` begins with slice z0; 0 if `out` begins with slice 0 */
+    ost_cl_i32 slab; /* 1 if `out` starts with slice z0; 0 if it starts with slice 0 */
 } ost_cl_cubic;
 
 /* ---------------------------------------------------------------- chunks */
@@ -186,7 +186,7 @@ typedef struct ost_cl_cubic {
  */
 typedef struct ost_cl_bone {
     ost_cl_i32 dims[3];
-    ost_cl_i32 size; /* side n of a chunk in voxels, 16, 32 or 64 */
+    ost_cl_i32 size; /* edge length n of a chunk in voxels: 16, 32 or 64 */
     ost_cl_i32 chunk_dims[3];
     ost_cl_i32 threshold;
 } ost_cl_bone;
@@ -245,13 +245,13 @@ typedef struct ost_cl_vox {
 typedef struct ost_cl_tiles {
     ost_cl_i32 dims[3];
     ost_cl_i32 fraction;
-    ost_cl_i32 height, depth; /* number of rows along y in a tile, and number of slices */
-    ost_cl_i32 count[2];      /* number of tiles along y and along z */
+    ost_cl_i32 height, depth; /* rows (along y) and slices per tile */
+    ost_cl_i32 count[2];      /* number of tiles along y, and along z */
     ost_cl_i32 rule;
     ost_cl_i32 tool_class;
-    ost_cl_i32 over; /* 1 if this mesh is added to the classes of the first mesh */
-    ost_cl_i32 layer; /* number of slices that share a list */
-    ost_cl_i32 pass;  /* maximum number of slices of a tile that are marked and filled together */
+    ost_cl_i32 over; /* 1 for the second mesh, whose classes are added to those of the first */
+    ost_cl_i32 layer; /* number of slices per list of triangles */
+    ost_cl_i32 pass;  /* maximum number of slices of a tile that are processed together */
 } ost_cl_tiles;
 
 /* ----------------------------------------------------------- tool cells */
@@ -285,7 +285,7 @@ typedef struct ost_cl_tiles {
 
 typedef struct ost_cl_tool {
     ost_cl_i32 dims[3];
-    ost_cl_i32 axis; /* the axis of ost_tool_reach; in ost_tool_windows, the number of classes */
+    ost_cl_i32 axis; /* ost_tool_reach: the axis, 0 to 2; ost_tool_windows: the number of classes */
 } ost_cl_tool;
 
 #define OST_CL_REACH_MAX 63
@@ -326,35 +326,35 @@ typedef struct ost_cl_tool {
  * overflow.
  */
 #define OST_CL_CLASSES 8
-/* number of parts into which ost_remove_blocks divides an event; adjacent blocks are in different parts */
+/* number of parts (batches) of an event in ost_remove_blocks; adjacent blocks are in different batches */
 #define OST_CL_BATCHES 8
 
 typedef struct ost_cl_event {
     ost_cl_i32 tool_dims[3];
     ost_cl_i32 size; /* n */
     ost_cl_u32 blocks;
-    ost_cl_i32 apply; /* 1 if voxels are removed; 0 if hits are only reported */
+    ost_cl_i32 apply; /* 1 to remove voxels; 0 to only report hits */
     ost_cl_i32 classes;
-    ost_cl_i32 touches; /* 0 if the tool has no voxel of class 2 */
+    ost_cl_i32 touches; /* 0 if the tool has no non-cutting voxel (class 2) */
     ost_cl_u32 poses_at, blocks_at, entries_at, unused;
     ost_cl_i32 border[OST_CL_CLASSES];
 } ost_cl_event;
 
 typedef struct ost_cl_block {
-    ost_cl_i32 first[3]; /* coordinates of the block's first voxel in the grid; multiples of 16 */
-    ost_cl_u32 slot;     /* slot of the chunk that contains the block */
+    ost_cl_i32 first[3]; /* grid coordinates of the block's first voxel, multiples of 16 */
+    ost_cl_u32 slot;     /* slot in the pool of the chunk that contains the block */
     /* `entry` is the index of the block's first entry, and `entries` is the number of the block's entries */
     ost_cl_u32 entry, entries;
 } ost_cl_block;
 
 typedef struct ost_cl_entry {
-    ost_cl_i32 base[3]; /* the base of AR-MAP-4; it is near in the sense of AR-MAP-5 */
+    ost_cl_i32 base[3]; /* base of the block (AR-MAP-4), in the range of AR-MAP-5 */
     ost_cl_u32 pose;
 } ost_cl_entry;
 
 typedef struct ost_cl_pose {
-    ost_cl_i32 step[3][3]; /* steps of the map (ost_map), indexed by [bone axis][tool axis] */
-    ost_cl_i32 lo[3], hi[3]; /* box of the pose (ost_removal_event) */
+    ost_cl_i32 step[3][3]; /* steps of the map, indexed [bone axis][tool axis] (ost_map) */
+    ost_cl_i32 lo[3], hi[3]; /* the pose's box, lo <= voxel < hi (ost_removal_event) */
     /* The comment of ost_cl_pose_reach explains the fields complete, planes and skip. complete[] is for cubes of 4, 8
        and 16 voxels per edge; a value above OST_CL_REACH_MAX means that no reach is sufficient for such a cube. */
     ost_cl_u8 complete[3];
@@ -414,7 +414,7 @@ typedef struct ost_cl_block_report {
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
 #define OST_CL_TURNS_POSES(turns) (((turns) - 400u) / 18u)
 
-/* A permutation of all 2^32 values of uint that has a single cycle. */
+/* Maps each value of uint to a different one. The sequence of all 2^32 values is a single cycle. */
 #define OST_CL_NEXT_TURN(x) ((x) * 1664525u + 1013904223u)
 #define OST_CL_FLOATS 16
 

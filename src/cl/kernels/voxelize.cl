@@ -16,7 +16,7 @@
  * lies in [0, L], so K - nx 2^(f-1) >= -2^50. A count is at most the number of triangles, 2^26.
  */
 
-/* Returns the lattice coordinate of the centre of voxel i on one axis. */
+/* Returns the coordinate of the centre of voxel i along one axis, in units of 2^-f voxels. */
 static long ost_centre(int i, int f)
 {
     return ((2l * i + 1) * (1l << f)) / 2;
@@ -46,10 +46,11 @@ static int ost_owns_edge(long dy, long dz)
  */
 typedef struct ost_triangle {
     long a[3], b[3], c[3];
-    int i_first, i_last, j_first, j_last, k_first, k_last; /* centres in the bounds of the triangle */
+    /* ranges of the voxel centres within the triangle's bounds */
+    int i_first, i_last, j_first, j_last, k_first, k_last;
     long nx, ny, nz;
-    int step; /* value that is added at a crossing, +1 or -1 */
-    /* 1 if the triangle owns its edge ab (on0), bc (on1) or ca (on2) */
+    int step; /* change of the winding number at a crossing, +1 or -1 */
+    /* 1 if centres on the edge ab (on0), bc (on1) or ca (on2) belong to the triangle */
     int on0, on1, on2;
 } ost_triangle;
 
@@ -75,7 +76,7 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
     if (t->nx == 0)
         return 0;
     t->step = -1;
-    if (t->nx < 0) { /* if the outward normal points to low x, the line enters the mesh */
+    if (t->nx < 0) { /* nx < 0: in the direction of x, the row enters the mesh, so the winding number increases */
         for (int i = 0; i < 3; i++) {
             const long swap = t->b[i];
             t->b[i] = t->c[i];
@@ -121,7 +122,7 @@ static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
     int least = t->i_first, most = t->i_last + 1;
     while (least < most) {
         const int middle = (least + most) / 2;
-        if (t->nx * width * middle >= crossing) /* nx 2^f i < 2^40 2^20, because i 2^f <= 2^20 */
+        if (t->nx * width * middle >= crossing) /* the product is below 2^60, because nx < 2^40 and i 2^f <= 2^20 */
             most = middle;
         else
             least = middle + 1;

@@ -15,8 +15,8 @@
 #if OST_FOR & 2
 
 #ifdef __clang__
-#if __has_warning("-Wpsabi") /* NVIDIA's compiler is clang without this warning */
-/* The warning is harmless, because only functions of this file pass vectors wider than registers. */
+#if __has_warning("-Wpsabi") /* NVIDIA's compiler is a clang that does not have this warning */
+/* Disables a warning about the calling convention of wide vectors, which only functions of this file pass. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 #endif
@@ -66,8 +66,8 @@ static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 
 /* The rows and slices that are marked in one pass, and the dimensions of the scratch memory. */
 typedef struct ost_pass {
-    int j0, j1, k0, k1; /* half-open ranges of rows (j) and slices (k) */
-    int height;         /* number of rows per slice in the scratch memory */
+    int j0, j1, k0, k1; /* ranges of rows, j0 <= j < j1, and of slices, k0 <= k < k1 */
+    int height;         /* number of rows per slice in the scratch memory of the tile */
     int f;
     size_t row_steps, row_words;
 } ost_pass;
@@ -140,7 +140,8 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
                 residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    const int furthest = ost_most_of8((most[0] - least[0]) & ~none); /* maximum of q - 1 over all lanes */
+    /* upper bound of q - 1 in all lanes: q is a position within the bounds along x */
+    const int furthest = ost_most_of8((most[0] - least[0]) & ~none);
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], row_at[8], step[8];
     vstore8(j_first - pass->j0 + pass->height * (k_first - pass->k0), 0, row);
