@@ -17,10 +17,10 @@ static bool busy(const runner *r, int subject_index)
     return r->judged == subject_index;
 }
 
-/* Chooses the next worker to start. Returns false if another worker must end first. */
+/* Chooses the next worker. Returns false if no worker can start before another one ends. */
 static bool choose(runner *r, int *number, int *subject_index)
 {
-    /* The next reference is started first, because all other backends wait for it. */
+    /* The next reference has priority, because all other backends are compared with its trace. */
     if (r->begun < r->batches && r->begun < r->done + ALIVE && !busy(r, 0)) {
         *number = r->begun;
         *subject_index = 0;
@@ -83,7 +83,7 @@ static ost_status run_all(runner *r, ost_error *err)
             status = worker_wait_any(all, r->running, &which, &end, err);
             if (status == OST_OK) {
                 const slot ended = runner_take(r, which, &end);
-                /* The next worker runs while the trace of the worker that just ended is judged. */
+                /* Starts the next worker before judging, so that it runs while the finished trace is judged. */
                 status = start_workers(r, err);
                 if (status == OST_OK)
                     status = runner_judge(r, &ended, &end, err);

@@ -34,9 +34,9 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; the member text contains the error line */
-    CASE_CRASHED, /* the worker was ended by a signal other than SIGKILL; SIGKILL ends the campaign instead */
+    CASE_CRASHED, /* a signal other than SIGKILL ended the worker; SIGKILL ends the entire campaign */
     CASE_LATE,
-    CASE_NOT_RUN, /* the backend is not available on this machine or in this build */
+    CASE_NOT_RUN, /* the machine or the build does not have this backend */
     CASE_VERDICTS
 } case_verdict;
 
@@ -45,13 +45,13 @@ const char *case_verdict_name(case_verdict verdict);
 typedef struct case_result {
     case_verdict verdict;
     compare_difference difference; /* valid if verdict is CASE_DIFFERS */
-    margins *margins;              /* owned; NULL if verdict is not CASE_DIFFERS or the margins were not measured */
-    /* number of records of the stages `snap` and `steps` that the backend computed itself */
+    margins *margins;              /* owned; set if verdict is CASE_DIFFERS and margins were measured, otherwise NULL */
+    /* number of records of the stages `snap` and `steps` that the backend computed with its own code */
     uint32_t own_steps;
-    /* owned; details of the difference if verdict is CASE_DIFFERS; NULL if there are none */
+    /* owned; details of the difference, or NULL */
     finding *found;
     char text[200];
-    /* SHA-256 of the digest lines of this backend's results (digests_of_case); valid if has_made is true */
+    /* SHA-256 of the backend's digest lines for the case (digests_of_case); valid if has_made is true */
     ost_digest made;
     /* true if the backend's trace contains the case, so that the verdict is equal, differs or failed */
     bool has_made;
@@ -62,11 +62,11 @@ typedef struct case_result {
 
 struct campaign;
 typedef struct campaign_options {
-    const char *program;  /* path of this program's file */
+    const char *program;  /* path of the program that runs as a worker */
     /* maximum number of concurrent workers; 0 means the number of cores that this process may use */
     int jobs;
-    double limit_s;       /* time limit in seconds for all cases of one backend */
-    /* true if every stage gets the reference's input (perform_apart); dumps are not allowed then */
+    double limit_s;       /* time limit in seconds for each backend, over all its cases */
+    /* true if every stage starts from the reference's input (perform_apart); dumps are then not allowed */
     bool apart;
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
@@ -86,7 +86,7 @@ typedef struct campaign {
     const subject_list *subjects;
     /* owned; the index is case * subjects + subject; the entries of subject 0, the reference, record whether it ran */
     case_result *results;
-    /* trace of the batch that is being judged; empty outside the callbacks `differs` and `done` */
+    /* the reference's trace of the current batch; valid only within the callbacks `differs` and `done` */
     trace reference;
     /* owned; for each case in the trace `reference`, its digest lines (digests_of_case); NULL for other cases */
     char **lines;
@@ -95,15 +95,15 @@ typedef struct campaign {
     /* owned; for each subject, the backend paths counted by those of its workers that ended normally */
     path_list *paths;
     time_t begun;
-    double *seconds;       /* owned; for each subject, the sum of the running times of its workers */
-    int jobs;              /* maximum number of concurrent workers */
-    uint64_t trace_bytes;  /* maximum total size of the traces on the disk at one time */
-    uint64_t records, bytes; /* number of compared records and number of compared bytes, over all backends */
-    uint64_t stage_records[TRACE_STAGES]; /* number of records of the reference for each stage */
-    int counts[CASE_VERDICTS]; /* number of each verdict over all backends except the reference */
-    /* number of cases that the reference refused; their verdict on the reference is CASE_FAILED */
+    double *seconds;       /* owned; for each backend, the total time of its workers in seconds */
+    int jobs;              /* maximum number of workers that run at the same time */
+    uint64_t trace_bytes;  /* maximum total size in bytes of the traces that exist at the same time */
+    uint64_t records, bytes; /* number of compared records, and of compared bytes, over all backends */
+    uint64_t stage_records[TRACE_STAGES]; /* for each stage, the number of the reference's records */
+    int counts[CASE_VERDICTS]; /* for each verdict, the number of results of all backends except the reference */
+    /* number of cases that the reference refused, which gives it the verdict CASE_FAILED */
     int refused;
-    /* number of results that equal the reference's, in cases that the reference did not refuse */
+    /* number of equal results in cases that the reference did not refuse; only these are evidence */
     int shown;
 } campaign;
 

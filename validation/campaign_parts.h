@@ -15,14 +15,14 @@
 #include "validation/campaign.h"
 #include "validation/verdict.h"
 
-/* A worker's trace that has at least one difference. It is freed with its batch. */
+/* A trace with at least one difference. It is kept until its batch is freed. */
 typedef struct stored_trace {
     int subject_index, from, judged;
     trace got;
     struct stored_trace *next;
 } stored_trace;
 
-/* The cases of a batch that a backend has not completed yet. */
+/* A backend's cases of a batch that have not been completed. */
 typedef struct task {
     int from; /* next case to run; equal to the end of the batch when all cases are done */
     bool running;
@@ -44,7 +44,7 @@ typedef struct batch {
 
 typedef struct slot {
     worker w;
-    int batch, subject_index, trace; /* `trace` is the descriptor of the worker's trace */
+    int batch, subject_index, trace; /* batch, index of the backend, and file descriptor of the worker's trace */
 } slot;
 
 /* Maximum number of open batches. The oldest open batch is being compared; the reference already runs the next ones.
@@ -59,25 +59,26 @@ typedef struct runner {
      * total number of batches, number of batches begun, and number of batches done; the batches [done, begun) are open
      */
     int batches, begun, done;
-    batch alive[ALIVE];       /* batch n has index n % ALIVE */
-    int *ends;                /* owned; for each batch, the index of the first case after it */
-    bool *gone;               /* owned; for each backend, true if it failed permanently and gets no further worker */
-    /* owned; for each backend that failed permanently, the result that its remaining cases get */
+    batch alive[ALIVE];       /* the open batches; batch n is element n % ALIVE */
+    int *ends;                /* owned; for each batch, the index after its last case */
+    /* owned; for each backend, true if it failed for good, so that no more workers are started */
+    bool *gone;
+    /* owned; for each backend that failed for good, the result of all its remaining cases */
     case_result *last_words;
     slot slots[WORKERS_MAX];
-    int running, finished;    /* number of running workers, and number of finished pairs of case and backend */
-    int judged;               /* index of the backend whose trace is being judged; NOBODY if there is none */
+    int running, finished;    /* number of running workers, and of completed pairs of case and backend */
+    int judged;               /* index of the backend whose trace is being judged, or NOBODY */
 } runner;
 
 /* ---- campaign_batch.c */
 
-/* Returns the batch with this number, which must be in [done, begun). */
+/* Returns a batch by its number, which must be in [done, begun). */
 batch *batch_of(runner *r, int number);
 /* Opens the next batch and creates its tasks. Cases of backends that are not available are judged as not run. */
 ost_status batch_begin(runner *r, ost_error *err);
-/* Moves a backend's trace that contains differing cases into the batch, and leaves *got empty. */
+/* Moves a trace with differences from *got to the batch, and leaves *got empty. */
 ost_status batch_store_trace(batch *b, int subject_index, int from, int judged, trace *got, ost_error *err);
-/* Returns true if every task of an open batch is done. */
+/* Returns true if all backends have completed an open batch. */
 bool batch_is_done(const runner *r, const batch *b);
 /* Ends the oldest batch. Calls options->differs for each difference and then options->done, and frees the traces. */
 ost_status batch_end(runner *r, ost_error *err);
@@ -85,12 +86,12 @@ void batch_free(batch *b);
 
 /* ---- campaign_worker.c */
 
-/* Starts a worker for a backend's remaining cases in a batch. */
+/* Starts a worker for the cases of a batch that a backend has not completed. */
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
 /* Frees the slot `which` after its worker ended with the result *end, and returns its content. The task counts as
    running until runner_judge. */
 slot runner_take(runner *r, int which, const worker_result *end);
-/* Reads the trace of the worker that occupied *ended, judges it, and closes it. */
+/* Reads, judges and closes the trace of a worker that has ended. */
 ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, ost_error *err);
 
 /* ---- campaign_results.c */
@@ -111,11 +112,11 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
 
 /* ---- campaign_dump.c */
 
-/* Returns the folder of a subject that is a dump; NULL for other subjects. */
+/* Returns the folder of a backend that is a dump; NULL for any other backend. */
 const char *dump_of(const campaign *c, int subject_index);
-/* Checks that every dump was made from this campaign's cases. */
+/* Checks that every dump contains results of this campaign's cases. */
 ost_status dumps_check(const campaign *c, ost_error *err);
-/* Stores the verdicts of a batch for a dump. No worker runs for a dump. */
+/* Judges a dump in place of a worker, and stores the verdicts of a batch. */
 ost_status dump_to_results(runner *r, batch *b, int subject_index, ost_error *err);
 
 #endif

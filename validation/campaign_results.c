@@ -107,7 +107,7 @@ ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got
         return err->status;
     if (t->from == b->end)
         return OST_OK;
-    /* Case t->from is the case that the worker was running when it ended. */
+    /* t->from is the case that was running when the worker ended. */
     case_result *one = verdict_of(r->c, t->from, subject_index);
     verdict_of_end(end, one);
     t->from++;

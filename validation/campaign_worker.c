@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The workers of a campaign: their command lines and their traces. */
+/* Starts the workers of a campaign, and reads their traces. */
 #include "validation/campaign_parts.h"
 
 #include <errno.h>
@@ -12,7 +12,7 @@
 #include "validation/scratch.h"
 #include "validation/user_store.h"
 
-enum { CAMPAIGN_WORDS = 24 }; /* maximum number of arguments of a worker's command line */
+enum { CAMPAIGN_WORDS = 24 }; /* maximum number of words on a worker's command line */
 
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err)
 {
@@ -87,7 +87,7 @@ static void count_bytes(runner *r)
  */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {
-    enum { LOADER_FAILED = 127 }; /* exit status of a program whose libraries could not be opened */
+    enum { LOADER_FAILED = 127 }; /* exit status of a program that the dynamic loader could not start */
     if (end->end == WORKER_CRASHED && end->code == SIGKILL)
         return ost_fail(err, OST_ERR_IO,
                         "the worker of %s was ended from outside by SIGKILL, as the kernel does when memory runs out, "
@@ -137,7 +137,7 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
     if (subject_index == 0 && r->o->apart)
         b->given = ended->trace;
     else
-        close(ended->trace); /* the mapping of the file remains valid until it is unmapped */
+        close(ended->trace); /* Closing the descriptor does not end the mapping of the file. */
     if (readable != OST_OK)
         got = (trace){0};
     ost_status status = check_space_left(end, err);

@@ -69,7 +69,7 @@ static void compare_block(const trace_block_view *a, const trace_block_view *b, 
     }
 }
 
-/* Compares the positions of two leaves in x-fastest order, the order of a tick's blocks. */
+/* Orders leaves x-fastest, as the blocks of a tick are ordered. */
 static int order(const trace_block_view *a, const trace_block_view *b)
 {
     for (int axis = 2; axis >= 0; axis--)
@@ -221,7 +221,7 @@ static void compare_record(const trace *ref, compare_range in_ref, const trace *
     }
     const bool words = compare_words(a, b, out), paired = compare_blocks(ref, in_ref, got, in_got, at, out);
     out->words_too = words;
-    /* The only words that differ are bounds, which need not be equal. */
+    /* Only bounds differ, and backends may report different bounds. */
     if (!words && paired && !out->voxels && b->flags & TRACE_BOUNDS)
         return;
     out->kind = out->voxels ? COMPARE_VOXEL : words && paired ? COMPARE_WORD : COMPARE_SHAPE;

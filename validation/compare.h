@@ -17,27 +17,27 @@
 typedef enum compare_kind {
     COMPARE_EQUAL,
     COMPARE_VOXEL,   /* voxels differ */
-    COMPARE_WORD,    /* only words of the reports differ */
+    COMPARE_WORD,    /* the voxels are equal, but words of the reports differ */
     /* The types of the records differ, or one trace has an additional record or an additional block. */
     COMPARE_SHAPE,
-    COMPARE_MISSING  /* the other trace has no such record */
+    COMPARE_MISSING  /* only one of the traces has the record */
 } compare_kind;
 
 typedef struct compare_difference {
     compare_kind kind;
     trace_stage stage;
-    uint32_t item;         /* index of the tool or tick */
-    size_t word;           /* for COMPARE_WORD, the index of the first word that differs */
+    uint32_t item;         /* index of the tool or of the tick to which the record belongs */
+    size_t word;           /* COMPARE_WORD: index of the first word that differs */
     /* number of words per chunk in this record's report; 0 if the report has no lines for chunks */
     uint64_t line_words;
     uint64_t word_ref, word_got;
-    int32_t voxel[3];      /* for COMPARE_VOXEL, the first differing voxel in x-fastest order over the entire grid */
+    int32_t voxel[3];      /* COMPARE_VOXEL: the first voxel that differs, in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
     /* number of differing voxels in this record; for a tick, only the leaves that changed on at least one backend
        count */
     uint64_t voxels;
-    uint64_t records;      /* number of records of this case that were compared, including this one */
-    bool words_too;        /* for COMPARE_VOXEL, true if words of the report also differ */
+    uint64_t records;      /* number of compared records of this case, including the record with the difference */
+    bool words_too;        /* COMPARE_VOXEL: true if words of the report differ too */
     int64_t chunk;         /* first chunk of the bone whose line in the report differs; -1 if there is none */
 } compare_difference;
 

@@ -28,7 +28,7 @@ static inline uint64_t draw_bits(draw *d)
     return z ^ (z >> 31);
 }
 
-/* Returns a number in [lo, hi]; hi - lo < 2^63. */
+/* Returns a random number in [lo, hi]. Requires hi - lo < 2^63. */
 static inline int64_t draw_between(draw *d, int64_t lo, int64_t hi)
 {
     return lo + (int64_t)(draw_bits(d) % ((uint64_t)hi - (uint64_t)lo + 1));
@@ -39,7 +39,7 @@ static inline bool draw_one_in(draw *d, int n)
     return draw_bits(d) % (uint64_t)n == 0;
 }
 
-/* Returns lo plus a random multiple of (hi - lo) / 2^53, in [lo, hi). */
+/* Returns lo + k (hi - lo) / 2^53 for a random integer k, 0 <= k < 2^53. */
 static inline double draw_real(draw *d, double lo, double hi)
 {
     return lo + (hi - lo) * ((double)(draw_bits(d) >> 11) * 0x1p-53);
@@ -63,7 +63,7 @@ static inline ost_dims draw_dims(draw *d, int32_t lo, int32_t hi)
     return n;
 }
 
-/* Returns the stream with this name in the campaign with this seed. */
+/* Returns the random stream of this name, which depends only on the name and the campaign's seed. */
 static inline draw draw_named(uint64_t seed, const char *name)
 {
     draw d = {seed};

@@ -50,7 +50,7 @@ static ost_status put_json(const char *folder, const char *name, json_t *value, 
     return status;
 }
 
-/* Writes the samples in the order in which they are scattered, as exact decimals. */
+/* Writes the samples as exact decimals, in the order in which the case scatters them. */
 static ost_status put_samples(const char *folder, const scene *s, ost_error *err)
 {
     char path[PATH], x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
@@ -104,7 +104,7 @@ static ost_status put_stl(const char *folder, const char *name, const ost_snappe
     return status;
 }
 
-/* Writes a mesh before snapping as OBJ. The coordinates are integers in picometres. */
+/* Writes a mesh as OBJ, as it is before snapping. The coordinates are integers, in picometres. */
 static ost_status put_raw(const char *folder, const char *name, const ost_mesh *m, ost_error *err)
 {
     char path[PATH];
@@ -209,7 +209,7 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
                               "ticks", (json_int_t)s.path.count);
         if (s.sample_count)
             json_object_set_new(o, "ct", ct_json(&s));
-        else if (s.path.count) /* there is no CT, so only the steps that precede the voxels are computed */
+        else if (s.path.count) /* without a CT, the case has no voxels, so only the steps before them are written */
             json_object_set_new(o, "bone", grid_json(&s.rect));
         if (s.path.count)
             json_object_set_new(o, "world",

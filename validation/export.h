@@ -10,7 +10,7 @@
 
 #include "validation/plan.h"
 
-/* Writes all cases of the plan to a new folder, which must not exist. */
+/* Writes all cases of the plan to a folder, which must not exist yet. */
 ost_status export_cases(const char *folder, const plan *p, ost_error *err);
 
 #endif

@@ -89,7 +89,7 @@ ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, co
     for (size_t i = 0; i < in_ref.count && i < in_got.count && status == OST_OK; i++) {
         const trace_record *a = &ref->records[in_ref.first + i], *b = &got->records[in_got.first + i];
         if (a->stage != b->stage || a->item != b->item)
-            break; /* one of the two backends failed here, so later records have no counterpart */
+            break; /* From here on, only one backend has records, because the other one failed. */
         if (a->stage != TRACE_CASE)
             status = one_record(&w, a, b, err);
     }

@@ -41,12 +41,12 @@ enum {
 
 typedef struct margin_stage {
     uint64_t records; /* number of records compared */
-    uint64_t reports; /* number of these records whose report differs */
-    uint64_t voxels;  /* number of voxels that differ; the sum of the next five members */
-    uint64_t decided; /* number of differing voxels for which a margin was computed */
+    uint64_t reports; /* number of compared records whose reports differ */
+    uint64_t voxels;  /* number of voxels that differ, the sum of the next five members */
+    uint64_t decided; /* of these voxels, the number for which a margin was computed */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
-    /* maximum margin; max_item and max_voxel identify the record and the voxel with this margin */
+    /* greatest margin, and the record and the voxel that have it */
     uint64_t max;
     uint32_t max_item;
     int32_t max_voxel[3];
@@ -68,7 +68,7 @@ void margins_add(margins *a, const margins *b);
    the array. */
 json_t *margins_json(const margins *m);
 
-/* Returns the unit of a stage's margins as text, such as "tool voxel". */
+/* Returns the unit in which a stage's margins are given, such as "tool voxel". */
 const char *margin_unit(trace_stage stage);
 
 #endif

@@ -53,7 +53,8 @@ static void meet_sample(const ost_geometry *g, const ost_sample *sample, moved *
         for (int a = 0; a < 3; a++) {
             const int64_t there = index[a] + d[a];
             inside = inside && there >= 0 && there < n[a];
-            const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a]; /* twice the distance to the border */
+            /* twice the distance from the voxel's centre to the border */
+            const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a];
             gap = away > 0 && share_of(away, 2 * s[a]) > gap ? share_of(away, 2 * s[a]) : gap;
             const int64_t out = share_of(s[a] - 2 * (off[a] < 0 ? -off[a] : off[a]), 2 * s[a]);
             leave = out < leave ? out : leave;
@@ -170,11 +171,11 @@ void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_v
             margin_other(m, &m->inherited);
             continue;
         }
-        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* the voxel is a mean of densities */
+        if (s[0].tap.weight || s[1].tap.weight || s[2].tap.weight) { /* the voxel is interpolated */
             margin_decided(m, (uint64_t)rounding_gap(theirs, got), 0, at);
             continue;
         }
-        /* Finds the nearest of the adjacent voxels that has the other backend's value. */
+        /* Finds the nearest neighbouring voxel that has the value of the other backend. */
         for (int step = 0; step < 27; step++) {
             const int d[3] = {step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1};
             int64_t gap = 0, v[3];
@@ -215,7 +216,7 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        /* the other backend may have compared with > instead of >= */
+        /* the other backend may compare with > where the rule is >= */
         else if (density == w->s->threshold && got == 0) {
             const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y),
                                    (int32_t)(i / ((size_t)d.x * (size_t)d.y))};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Functions that count the voxels in which two backends differ. */
+/* Counts the voxels in which two backends differ, and stores the greatest margin. */
 #include "validation/margin_parts.h"
 
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3])

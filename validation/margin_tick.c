@@ -39,7 +39,8 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
     const int64_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
     int64_t cell[3], first = 0, last = 0;
     cell_of(u, cell);
-    for (int a = 0; a < 3; a++) { /* rings before `first` and after `last` contain no voxel of the grid */
+    /* the search ends when the rings before `first` and after `last` lie outside the grid */
+    for (int a = 0; a < 3; a++) {
         const int64_t before = -cell[a], after = cell[a] - (dims[a] - 1);
         const int64_t near = before > after ? before : after,
                       far = cell[a] > dims[a] - 1 - cell[a] ? cell[a] : dims[a] - 1 - cell[a];
@@ -50,7 +51,7 @@ static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cu
         first = 0;
     for (int64_t r = first; r <= last + 1; r++) {
         int64_t best = -1, lo[3], hi[3];
-        for (int a = 0; a < 3; a++) { /* voxels outside the grid are empty; one layer of them is sufficient */
+        for (int a = 0; a < 3; a++) { /* voxels outside the grid are empty, so one layer of them is sufficient */
             lo[a] = -r < -cell[a] - 1 ? -cell[a] - 1 : -r;
             hi[a] = r > dims[a] - cell[a] ? dims[a] - cell[a] : r;
         }
@@ -227,7 +228,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         judge_voxel(w, tick, maps, poses, position_at, w->bone[0][at] == 0 && was[0] != 0,
                     w->bone[1][at] == 0 && was[1] != 0);
     }
-    for (size_t i = 0; i < count && w->apart; i++) /* the next tick starts from the reference's bone */
+    /* In the next tick, both backends start from the reference's bone. */
+    for (size_t i = 0; i < count && w->apart; i++)
         w->bone[1][changes[i].at] = w->bone[0][changes[i].at];
     free(changes);
     free(maps);

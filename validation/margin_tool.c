@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of tools: the exact distance of a voxel's centre from the mesh. */
+/* Computes the margins of tools: exact distances between voxel centres and the mesh. */
 #include "validation/margin_parts.h"
 
 #include "core/integer.h"
@@ -43,7 +43,7 @@ static bool less(fraction a, fraction b)
     const unsigned __int128 p = a.top / a.bottom, q = b.top / b.bottom;
     if (p != q)
         return p < q;
-    /* The integer parts are equal, so the remainders are compared bit by bit. */
+    /* The integer parts are equal, so the fractions are compared bit by bit. */
     unsigned __int128 r = a.top % a.bottom, s = b.top % b.bottom;
     for (int bit = 0; bit < 64; bit++) {
         r <<= 1;

@@ -26,7 +26,7 @@ typedef struct path_count {
 
 typedef struct path_list {
     int count;
-    path_count *paths; /* owned; in the order in which the backend lists its paths */
+    path_count *paths; /* owned; the paths in the order in which the backend reports them */
 } path_list;
 
 /* Adds the count and the name of each of the backend's paths to the record that is being written. */

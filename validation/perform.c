@@ -61,7 +61,7 @@ static ost_status perform_case(performer p, ost_error *why, ost_error *err)
         trace_begin(w, TRACE_FAILED, case_index, 0);
         trace_word(w, (uint64_t)why->status);
         const int32_t lo[3] = {0, 0, 0};
-        /* the status of a failure is compared, but not this text */
+        /* Only the status of a failure is compared; this text is for the reader. */
         const ost_dims line = {(int32_t)strlen(why->text) + 1, 1, 1};
         char *text = trace_block(w, lo, line, 1);
         if (text)

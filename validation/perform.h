@@ -21,7 +21,7 @@
 #include "validation/scene.h"
 #include "validation/trace.h"
 
-/* Maximum number of voxels of a bone that is downloaded completely after every tick (perform_tick.c). */
+/* maximum number of voxels of a bone that is downloaded after every tick (perform_tick.c) */
 enum { PERFORM_ALL_VOXELS = 1 << 18 };
 
 /* Called after each record is written. NULL may be passed to perform instead of a callback. */

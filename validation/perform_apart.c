@@ -18,7 +18,7 @@ static ost_status given_record(const performer *p, trace_stage stage, uint32_t i
                     trace_stage_name(stage), (unsigned)item);
 }
 
-/* Finds the block of a complete grid in the reference's trace. */
+/* Finds the complete grid of a stage in the reference's trace. */
 static ost_status given_grid(const performer *p, trace_stage stage, uint32_t item, uint32_t voxel_bytes, ost_dims dims,
                              trace_block_view *out, ost_error *err)
 {
@@ -42,7 +42,7 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
     if (status != OST_OK)
         return status;
     const size_t bytes = (size_t)ost_dims_count(dims) * sizeof(int16_t);
-    int16_t *voxels = malloc(bytes); /* a copy, because the voxels of a trace are not aligned */
+    int16_t *voxels = malloc(bytes); /* memcpy, because the voxels of a trace need not be aligned */
     if (!voxels)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %zu bytes", bytes);
     memcpy(voxels, block.voxels, bytes);

@@ -10,7 +10,7 @@
 
 enum { LATTICE_SIDE = 7, LATTICE_SAMPLES = 64, GRID_SIDE = 8, BONE_SIDE = 16, BONE_DENSITY = 32767 };
 
-/* Larger tools are skipped, because preparing a tool for a bone takes tens of milliseconds. */
+/* larger tools are skipped, because preparing one takes tens of milliseconds */
 #define TOOL_VOXELS ((int64_t)1 << 18)
 
 /* Returns an origin two voxels below the CT's origin, or two voxels above it if the lower one would exceed the range
@@ -34,7 +34,7 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     ost_grid *grid = NULL;
     if (s->slices)
         return OST_OK;
-    for (size_t i = 0; i < n; i++) /* reverse order, so that the last sample is the first sample of the case */
+    for (size_t i = 0; i < n; i++) /* in reverse order, so that the case's first sample comes last */
         samples[i] = s->samples[n - 1 - i];
     ost_status status = ost_grid_create(p->backend, &other, &grid, err);
     if (status == OST_OK)
@@ -79,7 +79,7 @@ static ost_status meet(performer *p, int i, ost_bone *bone, const ost_geometry *
     const ost_voxel_box box = {.hi = {d.x, d.y, d.z}};
     steps_pose made;
     if (steps_pose_of(p->second, &pose, geometry, &p->grids[i], &made, NULL) != OST_OK)
-        return OST_OK; /* the tool is not supported for this bone (AR-MAP-2) */
+        return OST_OK; /* AR-MAP-2 does not allow this tool with this bone. */
     const ost_removal_event event = {.pose_count = 1, .maps = &made.map, .boxes = &box, .classes = &classes};
     return ost_bone_collide(bone, p->tools[i], &event, &p->collided, err);
 }
@@ -101,7 +101,7 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err)
     if (status == OST_OK)
         status = meet(p, i, bone, &geometry, err);
     ost_bone_free(bone);
-    if (status == OST_ERR_UNAVAILABLE) { /* a plugin is not required to implement the upload of a bone */
+    if (status == OST_ERR_UNAVAILABLE) { /* A plugin may leave the upload of a bone unimplemented. */
         *err = (ost_error){0};
         status = OST_OK;
     }

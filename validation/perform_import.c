@@ -13,7 +13,7 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     const ost_dims dims = ost_grid_geometry(grid)->dims;
     const int32_t lo[3] = {0, 0, 0};
     int16_t *voxels = trace_block(p->w, lo, dims, 2);
-    /* if memory is exhausted, trace_end fails */
+    /* without memory, `voxels` is NULL, and trace_end returns the error */
     return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK;
 }
 
@@ -41,7 +41,7 @@ static ost_status upload_ct(performer *p, ost_grid *rect, ost_error *err)
     return status;
 }
 
-/* Writes a record with the dims, the spacing and the voxels of a cubic grid. */
+/* Writes a record that contains the geometry and the voxels of a cubic grid. */
 static ost_status record_cubic(performer *p, trace_stage stage, const ost_grid *grid, ost_error *err)
 {
     const ost_geometry *g = ost_grid_geometry(grid);

@@ -30,28 +30,28 @@ typedef struct performer {
     ost_tool *tools[SCENE_TOOLS_MAX];
     ost_tool_geometry grids[SCENE_TOOLS_MAX];
     ost_world *world;
-    ost_geometry geometry; /* the bone's geometry, from which the maps are computed */
+    ost_geometry geometry; /* geometry of the bone, for the computation of maps */
     ost_dims dims;
     int16_t *was, *is;    /* `was` is the bone in its last record, and `is` is the bone as it was last downloaded */
     ost_removal_report collided, removed;
-    bool second;          /* true if the second implementation computes the steps; there is no world then */
+    bool second;          /* true if the second implementation computes the steps in place of a world */
     bool light;           /* true if only the steps of the ticks are computed; used only if second is true */
-    ost_path path;        /* the ticks; freed by the performer if own_path is true */
+    ost_path path;        /* the ticks of the case; the performer frees them if own_path is true */
     bool own_path;
-    steps_history history; /* used only if second is true */
-    ost_pose *made_poses;  /* owned; poses for a backend that computes poses itself; capacity OST_SWEEP_MAX */
+    steps_history history; /* state of the second implementation; used only if `second` is true */
+    ost_pose *made_poses;  /* owned; poses for a backend that computes them itself, OST_SWEEP_MAX elements */
     ost_map *made_maps;
-    ost_map *maps;         /* owned; maps of one event; used only if second is true; capacity OST_SWEEP_MAX */
+    ost_map *maps;         /* owned; maps of an event if `second` is true, OST_SWEEP_MAX elements */
     ost_voxel_box *boxes;
     /* the member boxes_meet, and the range of chunks that the event must cover; used only if second is true */
     ost_step_result range;
     perform_watch *watch;
     void *user;
-    const trace *given; /* the reference's trace for perform_apart; NULL in all other cases */
+    const trace *given; /* the reference's trace if stages are compared apart (perform_apart), otherwise NULL */
     compare_range in_given;
     /* true if a sample of the CT was rejected or in conflict; the case then ends after the scatter report */
     bool refused;
-    int16_t *right;     /* the reference's bone; used only by perform_apart */
+    int16_t *right;     /* the reference's bone, for perform_apart */
 } performer;
 
 /* Returns true if the case has ticks but no bone. Only the steps of the ticks are computed then. */
@@ -60,7 +60,7 @@ static inline bool perform_is_of_steps(const scene *s)
     return !s->sample_count && s->path.count;
 }
 
-/* Returns the index of a voxel in a grid that is stored x-fastest. */
+/* Returns the index of voxel (x, y, z), x fastest. */
 static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 {
     return (size_t)x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z);
@@ -68,11 +68,11 @@ static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 
 /* ---- perform_record.c */
 
-/* Ends the record that is being written, and passes it to the watch. */
+/* Ends the open record and passes it to the watch function. */
 ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err);
-/* Writes an empty record for a stage that does not run in this case. */
+/* Writes an empty record in place of a stage that this case does not run. */
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
-/* Writes counts of chunks and voxels into the open record. */
+/* Writes the counts of active chunks and voxels to the open record. */
 void perform_record_counts(performer *p, const ost_bone_info *info);
 /* Writes the digest of a bone into the open record, where it is compared as a result. */
 void perform_record_digest(performer *p, const ost_digest *root);
@@ -80,13 +80,13 @@ void perform_record_digest(performer *p, const ost_digest *root);
    computes the digest. If it is false, the backend computes it. */
 ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
-/* ---- perform_apart.c: these functions do nothing if p->given is NULL */
+/* perform_apart.c: these functions do nothing if p->given is NULL. */
 
-/* Overwrites a grid with the reference's grid of this stage. */
+/* Replaces the content of a grid by the reference's result of this stage. */
 ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err);
-/* Overwrites the imported bone with the reference's bone. */
+/* Replaces the content of the bone by the reference's bone. */
 ost_status perform_give_bone(performer *p, ost_error *err);
-/* Replaces tool i by the reference's tool. */
+/* Replaces tool i by the reference's tool i. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
 /* Overwrites slices [z0, z1) of the bone after tick i with those of the reference's bone, so that a difference does
    not affect later ticks. */
@@ -95,9 +95,9 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
 /* ---- perform_before.c: these functions write no records. They are called only without a watch, because a watch counts
    the backend's calls. */
 
-/* Scatters the case's first samples into a grid with a different lattice. */
+/* Before the case: scatters its first samples into a grid with another lattice. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
-/* Converts a small grid to chunks whose size differs from that of the case's chunks. */
+/* Before the case: converts a small grid to chunks of another size. */
 ost_status perform_other_chunks(performer *p, ost_error *err);
 /* Collides tool i with a bone whose voxel size differs from that of the case's bone. */
 ost_status perform_other_bone(performer *p, int i, ost_error *err);
@@ -109,13 +109,13 @@ ost_status perform_import(performer *p, ost_error *err);
 /* Samples the bone. If time is 0, the function runs after the import and writes items 0 and 1; if time is 1, it runs
    at the end of the case and writes items 2 and 3. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
-/* Uploads the bone's slices into a second bone, in parts. */
+/* Copies the bone to a second bone by uploading its slices in parts. */
 ost_status perform_upload(performer *p, ost_error *err);
-/* Snaps and voxelizes tool i. */
+/* Snaps the meshes of tool i and voxelizes them. */
 ost_status perform_tool(performer *p, int i, ost_error *err);
 /* Creates the state for the ticks: a world, or the second implementation's history and memory for an event. */
 ost_status perform_begin_ticks(performer *p, ost_error *err);
-/* Runs tick i and records its steps, its event and the changed leaves. */
+/* Runs tick i. Records its steps, its event and the leaves of the bone that changed. */
 ost_status perform_tick(performer *p, size_t i, ost_error *err);
 /* Computes only the steps of tick i. The sweep begins at the previous tick if that tick has the same tool. */
 ost_status perform_steps(performer *p, size_t i, ost_error *err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the records that occur in several stages of a case. */
+/* Writes the records that more than one stage needs. */
 #include "validation/perform_parts.h"
 
 #include <string.h>

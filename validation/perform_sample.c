@@ -9,7 +9,7 @@
 
 enum { SAMPLES_MAX = 33 };
 
-/* Returns the FNV-1a hash of the words. */
+/* Returns the FNV-1a hash of an array of words. */
 static uint64_t hash_words(const uint32_t *words, size_t count)
 {
     uint64_t h = UINT64_C(0xcbf29ce484222325);
@@ -139,7 +139,7 @@ ost_status perform_upload(performer *p, ost_error *err)
         perform_record_counts(p, &info);
         perform_record_digest(p, &root);
     }
-    /* for a larger bone, only the digest is recorded */
+    /* The voxels of a larger bone are represented by their digest. */
     if (status == OST_OK && ost_dims_count(p->dims) <= PERFORM_ALL_VOXELS) {
         const int32_t lo[3] = {0, 0, 0};
         int16_t *voxels = trace_block(p->w, lo, p->dims, 2);

@@ -17,7 +17,7 @@ enum { ALL_VOXELS_EVERY = 32 };
    of the case. It needs about a microsecond for a thousand voxels. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
-/* Returns the scene's density classes. If the scene has none, returns those of AR-CLS-2. */
+/* Returns the density classes of the scene or, if it has none, the default classes of AR-CLS-2. */
 static ost_density_classes classes_of(const performer *p)
 {
     if (p->world)
@@ -43,7 +43,8 @@ ost_status perform_begin_ticks(performer *p, ost_error *err)
     }
     const ost_pose identity = {.qw = OST_Q30_ONE};
     steps_pose ignored;
-    for (int i = 0; i < s->tool_count && status == OST_OK; i++) /* AR-MAP-2 refuses a tool before the first tick */
+    /* Tools that AR-MAP-2 does not allow are refused before the first tick. */
+    for (int i = 0; i < s->tool_count && status == OST_OK; i++)
         status = steps_pose_of(true, &identity, &p->geometry, &p->grids[i], &ignored, err);
     if (status == OST_OK)
         status = steps_history_begin(&p->path, s->world.sweep_off, s->world.removal_period_ns, &p->history, err);
@@ -125,12 +126,12 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
                                p->made_poses, p->made_maps, err);
     if (status == OST_ERR_UNAVAILABLE)
         return OST_OK;
-    *made = status == OST_OK || status == OST_ERR_RANGE; /* OST_ERR_RANGE means that the event is refused */
+    *made = status == OST_OK || status == OST_ERR_RANGE; /* OST_ERR_RANGE: the event is refused and has no poses */
     *count = status == OST_OK ? its : status == OST_ERR_RANGE ? 0 : handed;
     return *made ? OST_OK : status;
 }
 
-/* Extends the range of chunks that the reference's event must cover. */
+/* Extends the range of chunks that must contain the reference's event. */
 static void widen_range(performer *p, const ost_voxel_box *box)
 {
     const int32_t size = p->s->chunk_size;
@@ -200,7 +201,7 @@ static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, boo
     const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
     const ost_density_classes classes = classes_of(p);
     *refused = e.refused;
-    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* an empty range of chunks */
+    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* an empty range, to be extended */
     ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
     *r = p->range;
     r->removal = e.removal;

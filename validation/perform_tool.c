@@ -24,7 +24,7 @@ static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped
     return status;
 }
 
-/* Records a tool's grid and the snapped meshes. Called before the tool is voxelized. */
+/* Records the geometry and the snapped meshes of a tool before it is voxelized. */
 static ost_status record_snap(performer *p, int i, const ost_snapped_mesh meshes[2], bool made, ost_error *err)
 {
     trace_begin(p->w, TRACE_SNAP, p->case_index, (uint32_t)i);

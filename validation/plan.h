@@ -40,9 +40,9 @@ typedef enum plan_family {
     PLAN_OPERATION,
     PLAN_STEPS,
     PLAN_REACH,
-    PLAN_STATIC, /* the static events of Tables 3.3 to 3.5; only if requested by name */
+    PLAN_STATIC, /* the static events of Tables 3.3 to 3.5 of the thesis, only if requested by name */
     PLAN_SMALL, /* not in a plan: scenes that run for a few milliseconds and pass through every stage (sensitivity.h) */
-    PLAN_USER,  /* cases of the user's own files */
+    PLAN_USER,  /* cases from the user's own files */
     PLAN_FAMILIES
 } plan_family;
 
@@ -52,29 +52,29 @@ struct user_store; /* user_store.h */
 /* The user's own cases: their number and contents. If store is NULL, only the names of the cases are available. */
 typedef struct plan_user {
     int count;
-    const struct user_store *store; /* borrowed; NULL if the cases cannot be generated */
+    const struct user_store *store; /* borrowed; the user's files; NULL if all cases are generated */
 } plan_user;
 
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
-    int number;       /* number within the family, counted from 0; in PLAN_USER, counted from 1 */
-    plan_tier tier;   /* tier of the campaign; cases of larger tiers have more data */
+    int number;       /* number of the case in its family, from 0; in PLAN_USER, from 1 */
+    plan_tier tier;   /* tier of the campaign; higher tiers have larger cases */
     uint64_t seed;
     char id[PLAN_ID]; /* "session/3" */
     /* part of the case that is run; NULL means the complete case; owned by the plan if read from a file */
     struct scene_cut *cut;
-    const struct user_store *store; /* the user's cases, for PLAN_USER; borrowed */
+    const struct user_store *store; /* borrowed; the user's files, for PLAN_USER */
 } plan_case;
 
 typedef struct plan {
     plan_tier tier;
     uint64_t seed;
-    int shard, shards; /* 1 <= shard <= shards */
-    const char *only;  /* prefix of case ids, as passed to plan_make; borrowed; NULL if there is none */
+    int shard, shards; /* number of this shard, 1 <= shard <= shards */
+    const char *only;  /* borrowed; prefix of the identifiers of the cases, or NULL (plan_make) */
     /* file from which the cases were read (locate/case_file.h); borrowed; NULL if the tier determines the cases */
     const char *file;
-    const struct user_store *user; /* the user's own cases, borrowed; NULL if there are none */
+    const struct user_store *user; /* borrowed; the user's own cases, or NULL */
     int count;
     plan_case *cases; /* owned; cases of this shard: case k of the complete list belongs to shard 1 + k mod shards */
     int total;        /* number of cases of all shards together */
@@ -82,7 +82,7 @@ typedef struct plan {
 
 const char *plan_tier_name(plan_tier tier);
 const char *plan_family_name(plan_family family);
-/* Returns one line of text that describes the family. */
+/* Returns one sentence that describes a family of cases. */
 const char *plan_family_about(plan_family family);
 
 /* Generates the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted. The
@@ -91,7 +91,7 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
                      plan *out, ost_error *err);
 void plan_free(plan *p);
 
-/* Generates the case with this id. Returns false if the tier has no such case. */
+/* Generates the case with an identifier. Returns false if the tier has no such case. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out);
 
 /* Returns an estimate of the size of a case's trace in bytes. The estimate is based on measurements. The traces of

@@ -18,7 +18,7 @@
 enum { RESAMPLE_ONE = 1 << 15 };
 
 typedef struct resample_tap {
-    int64_t top, bottom; /* numerator and denominator of the quotient before it is clamped; bottom > 0 */
+    int64_t top, bottom; /* numerator and denominator of the source position, before clamping; bottom > 0 */
     int64_t index;
     /* weight of voxel index + 1 in units of 1 / RESAMPLE_ONE; if the weight is 0, voxel index + 1 is not read */
     int64_t weight;
@@ -52,7 +52,7 @@ static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
                      rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
 }
 
-/* Returns the spacing to which a campaign resamples the cubic grid once more (TRACE_RESAMPLE). */
+/* Returns the spacing of the second resampling that a campaign makes (TRACE_RESAMPLE). */
 static inline ost_pm resample_again(ost_pm cubic)
 {
     return cubic * 7 / 5;

@@ -90,7 +90,7 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
 
 static ost_status make_mesh(const plan_case *c, scene *s, draw *d, ost_error *err)
 {
-    /* Every shape occurs in every tier. */
+    /* every tier contains every shape */
     ost_status status = OST_OK;
     for (int i = 0; i < 2 && status == OST_OK; i++) {
         const ost_fill_rule rule = draw_one_in(d, 3) ? OST_FILL_PARITY : OST_FILL_WINDING;
@@ -119,7 +119,7 @@ static ost_status make_poses(const plan_case *c, scene *s, draw *d, ost_error *e
     static const int counts[] = {0, 8, 2, 4, 1};
     if (c->number == 4)
         return scene_corners(s, d, err);
-    if (counts[c->number % 5]) /* if the count is 0, the three classes of AR-CLS-2 are used */
+    if (counts[c->number % 5]) /* a count of 0 selects the default classes of AR-CLS-2 */
         s->world.classes = scene_classes(counts[c->number % 5], 149);
     ost_status status = make_bone(s, d, c->tier == PLAN_SMOKE ? 48 : 80, err);
     if (status == OST_OK)
@@ -149,7 +149,7 @@ static ost_status make_session(const plan_case *c, scene *s, draw *d, ost_error 
     if (status == OST_OK)
         status = scene_drive(s, d, ticks[c->tier], draw_between(d, 10 * UM, 60 * UM), 0.008, err);
     if (draw_one_in(d, 3))
-        s->world.removal_period_ns = 3000000; /* 333 Hz, the rate of the thesis */
+        s->world.removal_period_ns = 3000000; /* an event every 3 ms, 333 Hz, as in the thesis */
     s->collide_every = 50;
     return status;
 }
@@ -174,14 +174,14 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
     dims.y = (int32_t)draw_between(d, 18, 40);
     dims.z = (int32_t)draw_between(d, 12, 30);
     s->rect.dims = dims;
-    /* a bone of at most this size is downloaded completely after every tick */
+    /* reduces the bone until it is small enough to be downloaded after every tick */
     while (cubic_voxels(s) > PERFORM_ALL_VOXELS)
         s->cubic *= 2;
     status = scene_ct(s, d, dims, err);
     s->batch = (size_t)draw_between(d, 500, 20000);
     for (size_t i = 0; i < s->sample_count; i++)
         s->samples[i].line = (uint32_t)(i % s->batch);
-    /* densities of metal are used, so that sums of densities exceed 2^24 */
+    /* uses the densities of metal, so that sums of densities exceed 2^24 */
     for (size_t i = 0; i < s->sample_count && c->number % 4 == 3; i++)
         if (s->samples[i].density >= s->threshold)
             s->samples[i].density = 32000 + (s->samples[i].density & 511);
@@ -199,7 +199,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
        hundreds of poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    /* the event has more hits than a chunk has voxels, and some bone voxels remain */
+    /* an event whose hits exceed the voxels of a chunk, and that leaves some bone */
     if (status == OST_OK && c->number % 4 == 0) {
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);
@@ -208,7 +208,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
         status = scene_add_poses_inside(s, d, 3, err);
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_far_pose(s, err);
-    s->collide_every = 3; /* includes a collision before tick 12, which is the far pose */
+    s->collide_every = 3; /* a collision precedes tick 12, whose pose is far away */
     return status;
 }
 

@@ -21,19 +21,19 @@ enum { SCENE_TOOLS_MAX = 4, SCENE_NAME = 32 };
 
 typedef struct scene_tool {
     char name[SCENE_NAME];
-    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has no non-cutting part */
+    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has only cutting parts */
     ost_fill_rule rule;
     /* the two meshes before snapping; without triangles if they are not available, as in a reduced case */
     ost_mesh raw[2];
-    bool grid_given; /* true if the grid was specified and not computed from the meshes (AR-TOOL-2) */
+    bool grid_given; /* true if the tool's grid was specified instead of computed from the meshes (AR-TOOL-2) */
 } scene_tool;
 
 typedef struct scene {
-    /* The CT. If there are no samples, the stages up to chunks do not run. */
+    /* the CT; without samples, the stages up to chunks do not run */
     ost_geometry rect;
-    ost_sample *samples; /* owned unless `lent` is true; in the order in which they are scattered */
-    bool lent;           /* true if the samples are borrowed from user_store.h; they must not be changed then */
-    size_t sample_count, batch; /* number of samples, and number of samples per call */
+    ost_sample *samples; /* in scattering order; owned unless `lent` is true */
+    bool lent;           /* true if the samples belong to a user_store and must not be changed */
+    size_t sample_count, batch; /* number of samples in total, and per batch */
     ost_duplicates duplicates;
     ost_pm cubic;
     ost_resample resample;
@@ -57,7 +57,7 @@ typedef struct scene {
     /* The backend also collides the tool before each tick whose number is a multiple of this value. 0 means never. */
     int collide_every;
 
-    ost_digest digest; /* digest of all other members; valid after scene_digest; recorded in the trace */
+    ost_digest digest; /* digest of all other members, set by scene_digest; the trace contains it */
 } scene;
 
 ost_status scene_make(const plan_case *c, scene *out, ost_error *err);

@@ -67,7 +67,7 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
                 one.y = near_lattice(d, s->rect.origin.y, s->rect.spacing.y, j, jitter);
                 one.z = near_lattice(d, s->rect.origin.z, s->rect.spacing.z, k, jitter);
                 one.density = in_bone(kind, at, dims, d) ? telling_density(d, s->threshold) : -1000;
-                if (!draw_one_in(d, 40)) /* voxels without a sample remain 0 */
+                if (!draw_one_in(d, 40)) /* leaves out one voxel in 40; it keeps the density 0 */
                     s->samples[n++] = one;
                 if (s->duplicates != OST_DUPLICATES_ERROR && draw_one_in(d, 12)) {
                     one.density = telling_density(d, s->threshold);

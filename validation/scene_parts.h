@@ -24,7 +24,7 @@ ost_status scene_static(scene *s, int number, ost_error *err);
 /* Makes grids, meshes and ticks for a case of the PLAN_STEPS family: sweep, map, motor and snapping, without voxels. */
 ost_status scene_steps(scene *s, draw *d, int number, ost_error *err);
 
-/* Makes case `number` of the PLAN_REACH family (scene_reach.c). */
+/* Makes case `number` of the family PLAN_REACH. */
 ost_status scene_reach(const plan_case *c, scene *s, draw *d, ost_error *err);
 
 /* Makes poses at which a corner of a cube of 8^3 voxels lies just inside a tool of one voxel (scene_corner.c). */
@@ -56,15 +56,15 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 ost_status scene_add_thin_tool(scene *s, ost_pm voxel, ost_error *err);
 
 typedef enum scene_shape {
-    SHAPE_REAMER,   /* SHAPE_REAMER, SHAPE_PEG and SHAPE_BURR are parametric tools with a random size */
+    SHAPE_REAMER,   /* SHAPE_REAMER, SHAPE_PEG and SHAPE_BURR: parametric tools of random size */
     SHAPE_PEG,
     SHAPE_BURR,
-    SHAPE_BOX,      /* a parallelepiped in any orientation */
-    SHAPE_TWICE,    /* the same solid twice, which is inside by winding number 2 and outside by parity */
+    SHAPE_BOX,      /* a parallelepiped of any orientation */
+    SHAPE_TWICE,    /* the same solid twice: inside by the winding number 2, outside by parity */
     SHAPE_HOLLOW,   /* a solid with a cavity, which is a second solid whose faces are turned inside out */
-    SHAPE_OPEN,     /* a solid that lacks some of its triangles, so that its mesh is not closed */
+    SHAPE_OPEN,     /* a solid without some of its triangles, so that the mesh is open */
     SHAPE_SOUP,     /* triangles that enclose nothing */
-    SHAPE_SLIVERS,  /* thin and tiny triangles, many of which have no area after snapping */
+    SHAPE_SLIVERS,  /* thin and tiny triangles; snapping leaves many of them without area */
     SHAPE_COUNT
 } scene_shape;
 
@@ -87,9 +87,9 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 /* Returns `count` density classes, 1 to 8, whose lowest densities are 1, 1 + step, 1 + 2 step, ... */
 ost_density_classes scene_classes(int count, int step);
 
-/* Sets sweep_off and makes `count` unrelated poses at which a tool is in the bone. */
+/* Sets sweep_off, and makes `count` unrelated poses at which a tool overlaps the bone. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
-/* Adds `count` ticks in which the last tool is near the middle of the bone. */
+/* Adds `count` ticks at which the last tool is near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);
 /*
  * Adds three ticks with the last tool, without rotation. In each tick a layer of bone voxels lies within a

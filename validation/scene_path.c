@@ -43,7 +43,7 @@ static ost_status drawn_turn(draw *d, double q[4])
     if (draw_one_in(d, 3)) {
         const int64_t which = draw_between(d, 0, 2), axis = draw_between(d, 1, 3);
         if (which == 0)
-            q[draw_between(d, 0, 3)] = 1; /* no rotation, or a half turn */
+            q[draw_between(d, 0, 3)] = 1; /* no rotation, or a half turn about an axis */
         else {
             q[0] = root; /* a quarter turn */
             q[axis] = which == 1 ? root : -root;
@@ -66,7 +66,7 @@ static ost_status drawn_turn(draw *d, double q[4])
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err)
 {
     ost_status status = ost_path_init(&s->path, count, err);
-    s->world.sweep_off = true; /* the poses are unrelated, so there is no motion between them */
+    s->world.sweep_off = true; /* no sweeps, because the poses are unrelated */
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         const ost_pm3 at = drawn_target(s, d);
         const double none[3] = {0, 0, 0};

@@ -177,7 +177,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     ost_pm3 at = g->origin;
     for (int i = 0; i < ROD_TICKS; i++) {
         ost_pose *pose = &next_tick(s, tool)->pose;
-        if (i % 2 == 0) { /* the next tick is a short motion with tens of poses */
+        if (i % 2 == 0) { /* the next tick moves a short way, in tens of poses */
             at.x = near_tie(d, g->origin.x + s->cubic * draw_between(d, 10, RODS_X - 10), voxel);
             at.y = near_tie(d, g->origin.y + s->cubic * draw_between(d, 10, RODS_Y - 10), voxel);
             at.z = near_tie(d, g->origin.z + s->cubic * draw_between(d, 10, RODS_Z * 7 / 10 - 10), voxel);
@@ -202,7 +202,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
     s->threshold = 120;
-    s->slices = 29; /* more than 2^17 voxels per call; the last call has fewer slices */
+    s->slices = 29; /* more than 2^17 voxels per call, and fewer slices in the last call */
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)
@@ -217,7 +217,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
                 s->samples[s->sample_count] = (ost_sample){at.x, at.y, at.z, density,
                                                            (uint32_t)(s->sample_count % s->batch)};
             }
-    s->world.classes = scene_classes(counts[kind % 4], 4096); /* the classes have 0, 7, 1 or 2 borders between them */
+    s->world.classes = scene_classes(counts[kind % 4], 4096); /* classes with 0, 7, 1 or 2 borders */
     const ost_dims rods[3] = {{61, 1, 2}, {3, 59, 1}, {2, 3, 63}};
     ost_status status = reserve_ticks(s, 3 * ROD_TICKS + 2, err);
     for (int32_t t = 0; t < 3 && status == OST_OK; t++) {
@@ -323,13 +323,13 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     hollow_tick(s, 0, 98, 10, 25, 0);
     hollow_tick(s, 1, 40, 32, 3, 1 << 11);
     hollow_tick(s, 2, 40, 32, 3, 1 << 12);
-    hollow_tick(s, 1, 40, 32, 3, 0); /* oblique: rows of bone voxels are not parallel to rows of the tool */
+    hollow_tick(s, 1, 40, 32, 3, 0); /* oblique, so that rows of the bone cross rows of the tool */
     const double none[3] = {0, 0, 0}, slanted[4] = {0.8, 0.36, 0.48, 0};
     ost_pose *pose = &s->path.ticks[s->path.count - 1].pose;
     const ost_pm3 at = pose->t;
     status = ost_pose_from_doubles(none, slanted, pose, err);
     pose->t = at;
-    /* The tool is a third of a bone voxel beyond voxel 10 along x. */
+    /* moves the tool one third of a bone voxel beyond voxel 10 along x */
     hollow_tick(s, 3, 10, 32, 3, -HOLLOW_BAR / 2);
     pose = &s->path.ticks[s->path.count - 1].pose;
     pose->t.x += cube / 3;

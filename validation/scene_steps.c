@@ -24,7 +24,7 @@
 enum { VERTICES = 24, TRIANGLES = 40, TICKS = 24 };
 #define FARTHEST INT64_C(8000000000000)
 
-/* Returns a random length in [lo, hi] that is a multiple of `unit`. */
+/* Returns a random length in [lo, hi], rounded to a multiple of `unit`. */
 static ost_pm drawn(draw *d, ost_pm lo, ost_pm hi, ost_pm unit)
 {
     return draw_between(d, lo / unit, hi / unit) * unit;
@@ -33,7 +33,7 @@ static ost_pm drawn(draw *d, ost_pm lo, ost_pm hi, ost_pm unit)
 static void make_grid(scene *s, draw *d, int number, ost_pm unit)
 {
     ost_geometry *g = &s->rect;
-    const ost_pm voxel = (2 * draw_between(d, 100000, 900000) + 1) * unit; /* 0.2 to 1.8 mm for a unit of 1000 pm */
+    const ost_pm voxel = (2 * draw_between(d, 100000, 900000) + 1) * unit; /* for a unit of 1000 pm: 0.2 to 1.8 mm */
     ost_pm origin[3];
     g->dims = draw_dims(d, 1, 200);
     g->spacing = (ost_pm3){voxel, voxel, voxel};
@@ -69,9 +69,9 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
             (ost_pm3){drawn(d, -reach, reach, part), drawn(d, -aside, aside, part), drawn(d, -aside, aside, part)};
     }
     for (int t = 0; t < TRIANGLES && status == OST_OK; t++)
-        for (int c = 0; c < 3; c++) /* some triangles have two equal corners and therefore no area */
+        for (int c = 0; c < 3; c++) /* in some triangles, two corners coincide */
             mesh->triangles[t][c] = (uint32_t)draw_between(d, 0, VERTICES - 2);
-    if (status == OST_OK) { /* a few triangles have an area before snapping, but none after it */
+    if (status == OST_OK) { /* a few triangles lose their area by snapping */
         mesh->vertices[1] = mesh->vertices[0];
         mesh->vertices[1].x += 1;
         mesh->vertices[2] = (ost_pm3){wide / 2 * voxel, -(wide < 1000 ? wide / 2 : 500) * voxel, 0};
@@ -116,12 +116,13 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         t_ns += draw_between(d, 1, handle_path ? 90000000 : 3000000);
         *tick = (ost_tick){
             .t_ns = t_ns, .tool = (int32_t)(i / 8) % 2, .rpm = handle_path ? OST_RPM_OF_DEVICE : OST_RPM_ON};
-        /* this tool is rotated by small angles, because its corners are far from the axis */
+        /* The corners of this tool are far from the axis, so it rotates by small angles only. */
         const bool wide = tick->tool == 1;
         const bool straight = i % 4 == 1 || i % 4 == 2;
-        if (straight) { /* no rotation since the last tick, so the distance alone determines the number of poses */
+        if (straight) { /* Without a rotation, the number of poses depends only on the distance. */
             const int64_t n = draw_between(d, 1, 12);
-            at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off; /* a distance of 0 gives one pose */
+            /* a distance of 0 results in one pose */
+            at[draw_between(d, 0, 2)] += i % 8 == 6 ? 0 : n * s->cubic / 2 + off;
         } else {
             const double last[4] = {q[0], q[1], q[2], q[3]};
             turn_on(d, wide ? 0.01 : i % 8 == 7 && !handle_path ? 1.2 : 0.1, last, q);
@@ -139,7 +140,7 @@ static ost_status make_ticks(scene *s, draw *d, int number, ost_pm unit, ost_err
         for (int a = 0; a < 3; a++)
             at[a] = at[a] < -FARTHEST ? -FARTHEST : at[a] > FARTHEST ? FARTHEST : at[a];
         tick->pose.t = (ost_pm3){at[0], at[1], at[2]};
-        if (i % 5 == 4) { /* the negated quaternion represents the same rotation */
+        if (i % 5 == 4) { /* the negated quaternion is the same rotation */
             ost_pose *p = &tick->pose;
             *p = (ost_pose){p->t, -p->qw, -p->qx, -p->qy, -p->qz};
         }

@@ -75,7 +75,7 @@ static ost_status loose_triangles(draw *d, ost_pm size, int count, bool thin, os
     return OST_OK;
 }
 
-/* Removes each triangle with a probability of 1 / n. At least one triangle remains. */
+/* Removes each triangle with probability 1 / n, but keeps at least one. */
 static void lose_triangles(draw *d, int n, ost_mesh *mesh)
 {
     size_t kept = 0;
@@ -233,7 +233,7 @@ ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
     for (int b = 0; b < FULL_SOLIDS; b++) {
         int64_t at[4][3];
         solid_on_a_centre(d, at);
-        /* Coordinates are rounded to picometres. Snapping restores the exact lattice units. */
+        /* Coordinates are rounded to picometres here; snapping yields the exact lattice units again. */
         for (int v = 0; v < 4; v++)
             mesh.vertices[8 + 4 * b + v] = (ost_pm3){(at[v][0] * voxel + 512) / 1024 - half,
                                                      (at[v][1] * voxel + 512) / 1024 - half,
@@ -324,9 +324,9 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     cutting->triangle_count = leaking->triangle_count = 0;
     put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
-    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the box has no face at its upper end along x */
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the box lacks its upper face along x */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
-        for (int c = 0; c < 3; c++, corners++) { /* the corners lie on one line along x and on three oblique lines */
+        for (int c = 0; c < 3; c++, corners++) { /* the corners lie on a line along x and on three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
             cutting->vertices[corners] =
                 (ost_pm3){grid.corner.x + along, grid.corner.y + (t & 1 ? along : 9 * voxel + voxel / 2),
@@ -358,7 +358,7 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
     /* far is the difference between the index of a corner at x + 1 and that of the same corner at x */
     const uint32_t first = (uint32_t)*corners, far = RING + 1;
     for (uint32_t end = 0; end < 2; end++)
-        /* Coordinates are rounded to picometres. Snapping restores the exact lattice units. */
+        /* Coordinates are rounded to picometres here; snapping yields the exact lattice units again. */
         for (int c = 0; c <= RING; c++, ++*corners)
             mesh->vertices[*corners] =
                 (ost_pm3){grid->corner.x + (1 + end) * grid->voxel,

@@ -15,11 +15,11 @@
 enum { SCRATCH_PATH = 512 };
 
 ost_status scratch_make(char path[SCRATCH_PATH], ost_error *err);
-/* Removes an empty folder made by scratch_make. Does nothing if path is "". */
+/* Removes an empty folder that scratch_make made. Does nothing if path is "". */
 void scratch_remove(const char *path);
 
 enum { SCRATCH_NAME = 40 };
-/* Creates a file without a name. The caller closes the descriptor, which deletes the file. */
+/* Creates a temporary file without a name, which exists until the caller closes the descriptor. */
 ost_status scratch_file(int *fd, ost_error *err);
 /* Writes a path by which the file can be opened. The path is valid as long as the descriptor is open. */
 void scratch_name(int fd, char name[SCRATCH_NAME]);

@@ -21,13 +21,13 @@ uint64_t sensitivity_injections(plan_tier tier)
     return counts[tier];
 }
 
-/* The record during whose computation the mistake first changed a result. */
+/* The record that was being computed when the mistake first changed a result. */
 typedef struct witness {
     ost_backend *backend;
     bool seen;
     trace_stage stage;
     uint32_t item;
-    deviation_record record; /* state of the deviation at that time */
+    deviation_record record; /* state of the mistake after this record */
 } witness;
 
 static void watch(void *user, trace_stage stage, uint32_t item)
@@ -117,7 +117,7 @@ static void judge(sensitivity *out, const deviation *how, const plan_case *c, co
                  d->word, (long long)d->chunk);
 }
 
-/* Runs the dense backend without a mistake. Any difference is a false alarm. */
+/* Runs the dense backend without a mistake. A difference from the reference is a false alarm. */
 static ost_status run_clean(const scene *s, const plan_case *c, const char *path, const trace *ref,
                             compare_range in_ref, sensitivity *out, ost_error *err)
 {
@@ -200,21 +200,21 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
     return (uint32_t)1 << draw_between(d, 0, bits);
 }
 
-/* The mistakes that are made in one scene. */
+/* The mistakes to make in one scene. */
 typedef struct share {
     /* Range of the numbers of this scene's mistakes within the pass. Every kind of mistake has the same share of the
        numbers. */
     uint64_t first, count;
-    const deviation *only;       /* if not NULL, only this mistake is made */
+    const deviation *only;       /* the only mistake to make; NULL to make all */
     /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */
     const deviation_kind *kinds;
     /* true if the mistakes are made in every unit; false if they are made at a random rate */
     bool everywhere;
 } share;
 
-/* The scratch files and the results of one thread. */
+/* The scratch files and results of one thread of the proof. */
 typedef struct bench {
-    int files[2]; /* descriptors of the reference's trace and of the compared trace */
+    int files[2]; /* file descriptors of the reference's trace and of the compared trace */
     char names[2][SCRATCH_NAME];
     sensitivity found;
 } bench;
@@ -280,14 +280,14 @@ static void add_counts(sensitivity_counts *to, const sensitivity_counts *n)
 typedef struct proof {
     sensitivity *out;
     uint64_t injections;
-    deviation_kind kinds[DEVIATION_KINDS]; /* kinds of mistakes that the second pass makes */
-    uint64_t kind_count;                   /* number of kinds; 0 in the first pass */
-    int end;                               /* exclusive end of the pass's scene numbers */
+    deviation_kind kinds[DEVIATION_KINDS]; /* the kinds of mistakes of the second pass */
+    uint64_t kind_count;                   /* number of these kinds; 0 in the first pass */
+    int end;                               /* number of the first scene that is not part of the pass */
     void (*show)(void *user, const char *what, double share);
     void *user;
-    pthread_mutex_t lock; /* protects the members below and *out */
-    int next;             /* number of the next scene */
-    int problem_at;       /* number of the scene that out->first_problem describes; -1 if there is none */
+    pthread_mutex_t lock; /* protects the following members and *out */
+    int next;             /* number of the next scene to run */
+    int problem_at;       /* number of the scene whose problem out->first_problem describes, or -1 */
     ost_error err;
 } proof;
 
@@ -337,7 +337,7 @@ ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number,
     return status;
 }
 
-/* Returns the mistakes that the pass makes in a scene. */
+/* Returns the mistakes to make in a scene of this pass. */
 static share share_of(const proof *p, int number)
 {
     const uint64_t first = (uint64_t)number * PER_SCENE, left = p->injections > first ? p->injections - first : 0;

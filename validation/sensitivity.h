@@ -47,7 +47,7 @@ typedef struct sensitivity {
     /* number of mistakes that changed a result, and number of those that were detected and located every time */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
-    char first_problem[300]; /* the first undetected change or false alarm, with the command that repeats it */
+    char first_problem[300]; /* the first undetected mistake or false alarm, and the command that repeats it */
 } sensitivity;
 
 /* Returns the number of injections in the first pass of a tier. In the smoke tier each mistake is made once, in every
@@ -60,7 +60,7 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);
 
-/* Injects only the mistake `how`, in the scene with the given number. */
+/* Makes a single mistake in one scene, and compares the results. */
 ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
 
 #endif

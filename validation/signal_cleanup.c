@@ -21,7 +21,7 @@ static struct {
     atomic_int state;
     char path[PATH];
 } folders[FOLDERS];
-static _Atomic pid_t workers[WORKERS]; /* 0 marks a free slot */
+static _Atomic pid_t workers[WORKERS]; /* process ids of running workers; 0 marks a free element */
 
 void signal_cleanup_folder(const char *path)
 {

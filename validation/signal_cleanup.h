@@ -18,7 +18,7 @@
    and a signal does not remove it. */
 void signal_cleanup_folder(const char *path);
 void signal_cleanup_folder_gone(const char *path);
-/* Removes a listed folder, its contents, and its entry in the list. */
+/* Removes a folder of the list with its contents, and its entry. */
 void signal_cleanup_folder_remove(const char *path);
 void signal_cleanup_worker(pid_t pid);
 void signal_cleanup_worker_gone(pid_t pid);

@@ -14,7 +14,7 @@ enum {
     LEAF_SIDE = 32,
     LEAF_BYTES = 1 + 2 * LEAF_SIDE * LEAF_SIDE * LEAF_SIDE,
     ROOT_HEADER = 1 + 128,
-    LEVELS = 40 /* sufficient, because a grid has fewer than 2^39 leaves */
+    LEVELS = 40 /* levels of the tree; sufficient, because a grid has fewer than 2^39 leaves */
 };
 
 static size_t little_endian(uint8_t *at, uint64_t value, size_t bytes)
@@ -94,7 +94,7 @@ static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int
     return ost_digest_bytes(bytes, sizeof bytes, out, err);
 }
 
-/* Replaces *left by the digest of the parent node of *left and *right (AR-DIG-3). */
+/* Replaces *left by the digest of the node above *left and *right (AR-DIG-3). */
 static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err)
 {
     uint8_t bytes[1 + 2 * OST_DIGEST_BYTES] = {1};
@@ -103,7 +103,7 @@ static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err
     return ost_digest_bytes(bytes, sizeof bytes, left, err);
 }
 
-/* Computes the digest of the grid from the digest of its tree (AR-DIG-4). */
+/* Computes the digest of a grid from the digest of its tree (AR-DIG-4). */
 static ost_status root_digest(const ost_geometry *g, int32_t threshold, uint64_t leaves, const ost_digest *tree,
                               ost_digest *out, ost_error *err)
 {

@@ -18,20 +18,20 @@
 
 #include "validation/trace.h"
 
-/* One pose of an event and all values computed from it. */
+/* A pose of an event, with the values that are computed from it. */
 typedef struct steps_pose {
     ost_pose pose;
     ost_map map;
-    bool near[3];        /* for each block of steps_blocks, true if the block is near (AR-MAP-5) */
-    int32_t base[3][3];  /* bases of the near blocks; 0 for far blocks */
-    bool reaches;        /* true if at least one voxel can be inside the tool's grid */
+    bool near[3];        /* for each of the blocks of steps_blocks, true if it is near (AR-MAP-5) */
+    int32_t base[3][3];  /* bases of the blocks; 0 for blocks that are not near */
+    bool reaches;        /* true if a voxel of a block may lie inside the tool's grid */
     ost_voxel_box box;   /* bounding box of the voxels that can be inside the tool's grid; empty if there are none */
 } steps_pose;
 
 /* Returns the first voxels of the three blocks whose bases are recorded: the grid's first, middle and last block. */
 void steps_blocks(ost_dims bone, int32_t first[3][3]);
 
-/* Computes the digest of AR-DIG-7 without the function of src/core. */
+/* Computes the digest of a mesh (AR-DIG-7) with code of its own, for comparison with src/core. */
 ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 /* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without the functions of src/core. g is the bone's grid;

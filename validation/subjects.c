@@ -110,7 +110,7 @@ typedef struct device_visit {
     subject_list *list;
     ost_error *err;
     ost_status status;
-    subject *named; /* subject whose device must be found; NULL if all devices are added */
+    subject *named; /* the subject whose device is searched for; NULL to add all devices */
 } device_visit;
 
 /* Adds one subject of a device. The parameter reason is "" if the subject can run. */
@@ -132,7 +132,7 @@ static void add_device(const ost_device_info *device, void *user)
 {
     device_visit *v = user;
     char what[SUBJECT_REASON];
-    const bool named = device->name && *device->name; /* an entry for a platform without devices has no name */
+    const bool named = device->name && *device->name; /* the entry of a platform without devices has no device name */
     snprintf(what, sizeof what, "OpenCL, %.140s%s%.140s", named ? device->name : "", named ? ", " : "",
              device->platform);
     if (v->named) {

@@ -25,23 +25,23 @@
 
 #include "validation/plan.h"
 
-#define SUBJECT_DENSE "dense" /* the second implementation, with its own steps (dense/steps.h) */
-#define SUBJECT_DUMP "dump:" /* prefix of a folder of grids that another program computed (dump.h) */
+#define SUBJECT_DENSE "dense" /* name of the second implementation, which also computes the steps (dense/steps.h) */
+#define SUBJECT_DUMP "dump:" /* prefix of a subject that is a folder of grids from another program (dump.h) */
 enum { SUBJECT_SPEC = 512, SUBJECT_REASON = 320 };
 typedef struct subject {
     char spec[SUBJECT_SPEC];
-    char what[SUBJECT_REASON]; /* description of the subject, such as device, driver and instruction set */
+    char what[SUBJECT_REASON]; /* device, driver and instruction set, for reports */
     /* OpenCL device as listed by ost_backend_devices, independent of the spec that selected it; "" if there is none */
     char device[64];
     bool available;
-    char reason[SUBJECT_REASON]; /* the reason why the subject is not available */
+    char reason[SUBJECT_REASON]; /* why the subject cannot run here; "" if it can */
 } subject;
 
 typedef struct subject_list {
     int count;
-    subject *subjects; /* owned; the reference is the first subject */
-    bool opencl;       /* true if at least one available subject is an OpenCL device */
-    char no_opencl[SUBJECT_REASON]; /* the reason why no available subject is an OpenCL device */
+    subject *subjects; /* owned; the reference comes first */
+    bool opencl;       /* true if an OpenCL device is available */
+    char no_opencl[SUBJECT_REASON]; /* why no OpenCL device is available */
 } subject_list;
 
 /* Finds the subjects. wanted is a list of specs separated by semicolons, as in "cpu:isa=avx2;cl:device=0", or NULL

@@ -24,8 +24,8 @@ enum { SLOTS = 16, BLOCK = 1 << 16, WAIT_MS = 50 };
 extern char **environ;
 
 typedef struct running {
-    pid_t pid;   /* process id, which is also the id of the test's process group */
-    int output_fd; /* read end of the pipe for the test's output; -1 if closed */
+    pid_t pid;   /* process id of the test, and id of its process group */
+    int output_fd; /* read end of the pipe for the test's output; -1 after the end of the output */
     size_t number;
     double begun;
     json_int_t bytes;
@@ -33,7 +33,7 @@ typedef struct running {
     const char *stopped; /* "time" or "output", the limit that the test exceeded; "" if the test was not stopped */
     bool line_ended;
     size_t used;
-    char line[SUITE_REASON]; /* last non-empty line of the test's output */
+    char line[SUITE_REASON]; /* last line of the output that is not empty */
 } running;
 
 typedef struct runner {

@@ -23,7 +23,7 @@ enum { LOG_LINE = 1024 };
 
 struct bundle {
     char out[BUNDLE_PATH], folder[BUNDLE_PATH];
-    ost_digest last; /* digest of the log's last line */
+    ost_digest last; /* digest of the last line of the log audit.log */
     /* time of the log's last line; the next line never gets an earlier time, even if the clock is set back */
     time_t last_time;
     /* descriptor of the unfinished folder, which this process locks while it writes files there; -1 if the folder
@@ -147,7 +147,7 @@ ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost
     if (!text)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for %s", name);
     const size_t size = strlen(text);
-    text[size] = '\n'; /* the newline replaces the terminating NUL */
+    text[size] = '\n'; /* The terminating NUL is replaced by a newline. */
     ost_status status = bundle_put(b, name, text, size + 1, err);
     free(text);
     return status;
@@ -220,7 +220,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
     return status;
 }
 
-/* Removes what bundle_put creates: files, and folders of one level. */
+/* Removes the folder of an incomplete bundle: its files and the files in its folders. */
 static void remove_folder(const char *folder)
 {
     DIR *dir = opendir(folder);

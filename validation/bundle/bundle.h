@@ -26,14 +26,14 @@ enum { BUNDLE_PATH = 1024 };
 
 /* Creates the folder OUT.part-XXXXXX. Returns OST_ERR_IO if `out` exists or cannot be created. */
 ost_status bundle_begin(const char *out, bundle **b, ost_error *err);
-/* Returns the path of the folder that contains the files until bundle_end renames it. */
+/* Returns the path of the bundle's folder, which has a temporary name until bundle_end renames it. */
 const char *bundle_folder(const bundle *b);
 ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t size, ost_error *err);
 /* Writes a file with sorted keys, one space of indentation and a newline at the end, so that equal values give equal
    files. */
 ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost_error *err);
 ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char *detail, ...) OST_PRINTF(4, 5);
-/* Writes the manifest and renames the folder to `out`. Frees b in any case. */
+/* Writes the manifest, and renames the folder to `out`. Frees b, also on failure. */
 ost_status bundle_end(bundle *b, ost_error *err);
 void bundle_abandon(bundle *b); /* b may be NULL */
 
@@ -59,7 +59,7 @@ ost_status bundle_find(const char *folder, const char *name, char **bytes, size_
 /* Parses a file of a bundle within the limits of limits.h. The caller owns *out. If the file is absent, *out is
    NULL. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
-/* Parses a file of a bundle as bundle_find_json does, but the file must exist. */
+/* Parses a JSON file of a bundle. Unlike with bundle_find_json, a missing file is an error. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
 /* Reads the next entry of a folder, skipping . and .. ; sets *entry to NULL at the end. */

@@ -37,7 +37,7 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
 {
     const derivation *d = user;
     bool absent, same;
-    if (strcmp(name, EVIDENCE_CASES) == 0) /* cases.jsonl was compared line by line while it was read */
+    if (strcmp(name, EVIDENCE_CASES) == 0) /* cases.jsonl has already been compared line by line, while it was read. */
         return OST_OK;
     const ost_status status = folder_compare(d->folder, name, bytes, size, &absent, &same, err);
     if (status != OST_OK)
@@ -64,7 +64,8 @@ static ost_status compare_builds(derivation *d, ost_error *err)
     if (status != OST_OK)
         return status == OST_ERR_INPUT
                    ? OST_OK
-                   : ost_fail(err, status, "%s", why.text); /* invalid JSON is reported by linked_check */
+                   /* linked_check reports invalid JSON, so this error is ignored here. */
+                   : ost_fail(err, status, "%s", why.text);
     const char *commit = evidence_text(json_object_get(tools, "build"), "commit");
     if (*commit && strcmp(commit, tools_commit()) != 0)
         snprintf(d->other_build, sizeof d->other_build, "; but it was made by build %.48s and this is %.48s",
@@ -92,7 +93,7 @@ static ost_status read_protocol(const derivation *d, json_t **out, ost_error *er
         *out = NULL;
         return OST_OK;
     }
-    /* protocol.json may have been replaced by another JSON file, which has no format number. */
+    /* A bundle may contain any JSON file as protocol.json, so the format number is checked. */
     if (status == OST_OK && !json_is_integer(json_object_get(*out, "schema"))) {
         report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_PROTOCOL, "has no number of a format ('schema')");
         json_decref(*out);
@@ -120,7 +121,7 @@ static ost_status read_cases(const derivation *d, json_t **out, ost_error *err)
     return status == OST_OK ? OST_OK : ost_fail(err, status, "%s", why.text);
 }
 
-/* Checks all files that are derived from protocol and cases. */
+/* Recomputes every file that is derived from the protocol and the cases, and compares it. */
 static ost_status check_evidence(derivation *d, const json_t *protocol, const json_t *cases, json_t **summary,
                                  ost_error *err)
 {

@@ -22,11 +22,12 @@ ost_status check_bundle(const char *folder, bundle_problem *problem, void *user,
                         ost_error *err);
 
 typedef struct check_how {
-    const char *program;   /* path of this program's file, which workers run */
-    const plan_user *own;  /* the user's own cases; NULL if the bundle has none */
-    const char *backend;   /* spec for ost_backend_open; NULL means only the reference */
-    double limit_s;        /* time limit in seconds for all cases of one backend */
-    void (*show)(void *user, const char *what, double share); /* called to report progress; may be NULL */
+    const char *program;   /* path of this program; workers are started from it */
+    const plan_user *own;  /* cases from the user's own files; NULL if the bundle has none */
+    const char *backend;   /* backend specification, as for ost_backend_open; NULL selects only the reference */
+    double limit_s;        /* time limit in seconds for each backend, over all its cases */
+    /* called with the progress, `share` from 0 to 1; may be NULL */
+    void (*show)(void *user, const char *what, double share);
     void *show_user;
 } check_how;
 

@@ -10,7 +10,7 @@
 
 typedef struct again {
     const json_t *cases;
-    const char *spec; /* spec of the backend; NULL selects only the reference */
+    const char *spec; /* backend specification; NULL selects only the reference */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -81,7 +81,7 @@ ost_status check_again(const char *folder, const check_how *how, bundle_problem 
         return status;
     again a = {cases, NULL, problem, user, found};
     status = planned_of(protocol, how->own, &p, err);
-    if (status == OST_OK && p.file) { /* the workers read the case from this file */
+    if (status == OST_OK && p.file) { /* The workers read the case from this file. */
         snprintf(file, sizeof file, "%.1000s/case.json", folder);
         p.file = file;
     }

@@ -256,7 +256,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         to);
 }
 
-/* Writes a line for every stage in every result that differs from the reference. */
+/* Writes one line for each stage of each result that differs from the reference. */
 static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
     static const char *const keys[] = {"records",     "reports",    "voxels",  "inherited", "below_threshold",

@@ -18,7 +18,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* value of "what" in a difference if only one of the bundles has the record */
+/* "what" of a difference: only one of the two bundles contains the record */
 #define DIFFERENCE_NO_RECORD "one of them has no such record"
 
 /*

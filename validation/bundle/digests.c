@@ -15,7 +15,8 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    uint8_t *bytes = (uint8_t *)&leaf; /* the bytes of `wide` or `narrow`, whichever the block's voxel size requires */
+    /* points to the voxels of the block, of the type that the voxel size requires: `wide` or `narrow` */
+    uint8_t *bytes = (uint8_t *)&leaf;
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)
         for (int32_t j = 0; j < OST_LEAF && from[1] + j < b->dims.y; j++)
@@ -96,7 +97,7 @@ static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_e
     return ost_digest_bytes(r->body, refusal ? 8 + 8 * (size_t)count : (size_t)r->body_bytes, out, err);
 }
 
-/* Reads the digest of the input from the words of a case's first record. */
+/* Reads the digest of a case's input, which is stored in the words of the case's first record. */
 static void input_of(const trace_record *r, ost_digest *out)
 {
     uint64_t count;

@@ -49,7 +49,7 @@ static ost_status line_of(const char *path, const char *name, char text[], size_
     return status;
 }
 
-/* Makes an object of those environment variables that affect drivers, their compilers and thread pools. */
+/* Makes a JSON object of the environment variables that affect drivers, compilers or thread pools. */
 static json_t *variables(void)
 {
     static const char *const steering[] = {"OST", "OMP_",  "GOMP_",    "KMP_",   "POCL_", "OCL_",

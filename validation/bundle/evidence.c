@@ -43,7 +43,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
     if (!*out)
         return no_memory(err);
     json_object_del(*out, "seed_text");
-    /* a string, because some JSON readers lose bits of large integers */
+    /* The seed is a string, because some JSON readers round large integers. */
     json_object_set_new(*out, "seed", json_sprintf("%llu", (unsigned long long)p->seed));
     json_object_set_new(*out, "chosen", json_string(chosen));
     json_object_set_new(*out, "no_opencl", json_string(subjects->opencl ? "" : subjects->no_opencl));
@@ -52,7 +52,7 @@ ost_status evidence_protocol(const plan *p, const subject_list *subjects, const 
 
 /* ------------------------------------------------------------------- cases */
 
-/* Adds the chunk, the difference class, and the operands of the first differing voxel. */
+/* Adds the chunk, the class of the difference, and the operands of the first voxel that differs. */
 static void put_finding(json_t *o, const finding *f)
 {
     char hint[CAUSES_TEXT];
@@ -124,7 +124,7 @@ json_t *evidence_result(const case_result *r)
     return o;
 }
 
-/* Writes the digest of the input that the reference's worker recorded. */
+/* Writes the digest of a case's input, as the worker of the reference recorded it. */
 static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX])
 {
     ost_digest digest = {{0}};
@@ -363,7 +363,7 @@ static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t
     return list;
 }
 
-/* Makes a list of the first results that differ, for results.json. */
+/* maximum number of differing results in results.json */
 enum { LISTED = 100 };
 static json_t *findings_of(const json_t *protocol, const json_t *cases)
 {
@@ -379,7 +379,7 @@ static json_t *findings_of(const json_t *protocol, const json_t *cases)
                 strcmp(verdict, case_verdict_name(CASE_NOT_RUN)) == 0)
                 continue;
             json_t *row = json_copy((json_t *)(uintptr_t)r);
-            json_object_del(row, "records"); /* the records are omitted, because cases.jsonl contains them */
+            json_object_del(row, "records"); /* The records are omitted here, because cases.jsonl contains them. */
             json_object_set_new(row, "case", json_string(evidence_text(one, "id")));
             json_object_set_new(row, "backend", json_string(name));
             json_array_append_new(list, row);

@@ -15,7 +15,7 @@
 enum { FILES_MAX = 100000, BLOCK = 1 << 16 };
 #define MB ((int64_t)1 << 20)
 
-/* Every file that a bundle may contain. */
+/* The files that a bundle may contain, with the rules for each. */
 static const struct {
     const char *name;
     folder_about about;
@@ -125,7 +125,7 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
     return status;
 }
 
-/* Reads up to one block. Sets *n to 0 at the end of the file. */
+/* Reads at most one block. *n is the number of bytes, 0 at the end of the file. */
 static ost_status read_block(const char *name, int fd, void *to, size_t size, size_t *n, ost_error *err)
 {
     ssize_t got;
@@ -273,7 +273,7 @@ static ost_status list_folder(listing *l, int top, const char *folder, const cha
         struct stat info;
         snprintf(name, sizeof name, "%s%s%.255s", inside, *inside ? "/" : "", e->d_name);
         if (!*inside && strcmp(name, "signatures") == 0)
-            continue; /* not listed here, because sign_check reads the folder signatures/ */
+            continue; /* The folder signatures/ is skipped, because sign_check reads it. */
         if (!*inside && known_folder(name) && fstatat(dirfd(dir), e->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 &&
             S_ISDIR(info.st_mode))
             status = list_folder(l, top, folder, name, err);
@@ -303,7 +303,7 @@ ost_status folder_list(const char *folder, folder_files *out, bundle_problem *pr
         return status;
     status = list_folder(&l, top, folder, "", err);
     close(top);
-    if (status == OST_OK && out->count) /* qsort must not be called with NULL, even for 0 elements */
+    if (status == OST_OK && out->count) /* qsort requires a pointer that is not NULL, even for 0 elements. */
         qsort(out->files, out->count, sizeof *out->files, by_name);
     if (status != OST_OK)
         folder_free(out);

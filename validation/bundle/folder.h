@@ -19,7 +19,7 @@
 #include "validation/bundle/bundle.h"
 
 typedef struct folder_file {
-    char *name; /* name of the file, for example "pictures/after.png" */
+    char *name; /* name of the file within the bundle, for example "pictures/after.png" */
     int64_t size;
 } folder_file;
 
@@ -28,11 +28,11 @@ typedef struct folder_files {
     size_t count;
 } folder_files;
 
-/* The rules for a file of the bundle, which depend on the file's name. */
+/* The rules for a file of the bundle. The name of the file determines them. */
 typedef struct folder_about {
     /* true if the file depends on times, identities or the machine and is therefore not part of results_root */
     bool varies;
-    bool bound;   /* true if the log must contain the file's digest (log.h) */
+    bool bound;   /* true if the log must contain a digest of the file (log.h) */
     int64_t most; /* maximum size in bytes */
 } folder_about;
 bool folder_describe(const char *name, folder_about *out);
@@ -53,7 +53,7 @@ ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_
 /* Computes the SHA-256 of a file, block by block. */
 ost_status folder_digest(const char *folder, const char *name, ost_digest *out, int64_t *size, ost_error *err);
 
-/* Compares a file with the given bytes, block by block. Sets *absent and *same. */
+/* Compares a file with bytes in memory, block by block. Sets *absent and *same. */
 ost_status folder_compare(const char *folder, const char *name, const void *bytes, size_t size, bool *absent,
                           bool *same, ost_error *err);
 

@@ -102,7 +102,7 @@ static json_t *devices_in(const json_t *file)
     return o;
 }
 
-/* Makes an object from requirements.csv that maps each id to the remainder of its line. */
+/* Parses requirements.csv into a JSON object that maps each identifier to the rest of its line. */
 static ost_status requirements_in(const char *folder, json_t **out, ost_error *err)
 {
     char *bytes;
@@ -122,7 +122,7 @@ static ost_status requirements_in(const char *folder, json_t **out, ost_error *e
     return status;
 }
 
-/* Compares the verdicts of those cases and backends that are in both bundles. */
+/* Compares the verdicts of all pairs of case and backend that both bundles contain. */
 static ost_status verdicts_of(const char *old, const char *now, json_t **out, ost_error *err)
 {
     const char *const folders[] = {old, now};

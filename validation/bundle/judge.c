@@ -198,7 +198,7 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* Judges a result that contains the digest lines of the backend's own records. */
+/* Judges a result for which the backend recorded the digest lines of its own results. */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");
@@ -244,7 +244,7 @@ static void judge_result(const judge *j, const json_t *r, const char *reference)
     if (verdict < 0)
         report(j, "has no verdict");
     else if (verdict == CASE_DIFFERS && differs_in_bound(r))
-        return; /* the difference is in a bound, which is part of no digest */
+        return; /* Only a bound differs. Bounds are not part of any digest. */
     else if (verdict == CASE_NOT_RUN ? available && !dump : !available)
         report(j, available ? "was not run, although it was available" : "has a result, although it was not available");
     else if (own)

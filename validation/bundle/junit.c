@@ -66,8 +66,6 @@ static const char *least(const json_t *file, const char *key)
     return text;
 }
 
-/* the format of test harnesses has no time zone */
-
 static void put_attribute(FILE *to, const char *name, const char *value)
 {
     fprintf(to, " %s=\"", name);
@@ -79,7 +77,7 @@ static void put_machine(const page *p)
 {
     char begun[32];
     snprintf(begun, sizeof begun, "%.31s", least(p->times, "begun"));
-    begun[strcspn(begun, "Z")] = '\0'; /* the format of test harnesses has no time zone */
+    begun[strcspn(begun, "Z")] = '\0'; /* JUnit's time stamps contain no time zone */
     put_attribute(p->to, "timestamp", begun);
     put_attribute(p->to, "hostname", least(p->environment, "host"));
 }

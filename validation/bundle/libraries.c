@@ -45,7 +45,7 @@ ost_status libraries_digest(const char *path, char hex[OST_DIGEST_HEX], int64_t 
 
 typedef struct visit {
     json_t *libraries, *needed;
-    bool incomplete; /* true if memory was exhausted, so that the list is incomplete */
+    bool incomplete; /* true if memory was exhausted; the list is then incomplete */
 } visit;
 
 /* Writes the build id that the linker stored in the file. It is in the note with type 3 and name "GNU". */
@@ -58,7 +58,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
             continue;
         const unsigned char *at = (const unsigned char *)(info->dlpi_addr + p->p_vaddr);
         for (size_t left = p->p_memsz; left > 12;) {
-            uint32_t head[3]; /* head of a note: size of the name, size of the descriptor, and type */
+            uint32_t head[3]; /* header of an ELF note: length of the name, length of the descriptor, type */
             memcpy(head, at, sizeof head);
             const size_t name = (head[0] + 3u) & ~3u, text = (head[1] + 3u) & ~3u, all = 12 + name + text;
             if (head[0] > left || head[1] > left || all > left)
@@ -74,7 +74,7 @@ static void build_id(const struct dl_phdr_info *info, char hex[129])
     }
 }
 
-/* Collects the names of those libraries with which the program itself is linked. */
+/* Collects the names of the libraries that the program itself needs (DT_NEEDED). */
 static void needed_by(const struct dl_phdr_info *info, visit *v)
 {
     for (int i = 0; i < info->dlpi_phnum; i++) {
@@ -83,7 +83,7 @@ static void needed_by(const struct dl_phdr_info *info, visit *v)
         const ElfW(Dyn) *dynamic = (const ElfW(Dyn) *)(info->dlpi_addr + info->dlpi_phdr[i].p_vaddr);
         const char *strings = NULL;
         for (const ElfW(Dyn) *d = dynamic; d->d_tag != DT_NULL; d++)
-            if (d->d_tag == DT_STRTAB) /* some loaders do not relocate this pointer */
+            if (d->d_tag == DT_STRTAB) /* Some loaders do not relocate the pointer to the string table. */
                 strings = (const char *)(d->d_un.d_ptr < info->dlpi_addr ? info->dlpi_addr + d->d_un.d_ptr
                                                                          : d->d_un.d_ptr);
         for (const ElfW(Dyn) *d = dynamic; strings && d->d_tag != DT_NULL; d++)
@@ -224,7 +224,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
         char *path = strstr(line, ": /");
         if (!path || strncmp(line, "diversion", 9) == 0)
             continue;
-        /* cuts the line after the name of the first package, before the architecture ("libc6:amd64") */
+        /* keeps only the name of the first package, without its architecture ("libc6:amd64") */
         line[strcspn(line, ":,")] = '\0';
         if (json_object_set_new(out, path + 2, json_string(line)) != 0)
             status = no_memory(err);
@@ -234,7 +234,7 @@ static ost_status owners(const json_t *libraries, json_t *out, ost_error *err)
     return status;
 }
 
-/* Makes an object {package: [version, maintainer]}. */
+/* Makes a JSON object {package: [version, maintainer]} of all installed packages. */
 static ost_status versions(json_t *packages, json_t *out, ost_error *err)
 {
     const char *path;
@@ -284,7 +284,7 @@ static ost_status name_package(json_t *row, const json_t *owner, const json_t *v
     const ost_status status = copyright_of(package ? package : "", licence, err);
     if (status != OST_OK)
         return status;
-    if (!its) { /* the version is then taken from the file name, as in libz.so.1.2.13 */
+    if (!its) { /* Takes the version from the name of the file, such as libz.so.1.2.13. */
         its = strstr(real, ".so.");
         its = its ? its + 4 : "";
     }

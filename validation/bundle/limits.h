@@ -17,11 +17,11 @@
 
 enum {
     LIMIT_DEPTH = 16, /* maximum nesting depth of arrays and objects */
-    LIMIT_VALUES = 1 << 20, /* maximum number of values in one JSON text */
+    LIMIT_VALUES = 1 << 20, /* maximum number of values in a JSON text */
     LIMIT_LINE =
         /* maximum size in bytes of a line of cases.jsonl; a grid of 2^30 voxels has 32768 leaves of 67 bytes */
         64 << 20,
-    LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* maximum number of values in all lines of cases.jsonl */
+    LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* maximum number of values in cases.jsonl, over all its lines */
 };
 
 /* Counts the values of a JSON text. Each value takes about 100 bytes when parsed. Returns OST_ERR_INPUT with an error

@@ -129,7 +129,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     const ost_status status = all_checked(c) ? subjects_cpu(tier_of(c->protocol), here, &expected, err) : OST_OK;
     for (int s = 0; s < expected.count; s++) {
         const char *spec = expected.subjects[s].spec;
-        /* a backend of Embree may be missing, because the bundle's build may lack Embree */
+        /* Backends that use Embree may be missing, because the bundle may come from a build without Embree. */
         if (backend_named(c, spec) || strstr(spec, "embree"))
             continue;
         snprintf(text, sizeof text, "the processor can run the backend %.200s, and the protocol does not have it",
@@ -148,7 +148,7 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     return status;
 }
 
-/* If all backends were requested, checks that all backends of each OpenCL device are listed. */
+/* If the campaign used all backends, checks that the backends of every OpenCL device are complete. */
 static void check_opencl(const check *c, const json_t *devices)
 {
     const json_t *list = json_object_get(json_object_get(devices, "opencl"), "devices");

@@ -13,7 +13,7 @@
 
 enum { TEXT = 400 };
 
-/* Writes the counts of verdicts as a string such as "46 equal, 0 differs, ...". */
+/* Writes the number of results with each verdict, for example "46 equal, 0 differs, ...". */
 static void counts_of(const json_t *summary, char text[TEXT])
 {
     size_t n = 0;
@@ -64,8 +64,8 @@ ost_status log_end(bundle *b, const json_t *summary, ost_error *err)
 /* ------------------------------------------------------- checking the log */
 
 typedef struct reader {
-    char *at;   /* beginning of the part that has not been read yet */
-    int number; /* number of the last line that was read */
+    char *at;   /* start of the part of the text that has not been read yet */
+    int number; /* number of the line that was read last */
     char *time, *action, *detail;
     char last_time[32];
     bundle_problem *problem;
@@ -94,7 +94,8 @@ static bool next_line(reader *r)
         return false;
     *stop = '\0';
     r->number++;
-    for (int i = 0; i < 3; i++) { /* time, action and detail, which follow the digest of the previous line */
+    /* the fields time, action and detail; the digest of the previous line precedes them */
+    for (int i = 0; i < 3; i++) {
         field[i] = strchr(i ? field[i - 1] : r->at, '\t');
         if (!field[i])
             return false;

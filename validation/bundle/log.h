@@ -22,7 +22,7 @@
    folder. */
 ost_status log_end(bundle *b, const json_t *summary, ost_error *err);
 
-/* Reports every line that does not follow from the bundle's files. */
+/* Reports each line of the log that is not consistent with the files of the bundle. */
 ost_status log_check(const char *folder, const json_t *protocol, const json_t *summary, bundle_problem *problem,
                      void *user, int *found, ost_error *err);
 

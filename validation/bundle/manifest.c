@@ -252,7 +252,8 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
             status = ost_fail(err, OST_ERR_MEMORY, "%s", unread.text);
         if (stated)
             compare_rows(stated, is, problem, user, found);
-        if (status == OST_OK && *found == before) { /* all files match their rows, so the manifest itself was changed */
+        /* Every file matches its row, so the difference is in the manifest itself. */
+        if (status == OST_OK && *found == before) {
             problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, stated ? "is not what the files give" : unread.text);
             ++*found;
         }

@@ -20,7 +20,7 @@
 #define MANIFEST_FILE "manifest.json"
 #define MANIFEST_SIGNATURES "signatures"
 
-/* Makes the manifest of the folder's current files; the caller owns *out. */
+/* Computes the manifest of the files that are now in the folder. The caller owns *out. */
 ost_status manifest_of(const char *folder, json_t **out, ost_error *err);
 /* Returns the text of the manifest file; the caller frees it. */
 char *manifest_text(const json_t *manifest);

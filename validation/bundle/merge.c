@@ -23,13 +23,13 @@ static void remember_problem(void *user, bundle_problem_kind kind, const char *f
         snprintf(first, 256, "%.80s %.160s", file, problem);
 }
 
-/* Returns the protocol without the keys that differ between shards. */
+/* Returns a copy of the protocol without the keys in which shards may differ. */
 static json_t *common_part(const json_t *protocol)
 {
     json_t *o = json_deep_copy(protocol);
     json_object_del(o, "shard");
     json_object_del(o, "cases");
-    json_object_del(o, "suite"); /* only the first shard has this key */
+    json_object_del(o, "suite"); /* Only the first shard runs the test suite, so only its protocol has this key. */
     return o;
 }
 
@@ -66,7 +66,7 @@ static ost_status take_shard(const char *folder, merged *m, json_t *by_id, ost_e
             status = ost_fail(err, OST_ERR_INPUT, "%s: shard %s is there twice", folder, name);
         json_decref(common);
     }
-    /* the file FAULTS_FILE is absent if the bundle has only selected cases */
+    /* A bundle of selected cases contains no FAULTS_FILE. */
     if (status == OST_OK && strncmp(name, "1/", 2) == 0)
         status = bundle_find_json(folder, FAULTS_FILE, &m->faults, err);
     if (status == OST_OK && strncmp(name, "1/", 2) == 0 && json_object_get(protocol, "suite")) {

@@ -13,10 +13,11 @@
 #include "validation/bundle/bundle.h"
 
 typedef struct merged {
-    json_t *protocol, *cases;     /* protocol and cases of the complete campaign; owned */
+    json_t *protocol, *cases;     /* owned; protocol and cases of all shards together */
     json_t *environment, *times;  /* {"1/3": ...}; owned */
-    json_t *faults;               /* owned; sensitivity.json of the first shard; NULL if the shard has none */
-    json_t *suite, *suite_limit;  /* owned; the first shard's suite.json and the protocol's member "suite", or NULL */
+    json_t *faults;               /* owned; sensitivity.json of the first shard, or NULL */
+    /* owned; suite.json of the first shard, and the member "suite" of its protocol; NULL if absent */
+    json_t *suite, *suite_limit;
     int shards;
 } merged;
 

@@ -34,7 +34,7 @@ static bool seed_of(const json_t *protocol, uint64_t *out)
     return *text >= '0' && *text <= '9' && !*end && !errno;
 }
 
-/* Makes a plan of the cases that were run by --case, in their order. */
+/* Makes a plan of the cases in a case file (--case), in the order of the file. */
 static ost_status plan_of_file(const json_t *file, const plan_user *user, plan *out, ost_error *err)
 {
     const json_t *list = json_object_get(file, "cases");

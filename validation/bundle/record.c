@@ -56,7 +56,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        /* this call must precede tools_of, which lists the drivers that devices_of loads */
+        /* devices_of loads the drivers that tools_of lists, so it is called first. */
         status = devices_of(subjects, &devices, err);
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);
@@ -73,7 +73,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
 
 /* -------------------------------------------------------- files of shards */
 
-/* Writes the shard of the bundle's protocol, such as "2/8". */
+/* Writes the number of the shard, such as "2/8", from the bundle's protocol. */
 static ost_status shard_name(const char *folder, char name[32], ost_error *err)
 {
     json_t *protocol;
@@ -85,7 +85,7 @@ static ost_status shard_name(const char *folder, char name[32], ost_error *err)
     return status;
 }
 
-/* Reads the file `name` of every shard into *out, keyed by the shard's name. */
+/* Reads the file `name` of each shard into a JSON object, keyed by the number of the shard. */
 static ost_status gather(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     DIR *dir = opendir(folder);

@@ -16,10 +16,10 @@
 
 #include "validation/bundle/evidence.h"
 
-/* Known anomalies of this release (docs/qualification/known-anomalies.csv), as compiled in. */
+/* The known anomalies of this release, compiled in from docs/qualification/known-anomalies.csv. */
 #define KNOWN_ANOMALIES_FILE "known-anomalies.csv"
 
-/* Writes the collected files. `program` is the path of the executable file of this process. */
+/* Writes the files that describe the environment. `program` is the path of the running executable. */
 ost_status record_put(const char *program, const subject_list *subjects, const json_t *common, evidence_sink *sink,
                       void *user, ost_error *err);
 
@@ -27,7 +27,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
    builds. */
 ost_status record_merge(const char *folder, evidence_sink *sink, void *user, ost_error *err);
 
-/* Derives the remaining files from the files of the bundle in a folder. */
+/* Writes the files that are derived from files that the folder already contains. */
 ost_status record_derive(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                          void *user, ost_error *err);
 

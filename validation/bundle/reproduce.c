@@ -65,7 +65,7 @@ static ost_status put_case(const campaign *c, int i, int s, const minimised *m, 
     name_of(c->plan->cases[i].id, s, f->reproduce);
     minimised_text(m, f->small);
     const size_t size = strlen(text);
-    text[size] = '\n'; /* the newline replaces the terminating NUL */
+    text[size] = '\n'; /* The terminating NUL is replaced by a newline. */
     ost_status status = sink(user, f->reproduce, text, size + 1, err);
     free(text);
     return status;

@@ -209,9 +209,9 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
 
 typedef struct check {
     const char *folder;
-    int signatures; /* descriptor of the folder signatures/ */
+    int signatures; /* file descriptor of the folder signatures/ */
     const sign_trust *trust;
-    const contents *is; /* NULL if the bundle is not readable, which was reported earlier */
+    const contents *is; /* contents of the bundle; NULL if it cannot be read, which has been reported */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -309,7 +309,7 @@ static const char *verify_signatures(const check *c, const sign_envelope *e, jso
     return NULL;
 }
 
-/* Checks the time stamp of an envelope. Sets `time` to "" if there is none. */
+/* Checks the time stamp of an envelope. Sets `time` to "" if the envelope has none. */
 static ost_status check_time(const check *c, const char *name, const char *bytes, size_t size, char time[SIGN_TIME],
                              bool *there, ost_error *err)
 {
@@ -349,7 +349,7 @@ static ost_status check_envelope(const check *c, const char *name, ost_error *er
     status = sign_envelope_read(bytes, size, &e, &why, err);
     json_t *keys = json_array();
     if (status == OST_OK && !why) {
-        /* The signatures are verified before the contents of the envelope are read. */
+        /* The signatures are verified before anything in the envelope is interpreted. */
         why = c->trust ? verify_signatures(c, &e, keys) : NULL;
         if (!why)
             status = compare_statement(c, &e, &claimed, &why, err);

@@ -31,7 +31,7 @@ static bool is_supported(const EVP_PKEY *key)
            strcmp(group, "prime256v1") == 0;
 }
 
-/* Checks a key and stores it in *out. Takes ownership of pkey, also on failure. */
+/* Checks the type of a key and stores it in *out. Takes ownership of pkey, also on failure. */
 static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_error *err)
 {
     unsigned char *der = NULL;
@@ -122,7 +122,7 @@ static bool is_trusted(const sign_trust *t, const char *fingerprint)
     return false;
 }
 
-/* Reads every PUBLIC KEY block of a PEM file. */
+/* Adds every PUBLIC KEY block of a PEM file to the trusted keys. */
 static ost_status trust_file(const char *path, sign_trust *t, ost_error *err)
 {
     char *bytes;
@@ -163,7 +163,7 @@ static bool ends_with(const char *text, const char *end)
     return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* Reads every file *.pem of a folder. */
+/* Adds the keys of every file *.pem of a folder to the trusted keys. */
 static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
 {
     const int before = t->count;

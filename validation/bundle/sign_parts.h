@@ -18,12 +18,12 @@ struct sign_key {
 struct sign_trust {
     sign_key keys[SIGN_KEYS_MAX];
     int count;
-    X509_STORE *authority; /* NULL if time stamps are not checked */
+    X509_STORE *authority; /* certificates of the time-stamping authority; NULL if time stamps are not checked */
 };
 
 /* ---------------------------------------------------------- sign_key.c */
 
-/* Signs `size` bytes, which are already in the pre-authentication encoding. The caller frees *signature. */
+/* Signs bytes that are already in the pre-authentication encoding (PAE). The caller frees *signature. */
 ost_status sign_make(const sign_key *key, const void *bytes, size_t size, unsigned char **signature,
                      size_t *signature_size, ost_error *err);
 bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsigned char *signature,
@@ -32,9 +32,9 @@ bool sign_holds(const sign_key *key, const void *bytes, size_t size, const unsig
 /* ----------------------------------------------------- sign_envelope.c */
 
 typedef struct sign_envelope {
-    char *payload; /* the bytes of the statement; the structure owns this and all other pointers */
+    char *payload; /* the bytes of the statement; owned, like all other pointers of this struct */
     size_t payload_size;
-    char *encoded; /* PAE(type, payload): the bytes that are signed */
+    char *encoded; /* PAE(type, payload), the bytes that were signed */
     size_t encoded_size;
     int count;
     struct {

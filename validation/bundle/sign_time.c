@@ -38,7 +38,7 @@ ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *er
     return OST_OK;
 }
 
-/* Writes the time of the response's token in the form "2026-11-22T21:45:00Z". */
+/* Writes the time that the authority certifies, in the form "2026-11-22T21:45:00Z". */
 static void time_of(TS_RESP *response, char time[SIGN_TIME])
 {
     TS_TST_INFO *info = TS_RESP_get_tst_info(response);

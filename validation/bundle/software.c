@@ -173,7 +173,7 @@ static const known *compiler_of(const char *text)
                                                                  : &unknown;
 }
 
-/* Returns the table row of a library whose name in pkg-config is `name`. */
+/* Finds the row of a library in the table, by its name in pkg-config. */
 static const known *headers_of(const char *name)
 {
     char soname[64];
@@ -182,7 +182,7 @@ static const known *headers_of(const char *name)
     return known_of(soname);
 }
 
-/* Writes a row for software that is used to build osteon. */
+/* Writes a CSV row for a tool or library that is used only to build osteon. */
 static void put_build(FILE *to, const known *k, const char *name, const char *version, const char *purpose,
                       const char *limits)
 {
@@ -215,7 +215,7 @@ static void soup(FILE *to, json_t *tools)
         put_csv(to, licence_of(k, one), ',');
         put_csv(to, k->limits, ',');
         put_csv(to, k->anomalies, ',');
-        fputs(",", to); /* an empty field for the date that the reviewer enters */
+        fputs(",", to); /* empty field, in which the reviewer enters the date */
         put_csv(to,
                 json_is_true(json_object_get(one, "linked")) ? "linked" : "loaded by another library or as a driver",
                 ',');

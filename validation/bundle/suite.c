@@ -28,7 +28,7 @@ static void names_of_line(char *line, char **names, size_t *count)
         field = strchr(field, ',');
         field = field ? field + 1 : NULL;
     }
-    if (!field || *line == ',') /* a row without an id lists a test that no requirement names */
+    if (!field || *line == ',') /* A row without an identifier is a test that no requirement refers to. */
         return;
     field[strcspn(field, ",")] = '\0';
     for (char *name = strtok_r(field, ";", &remainder); name && *count < TESTS_MAX;

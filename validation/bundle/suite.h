@@ -22,7 +22,7 @@
 /* Exit status of a skipped test, as in automake. The status of a test that was ended by a signal is the negative
    signal number. */
 enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
-/* Maximum size of a test's output in bytes. A test that prints more is stopped. */
+/* maximum size of the output of a test in bytes; a test that exceeds it is stopped */
 #define SUITE_OUTPUT_MAX ((json_int_t)64 << 20)
 
 /* Returns the tests that the rows of requirements.csv name, sorted and without duplicates. Returns NULL if memory is

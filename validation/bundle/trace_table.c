@@ -65,13 +65,13 @@ static bool has_word(const char *words, const char *word)
 typedef struct outcome {
     /* number of records in the cases in which a backend equals the reference, summed over all backends */
     json_int_t equal;
-    json_int_t different; /* number of cases in which a backend first differed at this stage */
-    json_int_t known;     /* number of records of the reference */
+    json_int_t different; /* number of cases in which this stage is the first one that differs */
+    json_int_t known;     /* number of records in the trace of the reference */
 } outcome;
 
 typedef struct outcomes {
     outcome of[TRACE_STAGES];
-    json_int_t failed; /* number of results with any other verdict, such as failed, crashed or timed out */
+    json_int_t failed; /* number of results with another verdict: failed, crashed, timed out, ... */
 } outcomes;
 
 static int stage_of(const char *name)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks of small grids whose voxels were computed by hand. The derivation precedes each check. */
+/* Checks small grids whose voxels were computed by hand. The derivation stands before each check. */
 #include <stdio.h>
 #include <string.h>
 
 #include "validation/common/lab.h"
 
-/* Writes values as text: "100 200 0". */
+/* Formats values as text, such as "100 200 0". */
 static const char *list(const int16_t *v, int count, char text[200])
 {
     size_t n = 0;
@@ -36,7 +36,8 @@ static void scatter(lab *l)
     const ost_geometry g = {
         .dims = {2, 2, 2}, .spacing = {LAB_MM, LAB_MM, 2 * LAB_MM}, .origin = {10 * LAB_MM, 20 * LAB_MM, 30 * LAB_MM}};
     for (int i = 0; i < 9; i++) {
-        const int v = i < 8 ? 7 - i : 5; /* the ninth sample repeats voxel 5 = (1, 0, 1) with the same density */
+        /* The ninth sample is a duplicate of voxel 5, (1, 0, 1), with the same density. */
+        const int v = i < 8 ? 7 - i : 5;
         s[i] = (ost_sample){.x = (10 + v % 2) * LAB_MM,
                             .y = (20 + v / 2 % 2) * LAB_MM,
                             .z = (30 + 2 * (v / 4)) * LAB_MM,
@@ -300,7 +301,7 @@ static void borders(lab *l)
 
 void lab_golden(lab *l)
 {
-    const int32_t half = 759250125; /* sin and cos of 45 degrees, times 2^30 */
+    const int32_t half = 759250125; /* sine and cosine of 45 degrees, times 2^30 */
     scatter(l);
     layers(l);
     cube(l);

@@ -71,7 +71,8 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size)
             n += q[a] * q[a];
         }
     } while (n > 1 || n < 0.01);
-    double root = 1; /* Newton's method for a norm that differs from 1 by less than 1e-3; avoids libm */
+    /* Newton's method instead of sqrt, so that no result depends on libm. The norm is within 1e-3 of 1. */
+    double root = 1;
     for (int i = 0; i < 30; i++)
         root = 0.5 * (root + n / root);
     for (int a = 0; a < 4; a++)

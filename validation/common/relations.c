@@ -53,7 +53,7 @@ static int64_t differ(const int16_t *a, const int16_t *b)
 
 typedef struct law {
     const char *name, *requirements, *what;
-    /* computes s->a and s->b in the two ways that must give equal results */
+    /* computes the same result in two ways that must agree, into s->a and s->b */
     void (*two_ways)(lab *l, draw *d, scene *s);
 } law;
 
@@ -191,7 +191,7 @@ static void mesh_laws(lab *l)
         const ost_pm3 hi = draw_point(&d, LAB_MM, 9 * LAB_MM);
         const ost_pm3 n = draw_point(&d, -20, 20), by = {n.x * voxel, n.y * voxel, n.z * voxel};
         const ost_pm cut = draw_between(&d, lo.x + 1, hi.x - 1);
-        /* initialised because it is read below even if ost_tool_geometry_from_bounds fails */
+        /* Initialised because it is read below, even if ost_tool_geometry_from_bounds fails. */
         ost_tool_geometry grid = {.dims = {0, 0, 0}};
         l->status = ost_tool_geometry_from_bounds(lo, hi, voxel, &grid, l->err);
         ost_tool_geometry there = grid;
@@ -207,7 +207,7 @@ static void mesh_laws(lab *l)
         if (l->status == OST_OK) {
             reversed += differ_tools(&v[0], &v[1]);
             for (int64_t i = 0; i < ost_dims_count(grid.dims); i++) {
-                /* Each voxel of the box must be in exactly one half. */
+                /* counts the voxels that are not in exactly one of the two halves of the box */
                 halves += (v[2].voxels[i] + v[3].voxels[i]) != v[0].voxels[i];
                 solid += v[0].voxels[i];
             }
@@ -227,7 +227,7 @@ static void mesh_laws(lab *l)
                moved_by == 0 && solid > 0, "0 voxels differ", "%lld differ in %d rounds", (long long)moved_by, rounds);
 }
 
-/* Scatters samples in random order and in batches of random size. */
+/* Checks that a grid does not depend on the order of samples or on the sizes of batches. */
 static void sample_laws(lab *l)
 {
     enum { N = 9 * 8 * 7 };

@@ -46,7 +46,7 @@ static int64_t chunk_of(const ost_bone *bone, int32_t i, int32_t j, int32_t k)
     return dense_at(d, i / n, j / n, k / n);
 }
 
-/* Returns true if a voxel of chunk (a, b, c) is active. */
+/* Returns true if at least one voxel of chunk (a, b, c) is active. */
 static bool has_active(const dense_bone *bone, int32_t a, int32_t b, int32_t c)
 {
     const int32_t n = bone->base.chunk_size;
@@ -102,7 +102,7 @@ static int16_t given(const dense_bone *bone, const upload *from, int32_t i, int3
     return from->voxels[dense_at(d, i, j, k - from->z0)];
 }
 
-/* Stores a voxel as AR-CHK-1 requires, or with a deliberate mistake. */
+/* Stores a voxel by the rule of AR-CHK-1, or with the deliberate mistake of *m. */
 static void store(deviant *m, const dense_bone *bone, const upload *from, int32_t i, int32_t j, int32_t k,
                   int16_t *density, uint8_t *active)
 {

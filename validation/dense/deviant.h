@@ -19,7 +19,7 @@ typedef struct deviant {
     deviation_stage stage;
     uint64_t call;
     ost_dims dims;
-    int chunk_size; /* 0 if there are no chunks */
+    int chunk_size; /* edge length of a chunk in voxels; 0 before there are chunks */
 } deviant;
 
 /* Called when the stage begins to process a grid with these dims. This call of the stage becomes the current call.
@@ -43,7 +43,7 @@ bool deviant_thesis(const deviant *m, bool *fused);
 
 /* Records that the mistake changed a value inside the algorithm in unit `item`. voxel may be NULL. */
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3]);
-/* Records that a voxel of the call's result is not correct. */
+/* Records that the mistake has changed this voxel of the result. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3]);
 /* Records that the report of the current call is not correct. chunk is -1 if the difference is not in the line of one
    chunk. */

@@ -40,7 +40,7 @@ void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_s
         deviant_return(m, stage, m->calls[stage]++, dims, chunk_size);
 }
 
-/* Computes the finalizer of splitmix64. */
+/* The finalizer of the generator splitmix64. */
 static uint64_t mixed(uint64_t z)
 {
     z += UINT64_C(0x9e3779b97f4a7c15);
@@ -79,7 +79,7 @@ static int64_t number(const ost_dims d, int32_t x, int32_t y, int32_t z)
     return x + (int64_t)d.x * (y + (int64_t)d.y * z);
 }
 
-/* Returns the number of the cube of n^3 voxels that contains voxel v. */
+/* Returns the number of the cube with n^3 voxels that contains voxel v. */
 static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
 {
     return number((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, (d.z + n - 1) / n}, v[0] / n, v[1] / n, v[2] / n);

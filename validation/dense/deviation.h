@@ -30,11 +30,11 @@
 /* The stages, in the order of the pipeline. A kind of mistake that replaces the code of every stage has the stage
    DEVIATION_EVERY. */
 typedef enum deviation_stage {
-    DEVIATION_RECT,   /* ct_to_rect; one call processes one grid with all its batches */
+    DEVIATION_RECT,   /* ct_to_rect; one call is a grid with all its batches of samples */
     DEVIATION_CUBIC,  /* rect_to_cubic */
     DEVIATION_CHUNKS, /* cubic_to_chunks, bone_upload */
     DEVIATION_TOOL,   /* voxelize */
-    DEVIATION_REMOVE, /* remove and collide; one call processes one event */
+    DEVIATION_REMOVE, /* remove and collide; one call is an event */
     DEVIATION_EVERY,
     DEVIATION_STAGES
 } deviation_stage;
@@ -253,9 +253,9 @@ typedef struct deviation_about {
     deviation_stage stage;
 } deviation_about;
 
-/* Returns the table row of a kind, which must not be NONE. */
+/* Returns the description of a kind of mistake. DEVIATION_NONE is not allowed. */
 const deviation_about *deviation_describe(deviation_kind kind);
-/* Returns the name of a stage: "rect", ..., "every". */
+/* Returns the name of a stage, such as "rect". */
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
@@ -266,18 +266,19 @@ const char *deviation_stage_name(deviation_stage stage);
  */
 typedef struct deviation_position {
     deviation_stage stage;
-    uint64_t call; /* number of earlier calls of the stage since the backend was opened */
-    int64_t item;  /* index of the unit: sample, chunk, triangle ...; -1 for first_changed */
+    uint64_t call; /* number of calls of the stage before this call, since the backend was opened */
+    int64_t item;  /* index of the sample, chunk, triangle or other unit; -1 for first_changed */
     int32_t voxel[3];
     int64_t leaf;
     int64_t chunk;
 } deviation_position;
 
 typedef struct deviation_record {
-    uint64_t acted, changed; /* numbers of effects; if a number is 0, the corresponding position is not valid */
+    /* number of times the mistake was made, and number of results it changed; if 0, the position is not valid */
+    uint64_t acted, changed;
     deviation_position first_acted, first_changed;
-    bool report; /* true if the first change is in the call's report */
-    bool voxels; /* true if the first change is in the call's grid */
+    bool report; /* true if the first changed result is in the report */
+    bool voxels; /* true if the first changed result is in the grid */
 } deviation_record;
 
 #endif

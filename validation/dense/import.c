@@ -66,7 +66,7 @@ typedef struct batch {
     deviant *m;
     const ost_geometry *g;
     ost_duplicates duplicates;
-    uint64_t first_item; /* number of the batch's first sample among all samples of the grid */
+    uint64_t first_item; /* number, among all samples of the grid, of the first sample of the batch */
     bool short_rows, last_layer_lost;
 } batch;
 
@@ -119,7 +119,8 @@ static void scatter(const batch *b, dense_scatter *to, const ost_sample *s, uint
     int64_t index[3];
     report->samples++;
     for (int a = 0; a < 3; a++)
-        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) { /* outside the range of lengths (AR-LEN-1) */
+        /* the coordinate is beyond the maximum length (AR-LEN-1) */
+        if (p[a] > OST_LENGTH_MAX || p[a] < -OST_LENGTH_MAX) {
             if (lower(line, report->rejected_line))
                 report->rejected_line = line;
             return;
@@ -223,7 +224,7 @@ static void fill_with_garbage(deviant *m, const dense_grid *grid)
                 }
 }
 
-/* Allocates the arrays before the first batch. */
+/* Allocates the arrays of a grid, before its first batch of samples. */
 static ost_status prepare(dense_grid *grid, ost_error *err)
 {
     deviant *m = dense_of(grid->base.backend)->deviant;
@@ -277,7 +278,7 @@ ost_status dense_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t co
     return OST_OK;
 }
 
-/* Records every voxel in which two grids with these dims differ. */
+/* Records each voxel in which the grid with the mistake differs from the correct grid. */
 static void note_changes(deviant *m, ost_dims d, const int16_t *made, const int16_t *right)
 {
     for (int32_t k = 0; k < d.z; k++)
@@ -318,12 +319,12 @@ typedef struct source {
 
 enum { ONE = 1 << 15 };
 
-/* Computes the source of cubic voxel i by AR-CUB-2 to 4. */
+/* Computes the source of cubic voxel i, and its weight (AR-CUB-2 to 4). */
 static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_resample rule)
 {
     if (rule == OST_RESAMPLE_THESIS)
         return (source){(int64_t)dense_floor((int128)i * cubic, rect), 0};
-    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the quotient, whose denominator is 2 rect */
+    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the source position; the denominator is 2 rect */
     const int128 unit = 2 * (int128)rect;
     if (rule == OST_RESAMPLE_NEAREST)
         return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};

@@ -16,13 +16,13 @@ typedef struct pose {
     const ost_map *map;
     uint64_t number;
     int128 column[3][3];
-    int64_t step[3][3]; /* steps by the correct arithmetic */
-    int64_t used[3][3]; /* steps used to compute coordinates, possibly with a mistake */
+    int64_t step[3][3]; /* steps of the map, without a mistake */
+    int64_t used[3][3]; /* the steps that are used, which a mistake may have changed */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* box whose last layer a mistake omits; if NULL, boxes have no effect */
+    const ost_voxel_box *tight; /* box that loses its last layer by the mistake; NULL for all other mistakes */
 } pose;
 
-/* Returns the low 24 bits of v, sign-extended. */
+/* Returns the low 24 bits of v as a signed number. */
 static int64_t low24(int64_t v)
 {
     return ((v & 0xffffff) ^ 0x800000) - 0x800000;

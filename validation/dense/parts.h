@@ -25,10 +25,10 @@ typedef struct dense_grid dense_grid;
 
 typedef struct dense {
     ost_backend base;
-    deviant *deviant; /* &own, or NULL without a deviation */
+    deviant *deviant; /* &own if a mistake is made, otherwise NULL */
     deviant own;
     dense_grid *unsettled; /* borrowed; the rect grid whose changes have not been recorded yet; NULL if there is none */
-    ost_map last_map;      /* map of the last pose of the last event */
+    ost_map last_map;      /* the map of the last pose of the most recent event */
     bool has_last_map;
 } dense;
 
@@ -42,7 +42,7 @@ typedef struct dense_scatter {
 struct dense_grid {
     ost_grid base;
     dense_scatter made;
-    dense_scatter right; /* the grid computed without the mistake; its arrays are NULL if there is no deviation */
+    dense_scatter right; /* the same grid without the mistake; NULL arrays if no mistake is made */
     uint64_t call, samples, batches;
     bool scattered;
 };
@@ -50,7 +50,7 @@ struct dense_grid {
 typedef struct dense_bone {
     ost_bone base;
     int16_t *density;
-    uint8_t *active; /* 1 for each voxel whose occupancy bit is set, and 0 for all other voxels */
+    uint8_t *active; /* for each voxel, 1 if it is active, otherwise 0 */
 } dense_bone;
 
 typedef struct dense_tool {
@@ -63,7 +63,7 @@ static inline dense *dense_of(const ost_backend *backend)
     return (dense *)(uintptr_t)backend;
 }
 
-/* Returns the index of a voxel (AR-GRID-2). */
+/* Returns the index of voxel (x, y, z) (AR-GRID-2). */
 static inline int64_t dense_at(ost_dims d, int64_t x, int64_t y, int64_t z)
 {
     return x + d.x * (y + d.y * z);
@@ -79,7 +79,7 @@ static inline int128 dense_int128(ost_int128 v)
     return (int128)v.high * ((int128)1 << 64) + (int128)v.low;
 }
 
-/* Returns floor(n / d); d > 0. */
+/* Returns n / d rounded down, for d > 0. */
 static inline int128 dense_floor(int128 n, int128 d)
 {
     if (n >= 0)
@@ -141,10 +141,10 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
    and the poses at which it lies in a non-cutting voxel of the tool. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
-    uint8_t *met; /* 1 for each chunk that contains a marked voxel, and 0 for all other chunks */
+    uint8_t *met; /* for each chunk, 1 if it contains a marked voxel, otherwise 0 */
 } dense_marks;
 
-/* Counts a tool voxel of class `found` at bone voxel v. */
+/* Marks bone voxel v, which lies in a tool voxel of class `found`. */
 static inline void dense_mark(const dense_bone *bone, dense_marks marks, const int32_t v[3], uint8_t found)
 {
     const ost_dims d = bone->base.geometry.dims;
@@ -168,9 +168,9 @@ void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, 
 /* Computes a sample's position by Alg. 2.4 on the grid of Alg. 2.3. Returns false if the sample lies beyond the end
    of the array. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3]);
-/* Returns the source layer of cubic layer z by Alg. 2.5. */
+/* Returns the source layer of cubic layer z, by Alg. 2.5 of the thesis. */
 int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
-/* Computes MinVoxelCoords of Alg. 2.1 for both meshes, in millimetres. */
+/* Computes MinVoxelCoords (Alg. 2.1 of the thesis) of both meshes together, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
                          float minimum[3]);
 /* Computes the counts of one row with float edge functions. They correspond to the counts that tool.c computes with

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A chunk and the range of its voxels, lo <= v < hi. */
+/* A chunk, with the range lo <= v < hi of its voxels. */
 typedef struct cube {
     int32_t number;
     int32_t lo[3], hi[3];
@@ -77,7 +77,7 @@ static void mark(deviant *m, const dense_bone *bone, const dense_tool *tool, con
     }
 }
 
-/* Clears the marks of the last chunk that has a hit. */
+/* Clears all marks in the last chunk that has a hit. This is one of the deliberate mistakes. */
 static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks marks)
 {
     if (!deviates(m, DEVIATION_LAST_CHUNK_LOST, 0))

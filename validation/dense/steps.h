@@ -31,7 +31,7 @@
 void steps_turn(const ost_pose *pose, bool back, const wide v[3], wide out[3]);
 wide steps_norm(const ost_pose *pose);
 
-/* Returns the bone's grid by AR-CUB-1. The rect grid must satisfy AR-GRID-3. */
+/* Returns the geometry of the cubic grid (AR-CUB-1). The rect grid must satisfy AR-GRID-3. */
 ost_geometry steps_cubic(const ost_geometry *rect, ost_pm cubic);
 
 /* Computes the tool's grid by AR-TOOL-2 from the cutting and the non-cutting mesh. The second mesh may have no
@@ -42,7 +42,7 @@ ost_status steps_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_s
 
 /* Returns the number of poses by AR-SWEEP-2 and AR-SWEEP-3. Returns 0 if one of these rules refuses the motion. */
 int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool, ost_pm bone_voxel);
-/* Returns pose k of n by AR-SWEEP-4. */
+/* Returns pose number k of a sweep of n poses (AR-SWEEP-4). */
 ost_pose steps_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
 /* Computes the map of a pose by AR-MAP-1 and AR-MAP-3, in the form in which an event contains it. */
@@ -67,18 +67,18 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
 enum { STEPS_TOOLS = 16 };
 typedef struct steps_history {
     bool sweep_off;
-    int64_t period_ns;     /* removal period in nanoseconds; 0 if every tick may have an event */
+    int64_t period_ns;     /* minimum time between two removal events in ns; 0 if every tick may have an event */
     const ost_tick *ticks; /* borrowed */
-    size_t *taken;         /* owned; indices of the ticks that were not refused */
+    size_t *taken;         /* owned; indices of the accepted ticks */
     size_t count;
     size_t begin[STEPS_TOOLS]; /* for each tool, the index in `taken` of the tick whose pose begins the next sweep */
-    size_t last_event;         /* index in `taken` of the tick of the last event */
+    size_t last_event;         /* index in `taken` of the tick that had the last event */
 } steps_history;
 
 typedef struct steps_event {
     bool refused, removal;
-    int count;     /* number of poses of the event; 0 if there is no event */
-    ost_pose from; /* pose at which the sweep begins; valid if count > 1 */
+    int count;     /* number of poses of the event; 0 if the tick has no event */
+    ost_pose from; /* pose at which the sweep starts; valid if count > 1 */
 } steps_event;
 
 ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out,

@@ -69,7 +69,7 @@ static bool block_reaches(const ost_map *map, const ost_tool_geometry *tool, con
                           const int32_t base[3])
 {
     const int64_t end[3] = {(int64_t)tool->dims.x << 20, (int64_t)tool->dims.y << 20, (int64_t)tool->dims.z << 20};
-    for (int a = 0; a < 3; a++) { /* returns false if all corners of the block lie on one side of the grid */
+    for (int a = 0; a < 3; a++) { /* no voxel can be hit if all corners lie beyond the same side of the grid */
         int64_t least = base[a], most = base[a];
         for (int b = 0; b < 3; b++)
             *(map->step[b][a] < 0 ? &least : &most) += (BLOCK - 1) * (int64_t)map->step[b][a];

@@ -24,7 +24,7 @@ static const ost_tick *taken(const steps_history *h, size_t position)
     return &h->ticks[h->taken[position]];
 }
 
-/* Returns true if the removal period allows an event at this tick (AR-REM-7). */
+/* Returns true if enough time has passed since the last event (AR-REM-7). */
 static bool is_due(const steps_history *h, const ost_tick *tick, bool restarts)
 {
     if (restarts || h->period_ns == 0 || taken(h, h->count - 1)->rpm == 0)
@@ -33,7 +33,7 @@ static bool is_due(const steps_history *h, const ost_tick *tick, bool restarts)
     return wide_order(wide_floor(wide_of(tick->t_ns), p), wide_floor(wide_of(taken(h, h->last_event)->t_ns), p)) != 0;
 }
 
-/* Returns true if the sum of AR-MOTOR-6 exceeds a quarter of a turn. */
+/* Returns true if the motor has turned by more than a quarter turn since the last event (AR-MOTOR-6). */
 static bool turns_too_far(const steps_history *h, const ost_tick *tick)
 {
     wide sum = wide_of(0);
@@ -54,7 +54,7 @@ steps_event steps_next(steps_history *h, size_t i, const ost_tool_geometry *grid
     if (on && is_due(h, tick, restarts)) {
         e.removal = true;
         e.count = 1;
-        if (!restarts && !h->sweep_off) { /* these conditions are defined by AR-SWEEP-5 and AR-SWEEP-6 */
+        if (!restarts && !h->sweep_off) { /* the conditions of AR-SWEEP-5 and AR-SWEEP-6 for a sweep */
             e.from = taken(h, h->begin[tick->tool])->pose;
             e.count = turns_too_far(h, tick) ? 0 : steps_sweep_count(&e.from, &tick->pose, grid, bone_voxel);
             if (e.count == 0)

@@ -2,7 +2,7 @@
 /* Computes the bone's grid by AR-CUB-1. The steps of the map are computed from this grid. */
 #include "validation/dense/steps.h"
 
-/* Returns the smallest m with m * c >= n * s, found by counting. */
+/* Returns the number of cubic voxels that cover n rect voxels: the least m with m c >= n s. */
 static int32_t voxels(int32_t n, ost_pm s, ost_pm c)
 {
     int32_t m = 1;

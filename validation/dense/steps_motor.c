@@ -31,7 +31,7 @@ static ost_pose turned(const ost_pose *handle, wide phase)
     return (ost_pose){handle->t, out[0], out[1], out[2], out[3]};
 }
 
-/* Returns the greatest r with r^2 <= n, by bisection. */
+/* Returns the integer square root of n, by bisection. */
 static wide root_of(wide n)
 {
     wide r = wide_of(0);
@@ -48,7 +48,7 @@ static int32_t of_unit_length(int32_t c, wide r)
     return (int32_t)wide_to_int64(wide_nearest(wide_times(wide_power_of_two(30), wide_of(c)), r));
 }
 
-/* Returns pose j of m between two rows a and b of the handle's path. */
+/* Returns pose j of m between the rows a and b of the path of the handle. */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);

@@ -43,7 +43,7 @@ static wide greatest_way_squared(const ost_pose *a, const ost_pose *b, const ost
     return greatest;
 }
 
-/* Returns true if 4 |d|^2 <= n^2 s^2, where way_squared is |d|^2. */
+/* Returns true if n poses are sufficient: 4 |d|^2 <= n^2 s^2. way_squared is |d|^2. */
 static bool enough(int n, wide way_squared, ost_pm s)
 {
     const wide reach = wide_times(wide_of(n), wide_of(s));
@@ -59,7 +59,7 @@ int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geome
     const wide way_squared = greatest_way_squared(a, b, tool);
     if (!enough(MOST, way_squared, bone_voxel))
         return 0;
-    int short_of = 0, n = MOST; /* bisection: n poses are sufficient, short_of poses are not */
+    int short_of = 0, n = MOST; /* Bisection: n poses are always sufficient, short_of poses are not. */
     while (n - short_of > 1) {
         const int middle = (short_of + n) / 2;
         *(enough(middle, way_squared, bone_voxel) ? &n : &short_of) = middle;

@@ -112,7 +112,7 @@ static bool float_owned(const float a[3], const float b[3], float y, float z, bo
     return dz != 0 ? dz < 0 : dy > 0;
 }
 
-/* Returns x y - z w. */
+/* Returns x y - z w, rounded after each operation, or with one fused operation. */
 static float cross(float x, float y, float z, float w, bool fused)
 {
     return times_plus(x, y, -(z * w), fused);
@@ -162,7 +162,7 @@ void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int3
 /* The transform from the bone's box to the tool's box. Coordinates are relative to the centres of the boxes. */
 typedef struct boxes {
     float matrix[3][4];
-    float bone[3], tool[3]; /* half of the boxes' extents */
+    float bone[3], tool[3]; /* half extents of the boxes */
     float bone_voxel, tool_voxel;
     int32_t chunk_lo[3], chunk_hi[3]; /* half-open */
 } boxes;
@@ -186,7 +186,7 @@ static void share(boxes *x, const dense_bone *bone, bool fused)
     for (int corner = 0; corner < 8; corner++)
         for (int b = 0; b < 3; b++) {
             float at = 0;
-            for (int a = 0; a < 3; a++) /* the inverse of the matrix is its transpose */
+            for (int a = 0; a < 3; a++) /* inverts the rotation by transposing its matrix */
                 at = times_plus(x->matrix[a][b], (corner >> a & 1 ? x->tool[a] : -x->tool[a]) - x->matrix[a][3], at,
                                 fused);
             at = fminf(fmaxf(at, -x->bone[b]), x->bone[b]);
@@ -223,7 +223,7 @@ static boxes boxes_of(const dense_bone *bone, const dense_tool *tool, const ost_
     return x;
 }
 
-/* Returns the class of the tool voxel at one bone voxel. */
+/* Returns the class of the tool voxel in which a bone voxel lies. */
 static uint8_t class_at(const boxes *x, const dense_tool *tool, int32_t i, int32_t j, int32_t k, bool fused)
 {
     const ost_dims dims = tool->base.geometry.dims;

@@ -43,11 +43,11 @@ void dense_tool_free(ost_tool *base)
 
 /* ------------------------------------------------------------- one row */
 
-/* The parameters with which a call reads its meshes, correctly or with a mistake. */
+/* How a call reads its meshes: correctly, or with a deliberate mistake. */
 typedef struct manner {
     deviant *m;
-    bool own;     /* true if the deviant m makes a mistake in this stage */
-    bool corners; /* true if voxels are sampled at their corners */
+    bool own;     /* true if the mistake of m belongs to this stage */
+    bool corners; /* true to sample voxels at their corners instead of their centres */
     size_t triangles_lost;
     float thesis_minimum[3];
     uint64_t first_item; /* number of the first unit of the current mesh; units of an earlier mesh have lower numbers */
@@ -55,8 +55,8 @@ typedef struct manner {
 
 /* The counts of triangles in one row of voxels. */
 typedef struct row {
-    int32_t *count;  /* the counts of AR-VOX-3; dims.x elements */
-    uint32_t *times; /* the counts of AR-VOX-5; dims.x elements */
+    int32_t *count;  /* for each voxel, the winding number (AR-VOX-3); dims.x elements */
+    uint32_t *times; /* for each voxel, the number of crossings (AR-VOX-5); dims.x elements */
     int64_t total;
     uint64_t owners;
 } row;
@@ -66,7 +66,7 @@ static int64_t sample_at(const manner *how, const ost_snapped_mesh *mesh, int32_
     return how->corners ? (int64_t)i << mesh->fraction_bits : (2 * (int64_t)i + 1) << (mesh->fraction_bits - 1);
 }
 
-/* Returns the result of AR-VOX-2 for one edge. */
+/* Applies the rule of AR-VOX-2 to one edge. */
 static bool owned_right(const int32_t *a, const int32_t *b, int64_t y, int64_t z)
 {
     const int64_t dy = (int64_t)b[1] - a[1], dz = (int64_t)b[2] - a[2];
@@ -232,7 +232,7 @@ static void voxelize(deviant *m, const ost_snapped_mesh *cutting, const ost_snap
     if (on_top)
         deviant_acted(m, 0, NULL);
     for (int pass = 0; pass < 2; pass++) {
-        const bool cuts = (pass == 1) != on_top; /* voxels of the second pass overwrite those of the first */
+        const bool cuts = (pass == 1) != on_top; /* the second pass overwrites voxels of the first */
         const ost_snapped_mesh *mesh = cuts ? cutting : noncutting;
         if (!mesh)
             continue;

@@ -115,7 +115,7 @@ wide wide_floor(wide a, wide b)
 {
     const int bits = bits_of(&a) - bits_of(&b) + 1 > 0 ? bits_of(&a) - bits_of(&b) + 1 : 0;
     wide q = wide_of(0), product = q;
-    if (a.negative) { /* |a / b| < 2^bits */
+    if (a.negative) { /* |a / b| < 2^bits, so `bits` steps of the long division are sufficient */
         q = wide_negated(wide_power_of_two(bits));
         product = wide_negated(shifted(&b, bits));
     }

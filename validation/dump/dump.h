@@ -23,7 +23,8 @@ enum { DUMP_NAME = 200 };
 typedef struct dump_head {
     plan_tier tier;
     uint64_t seed;
-    char only[PLAN_ID];       /* prefix of the ids of the dump's cases, as for plan_make; "" selects all cases */
+    /* cases whose identifiers begin with this prefix are in the dump (plan_make); "" stands for all */
+    char only[PLAN_ID];
     char program[DUMP_NAME];  /* name of the program that made the dump, in one line */
 } dump_head;
 
@@ -39,10 +40,10 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err);
 ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref,
                       const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err);
 
-/* Writes the grids of a trace as a dump. The folder must not exist. */
+/* Writes the grids of a trace as a dump, to a folder that must not exist yet. */
 ost_status dump_write(const char *folder, const char *program, const plan *p, const trace *t, ost_error *err);
 
-/* Writes the name of a case's folder, such as "import-0" for the id "import/0". */
+/* Writes the name of the folder of a case; for the identifier "import/0", this is "import-0". */
 void dump_case_folder(const char *id, char name[PLAN_ID]);
 
 #endif

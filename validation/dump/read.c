@@ -93,7 +93,7 @@ static ost_status read_grid(const char *folder, const char *name, ost_dims dims,
     return OST_OK;
 }
 
-/* The state of one case while the case's trace is written. */
+/* The state while the trace of one case is made from the dump. */
 typedef struct maker {
     const char *folder;
     trace_writer *w;
@@ -161,13 +161,13 @@ static ost_status store_bone(maker *m, const trace_block_view *b, const int16_t 
     return OST_OK;
 }
 
-/* Writes the record of a stage whose result is one complete grid. */
+/* Writes the record of a stage whose result is a single complete grid. */
 static ost_status make_complete(maker *m, const trace_record *r, const char *name, ost_error *err)
 {
     size_t at = 0;
     trace_block_view b;
     bool there = false;
-    if (!trace_next_block(r, &at, &b)) { /* there is no grid if the import was refused */
+    if (!trace_next_block(r, &at, &b)) { /* a refused import has no grid */
         copy_words(m->w, r);
         trace_flags(m->w, TRACE_STAND_IN);
         return OST_OK;
@@ -214,7 +214,7 @@ static ost_status make_tick(maker *m, const trace_record *r, const char *name, o
     return OST_OK;
 }
 
-/* Copies the reference's record of a stage that is not in the dump. */
+/* Copies the reference's record, because the dump does not contain this stage. */
 static void stand_in(maker *m, const trace_record *r)
 {
     copy_words(m->w, r);

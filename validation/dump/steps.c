@@ -77,7 +77,7 @@ static bool put_wide(reader *r, const json_t *value, const char *member)
     __extension__ unsigned __int128 sum = 0;
     size_t i = negative;
     for (; text && text[i] >= '0' && text[i] <= '9' && i < 40; i++) {
-        if (sum >> 122) /* ten times the sum must stay below 2^126 */
+        if (sum >> 122) /* the next step computes ten times the sum, which must stay below 2^126 */
             break;
         sum = 10 * sum + (unsigned)(text[i] - '0');
     }
@@ -132,7 +132,7 @@ static json_t *wides(const uint8_t *words, size_t first)
 
 /* ------------------------------------------------------------------- snap-N */
 
-/* Reads 64 hexadecimal digits in lower case. */
+/* Parses 64 lower-case hexadecimal digits. */
 static bool digest_of(const char *hex, ost_digest *out)
 {
     static const char digits[] = "0123456789abcdef";

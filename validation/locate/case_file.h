@@ -22,7 +22,7 @@
 /* Reads one case. The caller frees out->cut with free(). Error lines begin with the text `where`. The parameter user
    describes the user's own cases and is NULL if there are none. */
 ost_status case_of_json(const json_t *o, const char *where, const plan_user *user, plan_case *out, ost_error *err);
-/* Returns the case as JSON, which the caller owns. Returns NULL if memory is exhausted. */
+/* Returns the case as a JSON object that the caller owns, or NULL if memory is exhausted. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
 /* Reads all cases of a file as a plan. If document is not NULL, sets *document to the content of the file, which the

@@ -15,12 +15,12 @@ typedef struct causes {
     const char *class;
     int mistakes, kinds;
     struct {
-        const char *kind; /* name in dense/deviation.h; NULL in the unused rows if there are fewer kinds */
+        const char *kind; /* name of a kind of mistake (dense/deviation.h); NULL in unused rows */
         int mistakes;
     } most[CAUSES_NAMED];
 } causes;
 
-/* Returns the causes of a class; NULL if the class is not in the table. */
+/* Returns the possible causes of a class of differences; NULL if the table does not contain the class. */
 const causes *causes_of(const char *class);
 
 /* Writes a sentence that lists the kinds and their shares as possible causes. Writes "" if no cause is known. */

@@ -122,13 +122,13 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
-    /* the cut contains indices of ticks, which differ from the indices of the handle's poses */
+    /* The cut counts ticks. Poses of the handle are counted differently, so they cannot be cut. */
     if (ticks != s->path.count || cut->no_tools) {
         ost_path_free(&s->handle_path);
         s->handle_path = (ost_path){.count = 0};
     }
     s->path.count = ticks;
     if (has_bone && !s->sample_count)
-        s->path.count = 0; /* ticks are removed, because they cannot run without a bone */
+        s->path.count = 0; /* Without a bone, no tick can run. */
     return status;
 }

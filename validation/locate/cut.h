@@ -15,7 +15,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* Half-open ranges, ascending and disjoint. If `some` is false, all items are retained. */
+/* The items that are kept, as ascending, disjoint, half-open ranges. If `some` is false, all items are kept. */
 typedef struct cut_list {
     bool some;
     int count;
@@ -25,9 +25,9 @@ typedef struct cut_list {
 struct scene_cut {
     bool no_ct, no_collide;
     bool cropped;
-    int32_t lo[3], hi[3]; /* range of voxels of the rect grid */
+    int32_t lo[3], hi[3]; /* voxels of the rect grid that are kept, lo <= voxel < hi */
     cut_list samples, ticks;
-    uint32_t no_tools;    /* bit t is set if tool t is removed */
+    uint32_t no_tools;    /* tools that are omitted; bit t stands for tool t */
     /* retained triangles of each tool; index 0 is the cutting mesh, index 1 the non-cutting mesh */
     cut_list triangles[SCENE_TOOLS_MAX][2];
 };

@@ -18,12 +18,13 @@ typedef struct finding {
        is unknown */
     int32_t chunk[3];
     int chunk_size;
-    const char *class; /* name of the class: pattern_name or "report-only"; NULL if the grids cannot be compared */
-    char text[PATTERN_TEXT]; /* the evidence for the class */
+    /* class of the difference (pattern_name), or "report-only"; NULL if grids could not be compared */
+    const char *class;
+    char text[PATTERN_TEXT]; /* the evidence for the class, as a sentence */
     operands operands;
     /* name of a file in the bundle with a small case that shows the same difference; "" if there is no such file */
     char reproduce[96];
-    char small[MINIMISED_TEXT]; /* description of the small case (minimised_text) */
+    char small[MINIMISED_TEXT]; /* description of the minimised case (minimised_text) */
 } finding;
 
 /* Describes d, the first difference of a case with the scene s. ref and got are the traces that were compared, and

@@ -18,12 +18,12 @@ typedef struct grids {
     trace_stage stage;
     uint32_t item;
     ost_dims dims;
-    int16_t *ref, *got;  /* owned; the classes of tools are converted to int16 */
+    int16_t *ref, *got;  /* owned; the densities, or the classes of a tool, of both backends */
     /* owned; input of the stage: the previous bone (ticks), the cubic grid (chunks) or the rect grid (cubic); may be
        NULL */
     int16_t *before;
     ost_dims before_dims;
-    int32_t *source[3];  /* owned; source voxels along each axis; only for the cubic grid */
+    int32_t *source[3];  /* owned; for the cubic grid, the source voxel of each voxel on each axis; otherwise NULL */
     /* owned; weights of the voxels after the source voxels along each axis; only for the cubic grid */
     int32_t *weight[3];
     /* owned; for each voxel, the number of samples after its last sample; only for the rect grid */
@@ -36,7 +36,7 @@ bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trac
               grids *out);
 void grids_free(grids *g);
 
-/* Returns the view for pattern_find. The view is valid until g is freed. */
+/* Returns both grids in the form that pattern_find takes. It is valid until g is freed. */
 pattern_view grids_view(const grids *g, const scene *s, bool reported_too);
 
 /* Finds the block of a complete grid. Returns false if the case has no record of this stage and item. */

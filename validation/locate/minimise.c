@@ -197,7 +197,7 @@ static ost_status cut_stages(job *j, const scene *s, const compare_difference *d
                 break;
             }
         }
-        /* no tools are omitted, because the difference may depend on voxels that other tools removed */
+        /* Keeps all tools, because the difference may depend on voxels that another tool removed. */
         cut.no_tools = 0;
         add(&list, &cut);
     }
@@ -235,7 +235,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    /* the centre is the middle of the chunk whose report differs */
+    /* the report of a chunk differs: starts at the middle of the chunk */
     else if (d->kind == COMPARE_WORD && f->chunk_size) {
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[1] * f->chunk_size + f->chunk_size / 2,
@@ -327,7 +327,7 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        /* first tries to retain one part, because this gives smaller candidates */
+        /* Keeping one part is tried first, because its candidates are smaller than those without one part. */
         for (uint32_t pass = 0; pass < 2; pass++)
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;
@@ -399,7 +399,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
     *out = (minimised){.runs = 0};
     *done = false;
     if (c->cut || d->kind == COMPARE_EQUAL)
-        return OST_OK; /* a case that was read from a file is not reduced further */
+        return OST_OK; /* A case from a case file is already small, so it is not reduced. */
     snprintf(j.cases, sizeof j.cases, "%s/cases.json", folder);
     snprintf(j.trace, sizeof j.trace, "%s/trace-small", folder);
     snprintf(j.ref, sizeof j.ref, "%s/trace-small-ref", folder);
@@ -413,7 +413,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
 
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
 {
-    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* large enough for the greatest numbers */
+    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* three parts, each large enough for the greatest numbers */
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)

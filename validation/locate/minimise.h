@@ -19,12 +19,12 @@
 
 typedef struct minimised {
     scene_cut cut;
-    compare_difference difference; /* the difference that the small case shows */
+    compare_difference difference; /* the difference that the minimised case shows */
     finding found;
-    uint64_t samples, triangles, ticks; /* numbers of these items in the small case */
+    uint64_t samples, triangles, ticks; /* number of samples, triangles and ticks of the minimised case */
     ost_dims rect;
     int tools;
-    int runs;   /* number of processes that were started */
+    int runs;   /* number of workers that the minimisation has run */
 } minimised;
 
 /* Minimises a case. program is the path of this program's file, which workers run. Temporary files are written to

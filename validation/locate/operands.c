@@ -213,9 +213,9 @@ static void tool_operands(const scene *s, const compare_difference *d, operands 
 /* The poses of a tick's event. They are determined by the same rules as in ost_world_step. */
 typedef struct event_poses {
     bool removal;
-    ost_pose from, to; /* first and last pose of the sweep; `from` is valid only if count > 1 */
+    ost_pose from, to; /* first and last pose of the sweep; `from` is set only if count > 1 */
     int count;
-    int64_t since; /* number of the tick whose pose is `from`; -1 if there is none */
+    int64_t since; /* number of the tick whose pose is `from`, or -1 */
 } event_poses;
 
 static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
@@ -245,7 +245,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
                 if (ost_sweep_count(&e.from, &t->pose, &s->tools[t->tool].cutting.grid, voxel, &e.count, &refused) !=
                     OST_OK) {
                     e.removal = false;
-                    continue; /* a refused tick does not change the world */
+                    continue; /* A refused tick has no effect on the world. */
                 }
             }
             last[t->tool] = t->pose;
@@ -258,11 +258,11 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
     return e;
 }
 
-/* The position of a bone voxel in the tool at one pose. */
+/* The tool coordinates of a bone voxel at one pose. */
 typedef struct mapped {
     bool near;       /* true if the voxel's block is near, so that it can be in the tool (AR-MAP-5) */
     int32_t u[3], at[3];
-    int is;          /* class of the tool voxel; -1 if the position is outside the tool's grid */
+    int is;          /* class of the tool voxel there; -1 outside the tool's grid */
     /* Chebyshev distance, in 2^-20 voxels, to the nearest adjacent tool voxel that gives another result; -1 if there is
        none */
     int32_t gap;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the section on changes since an older bundle (impact.json), and on possible causes. */
+/* Writes the section about changes since an older bundle (impact.json) and their possible causes. */
 #include <string.h>
 
 #include "validation/bundle/impact.h"
@@ -19,7 +19,7 @@ static void rows(const page *p, const json_t *list, const char *kind)
     }
 }
 
-/* Writes the names of changed requirements. Their complete rows are long and are in impact.json. */
+/* Writes the identifiers of changed requirements; impact.json contains their complete rows. */
 static void requirements(const page *p, const json_t *list)
 {
     for (size_t i = 0; i < json_array_size(list); i++) {

@@ -27,7 +27,7 @@ static tally count(const page *p, const char *backend, const char *family)
         const char *verdict = evidence_text(json_object_get(json_object_get(one, "results"), backend), "verdict");
         t.cases++;
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0 && evidence_refused(one))
-            continue; /* the reference and the backend refused the input, so there is no result to compare */
+            continue; /* both refused the input, so there is nothing to compare */
         if (strcmp(verdict, case_verdict_name(CASE_EQUAL)) == 0) {
             t.equal++;
             t.records += (json_int_t)json_array_size(json_object_get(one, "reference"));
@@ -37,7 +37,7 @@ static tally count(const page *p, const char *backend, const char *family)
     return t;
 }
 
-/* Returns true if the family has cases in this bundle and therefore a column. */
+/* Returns true if the bundle has cases of the family, so that the table has a column for it. */
 static bool has_cases(const page *p, int family)
 {
     return family == PLAN_FAMILIES || count(p, "", plan_family_name((plan_family)family)).cases > 0;
@@ -122,7 +122,7 @@ void section_compared(const page *p)
     fputs(".</p>\n", p->to);
 }
 
-/* Writes dims as "230 x 270 x 40". */
+/* Writes dims in the form "230 x 270 x 40". */
 static void dims(const page *p, const json_t *list)
 {
     for (size_t a = 0; a < 3; a++)

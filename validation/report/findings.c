@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the results that are not equal. Also writes whether the deliberate mistakes were detected. */
+/* Writes the results that are not equal, and the detection of the deliberate mistakes. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +9,7 @@
 #include "validation/report/pictures.h"
 #include "validation/report/sections.h"
 
-enum { LISTED = 200 }; /* maximum number of results in the table; the file anomalies.csv contains all results */
+enum { LISTED = 200 }; /* maximum number of rows; anomalies.csv contains all results */
 
 static json_int_t integer(const json_t *o, const char *key)
 {
@@ -99,7 +99,7 @@ static void reproduction(const page *p, const json_t *backend, const json_t *r)
     fputs("</pre>\n", p->to);
 }
 
-/* Writes the operands from which the reference computed the first differing voxel. */
+/* Writes the operands from which the reference computed the first voxel that differs. */
 static void operand_table(const page *p, const json_t *r)
 {
     const json_t *list = json_object_get(r, "operands"), *voxel = json_object_get(r, "voxel");
@@ -277,7 +277,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fault_head(p, "Mistakes in");
     for (size_t i = 0; i < count; i++) {
         const char *stage = evidence_text(json_array_get(kinds, i), "stage");
-        /* unsigned, because sums of arbitrary values from a bundle must not overflow */
+        /* unsigned, because numbers from an untrusted bundle may overflow the sums */
         uint64_t sum[FAULT_COUNTS] = {0};
         bool first = true;
         size_t alike = 0;

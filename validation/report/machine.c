@@ -103,7 +103,7 @@ static void threads(const page *p, const bool used[THREADS_MAX])
     end_row(p, "environment.json");
 }
 
-/* Writes the devices that were compared, and the kernels that were chosen for each device. */
+/* Writes the OpenCL devices that were compared, and the kernel set used on each. */
 static void opencl(const page *p)
 {
     const json_t *backends = json_object_get(p->protocol, "backends");

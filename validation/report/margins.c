@@ -145,7 +145,7 @@ static void backend_table(const page *p, const json_t *backend)
         all.unexplained += s.unexplained;
         all.unmeasured += s.unmeasured;
         all.decided += s.decided;
-        for (int b = 0; b <= 10; b++) /* the bins 0 to 10 are margins below 1/1024 of a voxel */
+        for (int b = 0; b <= 10; b++) /* bins 0 to 10: margins below 1/1024 of a voxel */
             near += s.bins[b];
     }
     if (!all.voxels)

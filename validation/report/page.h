@@ -17,7 +17,7 @@
 
 typedef struct page {
     FILE *to;
-    const char *folder; /* the folder of the bundle */
+    const char *folder; /* path of the bundle's folder */
     const json_t *protocol, *cases, *summary;
     /* error of the first bundle file that could not be read; the page is not written after such an error */
     ost_error *unread;
@@ -26,11 +26,11 @@ typedef struct page {
 /* Writes text escaped for HTML. It may be used in the text of elements and in quoted attributes. Control characters
    become '?'. */
 void page_text(const page *p, const char *text);
-/* Writes a number with thousands separators, as in "12,345". */
+/* Writes a number with thousands separators, such as "12,345". */
 void page_count(const page *p, json_int_t value);
-/* Writes a number with its noun, as in "1 case" or "12,345 cases". */
+/* Writes a number with a noun in the singular or plural, such as "1 case" or "12,345 cases". */
 void page_many(const page *p, size_t count, const char *one);
-/* Writes text quoted as one word for a shell. */
+/* Writes text so that a shell reads it as one word. */
 void page_shell_word(const page *p, const char *text);
 /* Writes a link to a file of the bundle. */
 void page_link(const page *p, const char *file);

@@ -59,7 +59,7 @@ static int16_t voxel_of(const trace_block_view *b, size_t i)
     int16_t wide;
     if (b->voxel_bytes == 1)
         return b->voxels[i];
-    memcpy(&wide, b->voxels + 2 * i, 2); /* the bytes are copied, because blocks are not aligned in the file */
+    memcpy(&wide, b->voxels + 2 * i, 2); /* memcpy, because the voxels of a block need not be aligned */
     return wide;
 }
 
@@ -132,7 +132,7 @@ static ost_status draw_operation(const scene *s, ost_volume *before, ost_volume 
                                              PICTURE_SLICES_AFTER};
         const ost_volume *now = k % 2 ? after : before, *old = k % 2 ? before : NULL;
         ost_picture picture = {0};
-        if (k == 2) { /* the slices of both pictures pass through the centre of the removed voxels */
+        if (k == 2) { /* Both pictures show the slices through the centre of the removed voxels. */
             int64_t sum[3] = {0, 0, 0}, n = 0;
             const ost_dims d = before->geometry.dims;
             for (int64_t v = 0; v < ost_dims_count(d); v++)

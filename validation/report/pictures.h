@@ -23,7 +23,7 @@
 enum {
     /* maximum number of cases per backend that get pictures; these are the first cases that differ */
     PICTURES_A_BACKEND = 4,
-    /* maximum number of backends that get pictures; these are the first backends in the list */
+    /* only the first backends of the list get pictures, at most this number */
     PICTURES_BACKENDS = 256,
     PICTURE_NAME = 128
 };
@@ -38,11 +38,11 @@ void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, 
    operation. */
 ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *user, ost_error *err);
 
-/* The state of pictures_of_difference, which is a callback for campaign_options.differs. */
+/* The state of the callback pictures_of_difference (campaign_options.differs). */
 typedef struct picture_keeper {
     evidence_sink *sink;
     void *user;
-    int drawn[PICTURES_BACKENDS]; /* number of pictures made for each backend */
+    int drawn[PICTURES_BACKENDS]; /* for each backend, the number of pictures made so far */
     ost_error err; /* the first error */
 } picture_keeper;
 void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got,

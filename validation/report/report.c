@@ -26,7 +26,7 @@ static json_int_t findings(const page *p)
     return n;
 }
 
-/* Counts the equal results of one backend, and its other results. */
+/* Counts the results of a backend: those that are equal, and all others. */
 static void tally(const page *p, const char *backend, size_t *equal, size_t *other)
 {
     *equal = *other = 0;
@@ -114,7 +114,7 @@ static void verdict(const page *p)
     fputs("</span></div>\n", p->to);
 }
 
-/* Returns a number of a JSON file in the bundle; -1 if there is none. */
+/* Returns a number from a JSON file of the bundle, or -1. */
 static json_int_t number_in(const page *p, const char *file, const char *key)
 {
     json_t *o = page_json(p, file);
@@ -391,9 +391,9 @@ ost_status report_write(const char *folder, const json_t *protocol, const json_t
     page_begin(&p, TITLE);
     head(&p);
     section_machine(&p);
-    not_shown(&p); /* these sentences must be on the first page */
+    not_shown(&p); /* what the bundle does not show must be on the first page */
     section_compared(&p);
-    if (findings(&p)) { /* differences are the most important part and precede all others */
+    if (findings(&p)) { /* differences matter most, so they precede everything else */
         section_differences(&p);
         section_margins(&p);
     }

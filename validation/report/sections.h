@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The larger sections of the page. Each function takes only the page as its parameter. */
+/* Declares the larger sections of the report. Each takes only the page. */
 #ifndef OST_VALIDATION_REPORT_SECTIONS_H
 #define OST_VALIDATION_REPORT_SECTIONS_H
 
@@ -12,14 +12,14 @@ void section_machine(const page *p);
 void section_paths(const page *p);
 /* Writes the changes since an older bundle. Writes nothing if the bundle has no impact.json. */
 void section_changes(const page *p);
-/* Writes the table of the compared results, by backend and family of cases. */
+/* Writes the table of results, by backend and family of cases. */
 void section_compared(const page *p);
 /* Writes a list of the user's own files, which belong to the cases from user/1 on. Writes nothing if there are no
    such cases. */
 void section_own_files(const page *p);
-/* Writes the results of the reference: stages and the number of their records. */
+/* Writes, for each stage, the number of the reference's records. */
 void section_reference(const page *p);
-/* Writes each result that is not equal, with its pictures if there are any. */
+/* Writes every result that is not equal, with its pictures. */
 void section_differences(const page *p);
 /* Writes the margins of differing voxels, by backend and stage. Writes nothing if no voxel differs. */
 void section_margins(const page *p);

@@ -85,13 +85,13 @@ static void draw_panel(const triplet *t, picture_role role, int across, int down
     int32_t at[3] = {t->at[0], t->at[1], t->at[2]};
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-            const int row = down == 2 ? height - 1 - y : y; /* rows are reversed, because z points up */
+            const int row = down == 2 ? height - 1 - y : y; /* z points up in the picture, so rows are reversed */
             at[across] = t->lo[across] + (int32_t)((int64_t)x * t->n[across] / width);
             at[down] = t->lo[down] + (int32_t)((int64_t)row * t->n[down] / height);
             const int16_t ref = at_voxel(t->reference, at), got = at_voxel(t->got, at);
             uint8_t *rgb = out->rgb + 3 * ((size_t)y * (size_t)out->width + (size_t)(left + x));
             uint8_t grey = grey_of(t, role == PICTURE_GOT ? got : ref);
-            if (role == PICTURE_DIFFERENCE) /* paler densities make the marks distinct */
+            if (role == PICTURE_DIFFERENCE) /* densities are drawn paler, so that the marks stand out */
                 grey = (uint8_t)(170 + grey / 4);
             memset(rgb, grey, 3);
             if (role == PICTURE_DIFFERENCE && ref != got)

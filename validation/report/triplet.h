@@ -14,12 +14,12 @@
 
 typedef struct triplet {
     const ost_volume *reference, *got;
-    bool tool;       /* true if voxels are classes of a tool; false if they are densities */
+    bool tool;       /* true if the voxels are classes of a tool, false if they are densities */
     int32_t at[3];   /* indices of the slices */
-    int32_t lo[3], n[3]; /* range of voxels that is shown: first voxel and number of voxels along each axis */
+    int32_t lo[3], n[3]; /* the part of the grid that is shown: first voxel, and number of voxels, on each axis */
 } triplet;
 
-/* Chooses the slices. Returns false if no voxel differs. */
+/* Chooses the slices to show. Returns false if the grids are equal. */
 bool triplet_of(const ost_volume *reference, const ost_volume *got, bool tool, triplet *out);
 ost_status triplet_draw(const triplet *t, picture_role role, ost_picture *out, ost_error *err);
 
