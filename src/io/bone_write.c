@@ -24,7 +24,7 @@ static ost_status bone_meta(const ost_bone_info *info, const ost_meta *given, os
     return status;
 }
 
-/* Downloads the complete volume first, because the text writer takes only complete volumes. */
+/* Downloads the complete volume first, because the text writer needs it in one piece. */
 static ost_status write_text(const char *path, const ost_bone *bone, const ost_bone_info *info, const ost_meta *meta,
                              const ost_write_options *options, ost_error *err)
 {

@@ -6,7 +6,7 @@
 #define SLICER "3D Slicer imports it and saves NRRD"
 #define SIGNATURE(text) text, sizeof(text) - 1
 
-/* Signatures of formats: the `length` bytes at `offset` of a file identify its format. */
+/* A signature: `length` bytes at `offset` that identify a file format. */
 static const struct {
     size_t offset;
     const char *bytes;

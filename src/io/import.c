@@ -7,10 +7,10 @@
  *   with a mask   --read--> volume --mask.c---> rect (cropped)
  *                                               rect --> cubic --> chunks
  *
- * The file has more than 500 lines because the stages share one job.
+ * The file has more than 500 lines because all stages share the struct `job`.
  *
- * Each stage is timed. If the options request digests, the result of each stage is digested. A grid is freed as soon
- * as the next grid is complete.
+ * Each stage is timed. If the options request digests, the digest of each stage's result is computed. Each grid is
+ * freed as soon as the next one is complete.
  */
 #include "core/conditions.h"
 
@@ -32,9 +32,9 @@ enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 
 /*
  * The grid of a text file with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a
- * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. The limit is far
- * above what real files need: a bone without its surroundings fills 5 to 30 % of its bounding box, and a file that
- * contains only the shell of a bone is also far below the limit.
+ * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. Real files are
+ * far below this limit: a bone without its surroundings fills 5 to 30 % of its bounding box, and even the shell of a
+ * bone stays far below the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;
@@ -48,7 +48,8 @@ typedef struct job {
     ost_bone *bone;
     ost_dims file_dims;  /* dimensions of the file's volume before it is cropped */
     int16_t *batch;      /* owned; slices that are uploaded together */
-    /* first slice and number of slices in the batch, and capacity of the batch; in slices of the rect grid */
+    /* first slice and number of slices in the batch, and maximum number of slices in a batch; slices of the rect
+     * grid */
     int32_t batch_first, batch_count, batch_capacity;
     int64_t stage_start; /* start time of the current stage in ns */
 } job;
@@ -68,10 +69,7 @@ static ost_status stage_begin(job *j, const char *name, ost_error *err)
     return progress(j, name, 0, err);
 }
 
-/*
- * Ends a stage. First waits for the backend, so that the measured time includes all work of this stage and no other
- * work.
- */
+/* Ends a stage. Waits for the backend first, so that the stage's time includes all of its work. */
 static ost_status stage_end(job *j, const char *name, ost_stage **stage, ost_error *err)
 {
     ost_status status = ost_backend_finish(j->backend, err);
@@ -112,9 +110,9 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 
 /*
  * Refuses a bone that is too large for the memory, because its import could run for hours before the system kills the
- * process. Backends allocate different amounts of memory: cpu allocates no cubic grid, and stores only the active
- * voxels of a bone. The check therefore counts only the active voxels and scales their number by volume. A grid with
- * too many voxels passes this check and fails later with its own message.
+ * process. Backends need different amounts of memory; cpu, which needs the least, allocates no cubic grid and stores
+ * only the active voxels of a bone. The check therefore estimates only the number of active voxels, in proportion to
+ * volume. A grid that is too large for other reasons fails later with its own message.
  */
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {
@@ -136,7 +134,7 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
                     ost_pm_format(cubic, text), (double)active * each * 1e-9, all * 1e-9);
 }
 
-/* Crops a geometry to the voxels with box->lo <= index < box->hi. */
+/* Crops a geometry to the voxels whose index is in [box->lo, box->hi). */
 static ost_status crop_geometry(const char *path, const ost_voxel_box *box, ost_geometry *g, ost_error *err)
 {
     int32_t *const dims[3] = {&g->dims.x, &g->dims.y, &g->dims.z};
@@ -268,12 +266,12 @@ static ost_status rect_from_text(job *j, ost_error *err)
 
 /* --------------------------------------------------------------- other formats */
 
-/* Sets the rect grid to the grid of the file. If the options state a spacing, it replaces the spacing of the file. */
+/* Sets the rect grid to the grid of the file. A spacing in the options overrides the spacing in the file. */
 static ost_status set_rect(job *j, const ost_geometry *geometry, ost_error *err)
 {
     static const ost_pm3 none;
-    /* For a stack of slices, the reader has already used the stated spacing, because it refers to columns, rows and
-     * slices. */
+    /* For a stack of slices, the reader has already applied the spacing from the options, which refers to columns,
+     * rows and slices. */
     const ost_pm3 stated = j->result->kind == OST_FILE_STACK ? none : j->options->spacing;
     ost_geometry *rect = &j->result->rect;
     *rect = *geometry;
@@ -312,9 +310,9 @@ static ost_status upload_batch(job *j, ost_error *err)
 }
 
 /*
- * Implements ost_target.slice. Adds to the batch the part of a slice that lies in the rect grid. After each upload, the
- * threads of a backend spin for some milliseconds and take processor time from a reader that runs in other processes.
- * Batches make uploads rare.
+ * Implements ost_target.slice. Adds the part of a slice that lies in the rect grid to the batch. Slices are uploaded in
+ * batches because, after each upload, the threads of a backend spin for some milliseconds and take processor time from
+ * the processes that read the file.
  */
 static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_error *err)
 {
@@ -339,9 +337,9 @@ static ost_status add_slice(void *user, int32_t z, const int16_t *voxels, ost_er
 }
 
 /*
- * Determines the threshold. This is the threshold of the options or, if none is set, the threshold stored in the file
- * of a bone or, for any other file, the default. The file of a bone contains only voxels at or above the stored
- * threshold, so a lower threshold is an error.
+ * Determines the threshold: the threshold in the options if set, otherwise the one stored in the file if the file is a
+ * bone, otherwise the default. A bone file contains only voxels at or above its stored threshold, so a lower threshold
+ * is an error.
  */
 static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 {
@@ -369,8 +367,8 @@ static ost_status find_threshold(const job *j, int32_t *out, ost_error *err)
 }
 
 /*
- * Reads a volume, applies the mask and the labels, and uploads the result. The mask and the labels require the
- * complete volume.
+ * Reads a volume, applies the mask and the labels, and uploads the result. The complete volume is read into memory
+ * first, because the mask and the labels require it.
  */
 static ost_status rect_from_masked(job *j, ost_error *err)
 {
@@ -417,8 +415,7 @@ static ost_status rect_from_volume(job *j, ost_error *err)
 /* ------------------------------------------------------------------ rect to bone */
 
 /*
- * Returns true if the file is a bone whose voxels are not resampled, so that the header facts about its CT remain
- * valid.
+ * Returns true if the file is a bone whose voxels are not resampled. The header facts about its CT then remain valid.
  */
 static bool is_same_lattice(const job *j, ost_pm cubic)
 {

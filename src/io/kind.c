@@ -78,7 +78,7 @@ static bool is_gzip(const unsigned char *head, size_t size)
     return size >= 2 && head[0] == 0x1f && head[1] == 0x8b;
 }
 
-/* Unpacks the first bytes of a gzip file. Sets *size to 0 if its data are damaged. */
+/* Unpacks the first bytes of a gzip file. Sets *size to 0 if the data are damaged. */
 static ost_status gzip_head(const char *path, int fd, unsigned char head[GZIP_HEAD], size_t *size, ost_error *err)
 {
     const int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
@@ -106,7 +106,7 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 {
     if (starts(head, size, "ply\n") || starts(head, size, "ply\r"))
         return true;
-    /* this is the size field of a 3DS main chunk */
+    /* a 3DS file begins with the kind of its main chunk, 4D4D, and the size of this chunk, which is the file size */
     if (size >= 6 && head[0] == 0x4d && head[1] == 0x4d && le32(head + 2) == file_size)
         return true;
     if (starts(head, size, "solid") && (memmem(head, size, "facet", 5) || memmem(head, size, "endsolid", 8)))
@@ -115,8 +115,8 @@ static bool is_mesh(const unsigned char *head, size_t size, off_t file_size)
 }
 
 /*
- * Returns the number of columns in the first line that is not a comment. A column contains a number or a word. Sets
- * *path_header to true if the line begins with "t_s". Returns 0 if the bytes are not text.
+ * Counts the columns of the first line that is not a comment. A column is a number or a word. Sets *path_header to true
+ * if the line begins with "t_s". Returns 0 if the bytes are not text.
  */
 static int text_columns(const unsigned char *bytes, size_t size, bool *path_header)
 {
@@ -125,8 +125,8 @@ static int text_columns(const unsigned char *bytes, size_t size, bool *path_head
     if (size >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0)
         p += 3;
     int columns = 0;
-    /* A file whose lines end with CR alone counts as text, too. The text reader later reports such line ends as an
-     * error. */
+    /* A file whose lines end with CR alone is also classified as text; the text reader later reports the line ends
+     * as an error. */
     const char line_end = memchr(p, '\n', (size_t)(all - p)) ? '\n' : '\r';
     while (p < all) {
         const char *newline = memchr(p, line_end, (size_t)(all - p));

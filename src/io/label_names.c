@@ -58,10 +58,7 @@ void ost_label_names_free(ost_label_names *names)
     *names = (ost_label_names){.count = 0};
 }
 
-/*
- * Reads an integer from 0 to INT16_MAX at *text and moves *text after this integer. Returns -1 if there is no such
- * integer.
- */
+/* Reads an integer from 0 to INT16_MAX at *text and moves *text past it. Returns -1 if there is none. */
 static int32_t read_value(const char **text)
 {
     int32_t value = 0;
@@ -88,7 +85,8 @@ ost_status ost_label_names_add_segment(ost_label_names *names, const char *key, 
     if (segment < 0 || (!is_name && strcmp(key, "_LabelValue") != 0))
         return OST_OK;
     ost_label_name *item = NULL;
-    for (int i = names->count - 1; i >= 0 && !item; i--) /* the keys of a segment are usually adjacent */
+    /* backwards, because the keys of a segment are usually adjacent */
+    for (int i = names->count - 1; i >= 0 && !item; i--)
         item = names->items[i].segment == segment ? &names->items[i] : NULL;
     const ost_status status = item ? OST_OK : append(names, &item, err);
     if (status != OST_OK || !item)
@@ -197,7 +195,7 @@ static ost_status add_table(ost_label_names *names, const char *path, char *text
             has_names = has_names || (*start && *start != '#');
             continue;
         }
-        if (has_names || number > 1) /* the first line may contain column names */
+        if (has_names || number > 1) /* the first line may be a header with column names */
             return ost_fail(err, OST_ERR_INPUT, "%s:%ld: '%.60s'; expected the value and the name of a label, such as "
                             "'3 scapula'", path, number, line);
     }

@@ -163,7 +163,7 @@ static ost_status read_json(const char *path, const char *text, size_t size, ost
 
 /* --------------------------------------------------------------------- CSV */
 
-/* For each value, the index of the field that contains the value, or -1 if no field contains it. */
+/* Indices of the fields that contain the label and the coordinates; -1 if no field contains the value. */
 typedef struct columns {
     int label, x, y, z;
 } columns;
@@ -211,7 +211,7 @@ static bool is_word(const field *f, const char *word)
     return strlen(word) == f->length && strncasecmp(f->begin, word, f->length) == 0;
 }
 
-/* Reads the fields as column names. Returns true if they name a label and the three axes of a position. */
+/* Reads the fields as column names. Returns true if they include a label and the three coordinates of a position. */
 static bool take_columns(table *t, const field *fields, int count)
 {
     static const char *const triples[][3] = {

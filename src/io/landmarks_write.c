@@ -15,8 +15,8 @@
     "markups-schema-v1.0.3.json#"
 
 /*
- * A coordinate is written with 17 digits. ost_landmarks_read uses the shortest decimal of the resulting double, so
- * that positions are read back exactly.
+ * A coordinate is written with 17 digits, which identify a double. ost_landmarks_read converts the double to its
+ * shortest decimal, so positions are read back exactly.
  */
 static json_t *point_json(const ost_landmark *l, int number)
 {

@@ -12,10 +12,10 @@
 
 enum { VALUES = 65536, NAMED = 12 };
 
-/* The position of a label map in the grid of a CT: voxel v of the CT has the index v - at in the label map. */
+/* The position of a label map in the grid of a CT: voxel v of the CT is voxel v - at of the label map. */
 typedef struct placed {
     int64_t at[3];
-    bool is_equal; /* true if both grids consist of the same voxels */
+    bool is_equal; /* true if both grids have the same origin and size */
 } placed;
 
 static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
@@ -25,8 +25,8 @@ static bool differ(ost_pm a, ost_pm b, ost_pm spacing)
 }
 
 /*
- * Finds the position of the label map in the grid of the CT. On every axis, its first and last voxels must lie on
- * voxels of the CT's lattice, to within a tenth of a voxel. One of the two grids must contain the other.
+ * Finds the position of the label map in the grid of the CT. On each axis, the first and the last voxel of the label
+ * map must be within a tenth of a voxel of the CT's lattice. One of the two grids must contain the other.
  */
 static ost_status place(const char *path, const char *mask, const ost_geometry *g, const ost_geometry *m, placed *out,
                         ost_error *err)
@@ -185,7 +185,7 @@ static ost_status apply_mask(const char *path, const ost_import_options *options
     memcpy(list, options->mask_labels, (size_t)numbers * sizeof *list);
     const selection chosen = {list, numbers + names, options->mask_fill};
     ost_volume_options how = options->volume;
-    how.series = NULL; /* the options that are reset here select images of the CT, not of the label map */
+    how.series = NULL; /* `series`, `even_slices` and `untilt` apply only to the images of the CT */
     how.even_slices = how.untilt = false;
     ost_status status = find_names(options, list + numbers, err);
     if (status == OST_OK)

@@ -17,9 +17,9 @@
 enum { BUFFER_BYTES = 1 << 16, NAME_BYTES = 64, SLOTS = 64, NAME_TRIES = 1000 };
 
 /*
- * Hidden names of files that exist or are about to be created. They are stored where a signal handler can find and
- * unlink them. The handler reads a slot only in the state LISTED, and a name is complete before its slot enters this
- * state. Unlinking a name that does not exist yet is harmless.
+ * Hidden names of files that exist or are about to be created, stored where a signal handler can find and unlink them.
+ * The handler reads a slot only in the state LISTED, in which its name is complete. Unlinking a name that does not
+ * exist yet is harmless.
  */
 enum { SLOT_FREE, SLOT_TAKEN, SLOT_LISTED };
 static struct {
@@ -245,10 +245,7 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /*
-         * A name that is too long for the file system is refused here, before any data are written, and not only at
-         * commit.
-         */
+        /* Refuses a name that is too long for the file system before any data are written, rather than at commit. */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);
@@ -398,8 +395,8 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err)
             } else {
                 slot_drop(file->slot);
                 file->slot = -1;
-                /* Syncing the folder makes the name durable. A failure is ignored, because the content of the file is
-                 * already complete. */
+                /* Syncing the folder makes the name durable. A failure is ignored, because the file itself is
+                 * already complete and synced. */
                 (void)fsync(file->folder);
             }
         }

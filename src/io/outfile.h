@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The output file that all writers use. Under its final name, a file appears either complete or not at all.
+ * Atomic output files, used by all writers: a file appears under its final name only when it is complete.
  *
  *   open    creates an unnamed file in the target's folder (O_TMPFILE) or, if the
  *           file system does not support that, a hidden one with a random name: .osteon-*.part
- *   write   is buffered; every error is checked and reports the number of bytes written
+ *   write   is buffered; errors report the number of bytes written
  *   commit  flushes and syncs the file and then names it: by linkat if the name is free,
  *           otherwise by a link under a hidden name, which is then renamed over the old file
  *   discard removes everything
@@ -27,9 +27,8 @@
  * stream fails, its reader has already received the bytes before the failure. A symbolic link is followed, not
  * replaced. Permissions follow the umask.
  *
- * Signals: a process that may be terminated by SIGINT, SIGTERM, SIGHUP or SIGXFSZ
- * calls ost_outfile_unlink_pending from its handler. It should ignore SIGXFSZ
- * and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
+ * Signals: a process that may be terminated by SIGINT, SIGTERM, SIGHUP or SIGXFSZ calls ost_outfile_unlink_pending from
+ * its handler. It should ignore SIGXFSZ and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
  *
  * Threads: one file is used by one thread at a time; different files are independent.
  */
@@ -82,8 +81,8 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
 void ost_outfile_discard(ost_outfile *file);
 
 /*
- * Creates a complete file if its name is free. The file is not synced. If the name already exists, sets *taken and
- * creates nothing. An existing symbolic link with this name is not followed.
+ * Creates a file with the given contents, unless the name already exists; in this case, sets *taken and creates
+ * nothing. The file is not synced. A symbolic link counts as an existing name and is not followed.
  */
 ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 

@@ -45,10 +45,10 @@ enum { TIMES_MEDIAN = 10 };
 
 typedef struct reader {
     const char *path;
-    int64_t line, bytes, t_ns; /* numbers of lines and bytes read so far, and time of the last row */
-    /* number of columns that a row must have, or, if there is a header, the minimum number; 0 before the first row */
+    int64_t line, bytes, t_ns; /* numbers of lines and bytes read so far, and time of the last row in ns */
+    /* number of columns required in each row; if there is a header, only a minimum; 0 before the first row */
     int columns;
-    uint8_t kind[SEEN_COLUMNS]; /* for each column, its index in column_names, or NOT_READ */
+    uint8_t kind[SEEN_COLUMNS]; /* for each column, the index of its name in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
     bool lost;         /* true if the last row had no pose */
     size_t capacity;
@@ -160,8 +160,8 @@ static bool is_nan(const char *p, const char *stop)
 }
 
 /*
- * The fields of a row, indexed by the meaning of their column. A missing field is 0. posed is false if a field of the
- * pose is nan.
+ * The fields of a row, indexed by the kind of their column; 0 if missing. `posed` is false if a field of the pose is
+ * nan.
  */
 typedef struct row {
     ost_decimal value[KINDS];
@@ -288,10 +288,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/*
- * Calls the function `of` for each pair of adjacent ticks and computes the median of its results. There must be at
- * least one pair.
- */
+/* Computes the median of of(a, b) over all pairs of adjacent ticks a, b. There must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -315,9 +312,9 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * If `given` is not 0, sets *out to `given`. Otherwise, sets *out to `least` or, if this is greater, to `factor` times
- * the median of the results of `of`. The median is computed only if the result of `of` exceeds `least` for some pair of
- * ticks.
+ * Computes the limit above which of(a, b), for adjacent ticks a and b, counts as a gap: `given` if it is not 0,
+ * otherwise the maximum of `least` and `factor` times the median of of(a, b). The median is computed only if some pair
+ * exceeds `least`, because no limit can be lower.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)
@@ -335,8 +332,8 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 }
 
 /*
- * Marks the second tick of each pair that is too far apart as lifted, and counts the lifted ticks (AR-PATH-5). A
- * median is below 2^93.
+ * Marks the second tick of each pair that is too far apart in time or space as lifted, and counts the lifted ticks
+ * (AR-PATH-5). A median is below 2^93.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {
@@ -470,8 +467,8 @@ ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *e
     if (status != OST_OK)
         return status;
     /*
-     * If a path has the column `lifted`, its reader does not mark gaps. The reader thus obtains the ticks that were
-     * written (AR-PATH-5).
+     * Because the text has the column `lifted`, a reader marks no gaps and obtains exactly the ticks that were written
+     * (AR-PATH-5).
      */
     status = ost_outfile_printf(out, err, "t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz%s,lifted,rpm\n", tools ? ",tool" : "");
     for (size_t i = 0; i < in->count && status == OST_OK; i++) {

@@ -20,8 +20,8 @@
 #include "io/volume_read.h"
 
 /*
- * Returns the file that must be read for `path`. If `path` is x.img, the second file of a NIfTI pair, this is the
- * header x.hdr, whose name is written to `out`.
+ * Returns the file to read for `path`. For x.img, the second file of a NIfTI pair, this is the header x.hdr, whose name
+ * is written to `out`.
  */
 static const char *header_of(const char *path, char *out, size_t capacity)
 {

@@ -6,8 +6,8 @@
 enum { CELL_PADDED = 1, CELL_ROUNDED = 2, CELL_CLAMPED = 4, CELL_BEYOND = 8 };
 
 /*
- * Returns the value of a pixel cell: the stored bits, whose uppermost bit is the high bit. If pixels are signed, the
- * sign is extended.
+ * Extracts the pixel value from a pixel cell. The value occupies the `bits_stored` bits up to and including `high_bit`,
+ * and is sign-extended if the pixels are signed.
  */
 static int32_t value_of(const ost_dicom_frame *f, uint16_t cell)
 {
@@ -17,8 +17,8 @@ static int32_t value_of(const ost_dicom_frame *f, uint16_t cell)
 }
 
 /*
- * Returns true if a pixel is padding. The padding values are compared with the pixel's value and with the complete
- * cell, because they may lie outside the range of the stored bits.
+ * Returns true if a pixel is padding. The padding values are compared with both the pixel value and the complete cell,
+ * because padding values may not fit into the stored bits.
  */
 static bool is_padding(const ost_dicom_frame *f, uint16_t cell, int32_t value)
 {
@@ -48,7 +48,7 @@ void ost_dicom_table_set(ost_dicom_table *table, const ost_dicom_frame *frame)
             table->kind[cell] = CELL_PADDED;
             continue;
         }
-        /* |value| <= 2^16 and |slope|, |intercept| < 2^63, so the sum is below 2^80. */
+        /* |value| <= 2^16 and |slope|, |intercept| < 2^63, so |exact| < 2^80. */
         const ost_i128 exact = (ost_i128)value * frame->slope + frame->intercept;
         ost_i128 density = ost_rhe_div128(exact, OST_DICOM_RESCALE_UNIT);
         uint8_t kind = density * OST_DICOM_RESCALE_UNIT != exact ? CELL_ROUNDED : 0;

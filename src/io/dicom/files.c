@@ -44,8 +44,8 @@ static ost_status add(ost_dicom_files *files, const char *path, ost_error *err)
 static ost_status walk(ost_dicom_files *files, const char *path, int depth, ost_error *err);
 
 /*
- * Adds a directory entry or, if the entry is a folder, the files in it. The type is read without following a symbolic
- * link.
+ * Adds a directory entry or, if the entry is a folder, the files in the folder. The type of the entry is read without
+ * following symbolic links.
  */
 static ost_status visit(ost_dicom_files *files, int folder, const char *path, const char *name, int depth,
                         ost_error *err)
@@ -116,7 +116,7 @@ ost_status ost_dicom_files_find(const char *path, ost_dicom_files *out, ost_erro
     }
     if (status != OST_OK)
         ost_dicom_files_free(out);
-    /* the test is needed because the C standard does not allow a null pointer in qsort, even for 0 elements */
+    /* qsort does not accept NULL, even for 0 elements */
     else if (out->count)
         qsort(out->path, out->count, sizeof *out->path, by_name);
     return status;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An image in the form that the reader uses. The decimals of the image's record (protocol.h) are stored as integers:
+ * An image as the reader uses it. The decimals of its record (protocol.h) are converted to integers:
  *
  *   lengths      in picometres
  *   directions   in units of 10^-9
  *   rescale      in units of 10^-12
  *
- * Decimals that are not multiples of these units are rounded half to even. A missing or bad attribute is an error only
- * if the image's series is read. When the folder is scanned, the image is stored, and `bad` names the attribute.
+ * Decimals that are not multiples of these units are rounded half to even. During the scan of a folder, a missing or
+ * invalid attribute is only recorded in `bad`. It becomes an error when the image's series is read.
  */
 #ifndef OST_IO_DICOM_FRAME_H
 #define OST_IO_DICOM_FRAME_H
@@ -36,14 +36,14 @@ typedef struct ost_dicom_frame {
     ost_dicom_result result;
     const char *encoding; /* encoding of the pixels, such as "raw" or "JPEG 2000"; a string constant */
     int32_t columns, rows;
-    uint8_t bits_allocated, bits_stored, high_bit; /* numbers of bits; a number above 255 is stored as 255 */
+    uint8_t bits_allocated, bits_stored, high_bit; /* numbers of bits; values above 255 are stored as 255 */
     int32_t padding_first, padding_last;
     uint8_t patient[OST_DICOM_IDENTITY], study[OST_DICOM_IDENTITY], reference[OST_DICOM_IDENTITY];
-    ost_dicom_attribute bad;               /* first attribute that is missing or bad */
+    ost_dicom_attribute bad;               /* first attribute that is missing or invalid */
     char bad_value[OST_DICOM_DECIMAL];     /* text of the attribute `bad`; "" if the attribute is missing */
     ost_pm position[3];                    /* centre of the first pixel, in LPS */
     int64_t direction[2][3];               /* unit vectors along increasing columns and along increasing rows */
-    ost_pm spacing[2];                     /* distance between columns, and distance between rows */
+    ost_pm spacing[2];                     /* distance between columns, then distance between rows */
     ost_pm thickness;                      /* slice thickness; 0 if the file does not state it */
     bool rescaled;                         /* true if the file states a slope and an intercept */
     int64_t slope, intercept;

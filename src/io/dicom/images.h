@@ -4,9 +4,9 @@
  *
  *   image 0 from process 0, image 1 from process 1, ..., image n from process 0, ...
  *
- * The processes decode in parallel. A process waits while its pipe is full, so that its memory does not depend on the
- * number of images. Several images may have the same position: each further image is compared with the first one and
- * then dropped.
+ * The processes decode in parallel. A process blocks while its pipe is full, so its memory does not grow with the
+ * number of images. If several images have the same position, each further one is compared with the first and then
+ * dropped.
  */
 #ifndef OST_IO_DICOM_IMAGES_H
 #define OST_IO_DICOM_IMAGES_H
@@ -21,13 +21,11 @@ typedef struct ost_dicom_images {
     size_t next_image, next_slice;
     size_t bytes;     /* size of an image in bytes */
     uint16_t *cells;  /* owned; cells of the slice that was read last */
-    uint16_t *other;  /* owned; cells of a further image at the slice's position; NULL if there are none */
+    /* owned; cells of a second image at the same position, for comparison; NULL if no slice has several images */
+    uint16_t *other;
 } ost_dicom_images;
 
-/*
- * Starts the processes. The function initialises *out, which refers to the stack and may be closed even after a
- * failure.
- */
+/* Starts the processes. *out refers to the stack and may be closed even after a failure. */
 ost_status ost_dicom_images_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, ost_dicom_images *out,
                                  ost_error *err);
 /* Reads the cells of the next slice into images->cells, and sets *frame to the slice's image. */

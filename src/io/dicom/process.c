@@ -92,8 +92,7 @@ static bool limit(int what, uint64_t value)
 }
 
 /*
- * Runs in the new process. Because the process was forked from a process with threads, only async-signal-safe
- * functions may be called.
+ * Runs in the child after fork. The parent has several threads, so only async-signal-safe functions may be called here.
  */
 static void become(const char *program, int request, int output, uint64_t seconds)
 {
@@ -107,17 +106,17 @@ static void become(const char *program, int request, int output, uint64_t second
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     const int null = open("/dev/null", O_WRONLY);
-    /* The three descriptors may themselves be 0, 1 or 2, so they are first duplicated to numbers above 2. */
+    /* Any of the three descriptors may itself be 0, 1 or 2, so all are first duplicated to numbers above 2. */
     const int in = fcntl(request, F_DUPFD, 3), out = fcntl(output, F_DUPFD, 3), errors = fcntl(null, F_DUPFD, 3);
     if (in < 0 || out < 0 || errors < 0 || dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 ||
         dup2(errors, STDERR_FILENO) < 0)
         _exit(CANNOT_START);
     close_range(3, UINT_MAX, 0);
-    /* With AddressSanitizer, the address space is not limited, because the sanitizer reserves terabytes. */
+    /* The address space is not limited under AddressSanitizer, which reserves terabytes. */
     if ((!SANITIZED && !limit(RLIMIT_AS, OST_DICOM_MEMORY_MAX)) || !limit(RLIMIT_CPU, seconds) ||
         !limit(RLIMIT_FSIZE, 0) || !limit(RLIMIT_CORE, 0))
         _exit(CANNOT_START);
-    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* under valgrind, this limit cannot be set, so a failure is ignored */
+    (void)limit(RLIMIT_NOFILE, DESCRIPTORS); /* failure is ignored, because this limit cannot be set under valgrind */
     execve(program, argv, environ);
     _exit(CANNOT_START);
 }
@@ -129,7 +128,8 @@ ost_status ost_dicom_process_start(const ost_dicom_launch *launch, int request, 
     *out = (ost_dicom_process){.pipe = -1, .seconds = launch->seconds ? launch->seconds : OST_DICOM_SECONDS};
     if (pipe2(ends, O_CLOEXEC) != 0)
         return ost_fail(err, OST_ERR_IO, "%s: cannot create a pipe: %s", launch->program, strerror(errno));
-    (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* only affects speed, so a failure is ignored */
+    /* failure is ignored, because the size of the pipe affects only speed */
+    (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES);
     out->pipe = ends[0];
     const pid_t pid = fork();
     if (pid == 0)
@@ -167,8 +167,8 @@ ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_er
 }
 
 /*
- * Reports why no more bytes come from the pipe. The process closed the pipe, so it normally has exited or is about to
- * exit.
+ * Returns the error for a pipe that ended too early. The process has closed its end of the pipe, so normally it has
+ * exited or is about to exit.
  */
 static ost_status explain_end(ost_dicom_process *process, const char *file, ost_error *err)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A process of osteon-dicom and the messages that it sends.
+ * Runs osteon-dicom in a child process and receives its messages.
  *
  *   start --request--> osteon-dicom --pipe--> next (a message) --> payload ... --> end (killed and reaped)
  *
- * Limits are set before the program starts: on address space, processor time and the number of descriptors; no file
- * can be written (RLIMIT_FSIZE 0). The process inherits only the descriptors of the request, the pipe and /dev/null,
- * has no terminal output, and is killed when its parent dies. Each message must be complete within a time limit.
- * Everything that the process sends is treated as hostile.
+ * Before the program starts, limits are set on its address space, processor time and number of descriptors, and writing
+ * files is disabled (RLIMIT_FSIZE 0). The process inherits only three descriptors (the request, the pipe and
+ * /dev/null), and is killed when its parent dies. Each message must be complete within a time limit. All data from the
+ * process are treated as hostile.
  */
 #ifndef OST_IO_DICOM_PROCESS_H
 #define OST_IO_DICOM_PROCESS_H
@@ -24,17 +24,13 @@ enum { OST_DICOM_SECONDS = 60 };
 
 enum { OST_DICOM_PROCESSES_MAX = 4 };
 /*
- * Returns the number of processes for work that consists of `parts` parts: at most the number of processors, and at
- * most 4.
+ * Returns the number of processes to start for `parts` units of work: at most the number of processors, and at most 4.
  */
 size_t ost_dicom_process_count(size_t parts);
 
-/*
- * The options for starting processes. A zero-initialised struct selects the installed program and the default time
- * limit.
- */
+/* Options for starting processes. */
 typedef struct ost_dicom_launch {
-    const char *program; /* path of osteon-dicom; if NULL, the program is searched */
+    const char *program; /* path of osteon-dicom, as found by ost_dicom_program */
     int seconds;         /* time limit for one message; 0 means OST_DICOM_SECONDS */
 } ost_dicom_launch;
 
@@ -42,13 +38,13 @@ typedef struct ost_dicom_process {
     pid_t pid; /* process ID; 0 if there is no process */
     int pipe;  /* descriptor of the pipe; -1 if there is no pipe */
     int seconds;
-    int64_t deadline; /* time by which the current message must be complete, in ns of ost_clock_ns */
+    int64_t deadline; /* deadline of the current message, in ns of ost_clock_ns */
 } ost_dicom_process;
 
 /*
- * Finds the program. If the environment variable OSTEON_LIBEXECDIR is set, the program is searched in this folder. If
- * not, it is searched in the installed folder, and then in the folder of the running program. Returns
- * OST_ERR_UNAVAILABLE if the program is not found. The message names `input`.
+ * Finds osteon-dicom. Looks in the folder OSTEON_LIBEXECDIR if this environment variable is set, otherwise in the
+ * installation folder and then in the folder of the running program. Returns OST_ERR_UNAVAILABLE, with a message that
+ * names `input`, if the program is not found.
  */
 ost_status ost_dicom_program(const char *input, char path[OST_DICOM_PATH_MAX], ost_error *err);
 
@@ -61,9 +57,9 @@ ost_status ost_dicom_process_start(const ost_dicom_launch *launch, int request, 
                                    ost_error *err);
 
 /*
- * Reads the header of the next message. `file` is the input file that error messages name. `pixel_bytes` is the size
- * that a message of type PIXELS must have. Returns OST_ERR_INPUT if the process fails, exceeds its time, or sends an
- * undefined type or a wrong size.
+ * Reads the header of the next message. `file` is the input file to name in error messages. `pixel_bytes` is the
+ * required payload size of a message of type PIXELS. Returns OST_ERR_INPUT if the process fails or exceeds its time
+ * limit, or if the message has an undefined type or a wrong size.
  */
 ost_status ost_dicom_process_next(ost_dicom_process *process, const char *file, size_t pixel_bytes,
                                   ost_dicom_message *out, ost_error *err);
@@ -71,8 +67,8 @@ ost_status ost_dicom_process_next(ost_dicom_process *process, const char *file, 
 ost_status ost_dicom_process_read(ost_dicom_process *process, const char *file, void *to, size_t size,
                                   ost_error *err);
 /*
- * Returns OST_ERR_INPUT. The error message names the file and states what is wrong with the message that the process
- * sent.
+ * Returns OST_ERR_INPUT for an invalid message from the process. The error message names the file and states `what` is
+ * wrong.
  */
 ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_error *err);
 

@@ -10,14 +10,14 @@
  *                                                    and then the end
  *                                                    after all of them: END
  *
- * A path is a uint32_t with its length in bytes, followed by its bytes without a NUL. Numbers have the byte order of
- * the machine, because the library and osteon-dicom are built together. The field `version` detects an osteon-dicom
- * of another build.
+ * A path is a uint32_t with its length in bytes, followed by its bytes without a NUL. Numbers are in native byte order,
+ * because the library and osteon-dicom are built together. The field `version` reveals an osteon-dicom from a different
+ * build.
  *
- * The library checks everything that it receives: a message must have the fixed size of its type, a string must
- * end within its field, and an enumeration must be below its COUNT. The record of an image contains neither
- * names, identifiers, dates, times nor institutions. The identities of patient, study and frame of reference are
- * SHA-256 digests salted with random bytes of the request, so they can only be compared within one request.
+ * The library checks everything that it receives: a message must have the fixed size of its type, a string must end
+ * within its field, and an enumeration must be below its COUNT. The record of an image contains no names, identifiers,
+ * dates, times or institutions. The identities of the patient, the study and the frame of reference are SHA-256
+ * digests, salted with random bytes from the request, so they are comparable only within one request.
  *
  * This header is included from C and C++.
  */
@@ -32,8 +32,8 @@ typedef enum ost_dicom_action { OST_DICOM_SCAN, OST_DICOM_READ } ost_dicom_actio
 
 enum { OST_DICOM_SALT = 16, OST_DICOM_IDENTITY = 32, OST_DICOM_PATH_MAX = 4096 };
 /*
- * Size of a text field in bytes, including its NUL. The standard limits a DS to 16 bytes, but real files contain
- * longer ones.
+ * Size of a text field in bytes, including its NUL. The standard limits a decimal (DS) to 16 bytes, but real files
+ * contain longer ones.
  */
 enum { OST_DICOM_DECIMAL = 40, OST_DICOM_TEXT = 65 };
 
@@ -77,7 +77,8 @@ typedef enum ost_dicom_result {
     OST_DICOM_RESULT_DAMAGED,     /* the file is truncated or not well-formed */
     OST_DICOM_RESULT_UNSUPPORTED, /* osteon-dicom has no decoder for the transfer syntax */
     OST_DICOM_RESULT_NO_JPEG2000, /* the transfer syntax is JPEG 2000, but osteon-dicom was built without OpenJPEG */
-    OST_DICOM_RESULT_UNDECODABLE, /* the decoder rejects the pixels, or the decoded image has other dimensions */
+    /* the pixels cannot be decoded, or the decoded image has other dimensions than stated */
+    OST_DICOM_RESULT_UNDECODABLE,
     OST_DICOM_RESULT_MEMORY,      /* decoding needs more memory than osteon-dicom may use */
     OST_DICOM_RESULT_TOO_LARGE,   /* the file has more bytes, frames or pixels than the limits below */
     OST_DICOM_RESULT_COUNT
@@ -98,8 +99,8 @@ enum {
 };
 
 /*
- * The attributes of an image. A decimal is stored as the text in the file; the text is "" if the attribute is absent
- * or empty.
+ * The attributes of an image. Decimals are stored as text, exactly as in the file; the text is "" if the attribute is
+ * absent or empty.
  */
 typedef struct ost_dicom_record {
     uint32_t frame;      /* number of the frame in the file, from 0 */

@@ -8,8 +8,8 @@
 #include "io/volume/target.h"
 
 /*
- * Returns true if a file that begins with these bytes is DICOM. A file without the prefix DICM is found only as part
- * of a folder.
+ * Returns true if a file that begins with these bytes is DICOM. Files without the prefix DICM are not recognised; they
+ * are read only as part of a folder.
  */
 bool ost_dicom_sniff(const unsigned char *head, size_t size);
 

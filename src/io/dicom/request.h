@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes the request of a process of osteon-dicom into a file in memory. The complete request exists before the
- * process starts, so that neither the library nor the process ever waits for the other to read.
+ * Writes the request for an osteon-dicom process to a file in memory. The request is complete before the process
+ * starts, so the library and the process can never deadlock by each waiting for the other to read.
  */
 #ifndef OST_IO_DICOM_REQUEST_H
 #define OST_IO_DICOM_REQUEST_H

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The images in the files of a folder, and their series.
+ * Scans the files of a folder for images, and groups the images into series.
  *
  *   files.c (paths) --request--> osteon-dicom (several processes, each for a part of the files) --records-->
  *       frame.c (exact numbers) --> frames, in the order of the files --> series, in the order of their first image
  *
- * No pixels are read. Two images belong to the same series if their SeriesInstanceUIDs are equal. In files without a
- * SeriesInstanceUID, their studies and their SeriesNumbers must be equal.
+ * No pixels are read. Two images belong to the same series if their SeriesInstanceUIDs are equal or, in files without a
+ * SeriesInstanceUID, if both their studies and their SeriesNumbers are equal.
  */
 #ifndef OST_IO_DICOM_SCAN_H
 #define OST_IO_DICOM_SCAN_H
@@ -36,18 +36,21 @@ typedef struct ost_dicom_scan {
     size_t frame_count, frame_capacity;
     ost_dicom_group *series;   /* owned */
     size_t series_count, series_capacity;
-    /* number of ignored files that are not DICOM, and number of ignored DICOM files without an image */
+    /* number of ignored files that are not DICOM, and of ignored DICOM files without an image */
     uint32_t not_dicom, no_image;
 } ost_dicom_scan;
 
-/* Scans a path. launch->program must not be NULL. The function initialises *out, which is empty after a failure. */
+/* Scans a path. launch->program must not be NULL. *out is initialised in all cases and is empty on failure. */
 ost_status ost_dicom_scan_path(const char *path, const ost_dicom_launch *launch, ost_dicom_scan *out, ost_error *err);
 void ost_dicom_scan_free(ost_dicom_scan *scan);
 
-/* Adds an image, described by its record, from file number `file`. Returns OST_ERR_INPUT if the record is not valid. */
+/*
+ * Adds the image described by `record`, which was found in file number `file`. Returns OST_ERR_INPUT if the record is
+ * invalid.
+ */
 ost_status ost_dicom_scan_add(ost_dicom_scan *scan, size_t file, const ost_dicom_record *record, ost_error *err);
 
-/* Returns the error that corresponds to the result of a file. The result must not be OK. */
+/* Returns the error for a file whose result is not OK. */
 ost_status ost_dicom_refuse(const char *file, ost_dicom_result result, ost_error *err);
 
 #endif

@@ -24,8 +24,8 @@ static bool matches(const ost_dicom_group *group, const char *wanted)
 }
 
 /*
- * Returns the error for a series that is not a volume. If an image of the series cannot be read, this is the error of
- * its file, because the file may contain a missing slice.
+ * Returns the error for a series that is not a volume. If an image of the series cannot be read, returns the error of
+ * that image's file, because the image may be a missing slice.
  */
 static ost_status too_few(const ost_dicom_scan *scan, size_t series, ost_error *err)
 {

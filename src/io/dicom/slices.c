@@ -15,8 +15,8 @@ static const ost_pm SAME = OST_PM_PER_MM / 1000;
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to)
 {
-    /* In the slice, pixel 0 of the result has the position -margin * spacing - drift. This position is `whole`
-     * pixels plus `part`, a length of less than one pixel; `rest` is the remainder of this pixel. */
+    /* Pixel 0 of the result lies at -margin * spacing - drift in the slice. This position is split into `whole`
+     * pixels and `part` < spacing; `rest` is spacing - part. */
     int64_t whole[2], part[2], rest[2];
     for (int a = 0; a < 2; a++) {
         const int64_t at = -margin[a] * spacing[a] - drift[a];
@@ -35,8 +35,7 @@ void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const o
                 *out = OST_DICOM_AIR;
                 continue;
             }
-            /* A spacing is below 2^37, so the weighted sum of two densities is below 2^53, and the weighted sum of
-             * two such sums is below 2^91. */
+            /* A spacing is below 2^37, so |upper|, |lower| < 2^53, and the weighted sum of both is below 2^91. */
             const int16_t *p = from + y * columns + x, *q = part[1] ? p + columns : p;
             const int64_t upper = p[0] * rest[0] + p[part[0] > 0] * part[0];
             const int64_t lower = q[0] * rest[0] + q[part[0] > 0] * part[0];
@@ -59,8 +58,8 @@ static int64_t greatest_divisor(int64_t a, int64_t b)
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to)
 {
     const int64_t common = greatest_divisor(gap, part), p = part / common, g = gap / common, r = g - p;
-    /* Positions in a file are usually multiples of 1 um, so the reduced gap is usually small enough for 64-bit
-     * arithmetic. */
+    /* Positions in a file are usually multiples of 1 um, so g, the gap divided by the common divisor, usually
+     * permits 64-bit arithmetic. */
     if (g < INT64_C(1) << 46)
         for (size_t i = 0; i < count; i++)
             to[i] = (int16_t)ost_rhe_div(before[i] * r + after[i] * p, g);
@@ -127,7 +126,7 @@ static ost_status read_slice(ost_dicom_slices *s, ost_error *err)
     return status;
 }
 
-/* Reads the next slice and converts it to densities. If the option to untilt is set, also shears the slice. */
+/* Reads the next slice and converts it to densities. Also shears it if the stack is untilted. */
 static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *err)
 {
     const ost_dicom_stack *stack = s->images.stack;
@@ -142,9 +141,9 @@ static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *er
 }
 
 /*
- * Computes slice k of a stack with even distances. The slice lies at k * extent / steps. The two stack slices around
- * this position are in memory: `before` has the index s->index - 2, and `after` has the index s->index - 1. Positions
- * are multiplied by steps and are therefore below 2^46 * 2^14.
+ * Computes slice k of an evened stack, which lies at k * extent / steps. The two stack slices around this position are
+ * in memory: `before` has index s->index - 2, and `after` has index s->index - 1. All positions are scaled by `steps`
+ * to remain integers, so they are below 2^46 * 2^14.
  */
 static ost_status make_even(ost_dicom_slices *s, int64_t k, ost_error *err)
 {

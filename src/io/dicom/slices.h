@@ -14,21 +14,21 @@
 #include "io/volume/rows.h"
 
 typedef struct ost_dicom_slices {
-    ost_rows rows; /* the first member, because ost_dicom_slices_row converts the pointer to this struct */
+    ost_rows rows; /* must be the first member, because ost_dicom_slices_row casts its address to this struct */
     ost_dicom_images images;
     ost_dicom_table table;
     const ost_dicom_frame *frame; /* image of the slice that was read last */
     const int16_t *current;       /* slice of the result whose rows are requested; NULL without resampling */
     size_t index;              /* number of stack slices read so far; used only for evened stacks */
     int16_t *plain;            /* owned; a slice that is not yet sheared */
-    /* owned; for evened stacks, the last two slices; for untilted stacks, only `before` is used and is the last
-     * slice */
+    /* owned; for evened stacks, the last two slices; for stacks that are only untilted, `before` is the last slice
+     * and `after` is unused */
     int16_t *before, *after;
     int16_t *mixed;            /* owned; interpolated slice of the result, for evened stacks */
     int64_t interpolated;      /* number of slices of the result that were interpolated */
 } ost_dicom_slices;
 
-/* Starts to read. The function initialises *out, which refers to the stack and may be closed even after a failure. */
+/* Starts reading. *out refers to the stack and may be closed even after a failure. */
 ost_status ost_dicom_slices_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, bool clamp,
                                  ost_dicom_slices *out, ost_error *err);
 void ost_dicom_slices_close(ost_dicom_slices *slices);
@@ -45,8 +45,9 @@ void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const o
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to);
 
 /*
- * Computes (before * (gap - part) + after * part) / gap, rounded half to even, for every pixel. Required: 0 <= part
- * <= gap < 2^62.
+ * Interpolates linearly between two slices: computes (before * (gap - part) + after * part) / gap, rounded half to
+ * even, for each pixel. `gap` is the distance of the slices, and `part` is the distance of the result from `before`.
+ * Requires 0 <= part <= gap < 2^62.
  */
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to);
 

@@ -91,7 +91,7 @@ static bool differ(const uint8_t a[OST_DICOM_IDENTITY], const uint8_t b[OST_DICO
            memcmp(b, none, sizeof none) != 0;
 }
 
-/* Returns true if the difference between the two lengths, multiplied by `steps` pixels, exceeds 1/8 of `spacing`. */
+/* Returns true if a difference of a - b per pixel, accumulated over `steps` pixels, exceeds 1/8 of `spacing`. */
 static bool is_beyond(int64_t a, int64_t b, int32_t steps, int64_t spacing)
 {
     const int64_t difference = a > b ? a - b : b - a;
@@ -124,15 +124,14 @@ static ost_status check_pair(const char *path, const ost_dicom_frame *f, const c
 
 /* ------------------------------------------------------------------- order */
 
-/* An image and its position along the stack's normal. Positions are relative to an arbitrary image of the stack. */
+/* An image and its position along the stack's normal, measured from an arbitrary image of the stack. */
 typedef struct placed {
     const ost_dicom_frame *frame;
     ost_pm along;
 } placed;
 
 /*
- * Computes the normal of an image as integers times 10^-9, rounded half to even. The normal is the vector product
- * of the image's two directions.
+ * Computes the normal of an image as the cross product of its two directions, in units of 10^-9, rounded half to even.
  */
 static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 {
@@ -144,8 +143,8 @@ static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 }
 
 /*
- * Computes the component of b - a along the direction d, as a multiple of the length of d: (b - a) d 10^9 / (d d),
- * rounded half to even. Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
+ * Computes the component of b - a along the direction d, rounded half to even: (b - a) d 10^9 / (d d), where d is given
+ * in units of 10^-9. Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
  */
 static ost_pm component(const ost_pm a[3], const ost_pm b[3], const int64_t d[3])
 {
@@ -168,8 +167,8 @@ static int by_position(const void *x, const void *y)
 }
 
 /*
- * Divides the ordered images into slices. An image within 1 um of a slice's first image becomes a double of this
- * slice.
+ * Divides the ordered images into slices. An image within 1 um of the first image of a slice is counted as a double of
+ * that slice.
  */
 static void divide(ost_dicom_stack *stack, const placed *images)
 {
@@ -245,8 +244,8 @@ static int by_length(const void *x, const void *y)
 }
 
 /*
- * Computes the median distance of neighbouring slices. If there are two middle values, the result is the lower one.
- * Returns 0 if memory is exhausted.
+ * Computes the median distance between adjacent slices; of two middle values, the lower one. Returns 0 if memory is
+ * exhausted.
  */
 static ost_pm median_gap(const ost_dicom_stack *stack)
 {
@@ -268,8 +267,8 @@ static ost_pm magnitude(ost_pm a)
 }
 
 /*
- * Finds the slice whose distance from its evenly spaced position is greatest. Returns this distance, rounded half
- * to even.
+ * Finds the slice that is farthest from its position in an evenly spaced stack. Returns the distance, rounded half to
+ * even.
  */
 static ost_pm worst_slice(const ost_dicom_stack *stack, size_t *out)
 {
@@ -277,7 +276,7 @@ static ost_pm worst_slice(const ost_dicom_stack *stack, size_t *out)
     const ost_pm extent = stack->slices[steps].along;
     ost_pm worst = -1;
     for (int64_t k = 0; k <= steps; k++) {
-        /* `along` and `extent` are below 2^46, and `k` and `steps` are below 2^16. */
+        /* `along` and `extent` are below 2^46, and `k` and `steps` are below 2^16, so the products fit into int64. */
         const ost_pm off = magnitude(ost_rhe_div(stack->slices[k].along * steps - k * extent, steps));
         if (off > worst) {
             worst = off;
@@ -317,7 +316,7 @@ static ost_status refuse_uneven(const ost_dicom_stack *stack, size_t worst, ost_
                     ost_pm_format(ost_rhe_div(stack->slices[steps].along, steps), b));
 }
 
-/* Computes the number of slices of the result. */
+/* Computes the number of steps between the slices of the result. Sets stack->evened if the slices must be resampled. */
 static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dicom_report *report, int64_t *steps,
                               ost_error *err)
 {
@@ -338,7 +337,7 @@ static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dico
     return OST_OK;
 }
 
-/* Returns OST_OK if the slices lie straight above each other or may be shifted. Otherwise, returns the error. */
+/* Returns OST_OK if the slices lie straight above each other, otherwise the error. */
 static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing[2], ost_error *err)
 {
     const int64_t steps = (int64_t)stack->slice_count - 1, counted = steps > LEAST_STEPS ? steps : LEAST_STEPS;
@@ -346,7 +345,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     char a[OST_PM_TEXT];
     for (int axis = 0; axis < 2; axis++)
         for (int64_t k = 1; k < steps; k++) {
-            /* the position, at the height of this slice, on the line through the first and the last slice */
+            /* drift, at the position of this slice, of the line through the first and the last slice */
             const ost_pm line = (ost_pm)ost_rhe_div128((ost_i128)last->drift[axis] * stack->slices[k].along,
                                                        last->along);
             const ost_pm off = magnitude(stack->slices[k].drift[axis] - line);
@@ -368,7 +367,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     return OST_OK;
 }
 
-/* Enlarges the grid so that the shifted slices fit into it, and moves its first voxel accordingly. */
+/* Enlarges the grid so that the shifted slices fit into it, and moves the origin accordingly. */
 static void add_margins(ost_dicom_stack *stack, const ost_pm spacing[2], int64_t sizes[3], ost_dicom_report *report)
 {
     for (int axis = 0; axis < 2; axis++) {

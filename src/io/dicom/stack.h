@@ -9,9 +9,9 @@
  *        slice 0 ________
  *                --> drift
  *
- * A stack is even if every slice lies close to its position at equal distances d: within d/8 and within 0.1 mm. A
- * stack is straight if its drift stays within 1/8 of a pixel. All other stacks are refused unless the options request
- * resampling (slices.c).
+ * A stack is even if every slice is within d/8 and within 0.1 mm of its position in a stack with the constant distance
+ * d. A stack is straight if its drift is at most 1/8 of a pixel. All other stacks are refused unless the options
+ * request resampling (slices.c).
  */
 #ifndef OST_IO_DICOM_STACK_H
 #define OST_IO_DICOM_STACK_H
@@ -21,8 +21,8 @@
 
 typedef struct ost_dicom_slice {
     size_t image;    /* index in `images` of the slice's first image */
-    size_t doubles;  /* number of further images at the same position; they follow the first image */
-    /* distance from the first slice along the normal; 0 for the first slice, increasing from slice to slice */
+    size_t doubles;  /* number of further images at the same position, which directly follow the first image */
+    /* distance from the first slice along the normal; 0 for the first slice, then strictly increasing */
     ost_pm along;
     ost_pm drift[2]; /* offset from the first slice in the direction of increasing columns and of increasing rows */
 } ost_dicom_slice;
@@ -37,14 +37,14 @@ typedef struct ost_dicom_stack {
     int32_t sizes[3];               /* sizes of the result before its axes are reordered to LPS */
     ost_affine affine;
     bool evened;                    /* true if the slices are resampled at sizes[2] evenly spaced positions */
-    bool untilted;                  /* true if the slices are shifted back by their drift */
+    bool untilted;                  /* true if the slices are shifted back by their drift (untilted) */
     /* for untilted stacks, the number of pixels added before the first column and before the first row */
     int32_t margin[2];
 } ost_dicom_stack;
 
 /*
- * Makes the stack of a series and fills the stack's fields in *report. `options` may be NULL. The function
- * initialises *out, which refers to the scan and is empty after a failure.
+ * Arranges the images of a series as a stack and fills the corresponding fields of *report. `options` may be NULL. *out
+ * refers to the scan; it is initialised in all cases and is empty on failure.
  */
 ost_status ost_dicom_stack_make(const ost_dicom_scan *scan, size_t series, const ost_volume_options *options,
                                 ost_dicom_stack *out, ost_dicom_report *report, ost_error *err);

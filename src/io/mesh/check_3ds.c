@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks 3DS files, and hides the chunks that are not needed. A file consists of nested chunks, each with uint16 kind
- * and uint32 size (including these six bytes).
+ * Checks 3DS files, and disables the chunks that are not needed. A file consists of nested chunks. Each begins with a
+ * uint16 kind and a uint32 size, which includes these six bytes.
  *
  *   4D4D main ( 3D3D editor ( 4000 object: name 0 ( 4100 mesh (
  *       4110 vertices: uint16 count, count * 3 float32
  *       4120 faces:    uint16 count, count * 4 uint16, chunks ))))
  *
- * Vertices are already in the file's common frame.  The kind of all other chunks
- * (materials, local frames, keyframe animation) is replaced by 0000, which assimp
- * skips.
+ * Vertices are already in the file's common frame. In all other chunks (materials, local frames, keyframe animation),
+ * the kind is replaced by 0000, which assimp skips.
  */
 #include <math.h>
 #include <string.h>
@@ -72,7 +71,7 @@ static ost_status faces(mesh_input *in, size_t at, size_t end, mesh_part *part, 
         }
         status = ost_mesh_input_face(in, 3, err);
     }
-    /* The remaining chunks name materials and smoothing groups. Each of them is disabled. */
+    /* The remaining chunks name materials and smoothing groups, which are not needed. */
     for (size_t next = at + 2 + 8 * (size_t)part->faces; status == OST_OK && next < end;) {
         if (end - next < HEAD || get32(in, next + 2) < HEAD || get32(in, next + 2) > end - next)
             return fail_at(in, next, "a chunk whose size does not fit into the one around it", err);
@@ -92,8 +91,8 @@ static ost_status end_mesh(mesh_input *in, const mesh_part *part, ost_error *err
 }
 
 /*
- * Checks the chunks in [at, end), which lie inside a chunk of kind `around`. The recursion is at most four levels
- * deep.
+ * Checks the chunks in the byte range [at, end), which lie inside a chunk of kind `around`. Recurses at most four
+ * levels deep.
  */
 static ost_status chunks(mesh_input *in, size_t at, size_t end, uint32_t around, mesh_part *part, ost_error *err)
 {

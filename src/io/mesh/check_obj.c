@@ -5,12 +5,10 @@
  *   v x y z [colour or weight 1]
  *   f v[/vt[/vn]] ...    indices from 1; a negative index counts back from the last vertex
  *
- * assimp receives only these, in a plain form: numbers are copied verbatim, faces
- * become fans of triangles with indices from 1.  A fan has the same winding
- * numbers as its polygon, whether or not the polygon is convex.  No other
- * statement reaches assimp, in particular no material library, which would name
- * other files.  A backslash at the end of a line joins it to the next line.
- * Points and lines are counted and omitted.
+ * assimp receives only these statements, in a plain form: numbers are copied verbatim, and faces become fans of
+ * triangles with indices from 1. A fan has the same winding numbers as its polygon, even if the polygon is not convex.
+ * No other statement reaches assimp, in particular no material library, which would name other files. A backslash at
+ * the end of a line joins it to the next line. Points and lines are counted and omitted.
  */
 #include <string.h>
 
@@ -21,7 +19,7 @@ typedef struct obj {
     mesh_text text;
     mesh_plain plain;
     int64_t vertices;
-    int64_t greatest; /* maximum vertex index used so far, and the line that uses it */
+    int64_t greatest; /* highest vertex index used so far, and the line that uses it */
     long greatest_line;
     bool body_has_faces;
 } obj;
@@ -47,7 +45,7 @@ static ost_status vertex(obj *o, ost_error *err)
         return ost_fail(err, OST_ERR_INPUT, "%s:%ld: a vertex of weight %s; expected 1", o->text.path, o->text.line,
                         ost_mesh_word_show(words[3]));
     putc('v', o->plain.out);
-    /* the plain form begins a number with a digit, because assimp does not accept a leading decimal point */
+    /* assimp does not accept a number that begins with the decimal point, so a 0 is prepended */
     for (int i = 0; i < 3; i++)
         fprintf(o->plain.out, words[i].text[0] == '.' ? " 0%.*s" : " %.*s", (int)words[i].size, words[i].text);
     putc('\n', o->plain.out);

@@ -54,7 +54,7 @@ typedef struct element {
 
 typedef struct ply {
     mesh_input *in;
-    mesh_text text; /* header and ASCII body; in a binary body, text.at is also the current position */
+    mesh_text text; /* header and ASCII body; in a binary body, text.at is the current position */
     FILE *out;
     int format;
     int element_count;
@@ -66,7 +66,7 @@ typedef struct ply {
 typedef struct value {
     const char *text;
     size_t size;
-    /* value as a number; NAN if an ASCII word is not an integer, in which case only the text of the word is used */
+    /* value as a number; NAN for an ASCII word that is not an integer, of which only the text is used */
     double number;
 } value;
 
@@ -291,7 +291,8 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    const uint64_t count = (uint64_t)v.number; /* a value takes at least 1 byte, so the file's size limits the loop */
+    /* terminates: each value takes at least 1 byte, and the file's size is limited */
+    const uint64_t count = (uint64_t)v.number;
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {
         status = next_value(p, q->type, &v, err);
@@ -341,7 +342,7 @@ static ost_status read_body(ply *p, ost_error *err)
     ost_status status = OST_OK;
     for (int i = 0; status == OST_OK && i < p->element_count; i++) {
         const element *e = &p->elements[i];
-        /* An element without properties is skipped: it has no data, however large its count is. */
+        /* An element without properties has no data, however large its count, so it is skipped. */
         for (int64_t n = 0; status == OST_OK && e->property_count && n < e->count; n++)
             status = read_body_element(p, e, n, err);
     }
@@ -350,7 +351,7 @@ static ost_status read_body(ply *p, ost_error *err)
     return status;
 }
 
-/* Writes the plain header. The triangles must have been counted before. */
+/* Writes the plain header. Must be called after the triangles have been counted. */
 static void put_header(const ply *p, FILE *out)
 {
     static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};

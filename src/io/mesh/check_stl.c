@@ -90,7 +90,7 @@ static ost_status vertex(ascii *a, ost_error *err)
     return OST_OK;
 }
 
-/* Reads the remainder of a facet, after the word "facet". */
+/* Reads a facet, from the word after "facet" on. */
 static ost_status facet(ascii *a, ost_error *err)
 {
     ost_status status = expect(a, "normal", err);
@@ -110,14 +110,14 @@ static ost_status facet(ascii *a, ost_error *err)
     return status;
 }
 
-/* Skips the remainder of the line, which is a name. */
+/* Skips the rest of the line, which is a name. */
 static void skip_name(ascii *a)
 {
     while (ost_mesh_text_word(&a->text).size)
         continue;
 }
 
-/* Reads the remainder of a solid, after the word "solid". */
+/* Reads a solid, from the word after "solid" on. */
 static ost_status solid(ascii *a, ost_error *err)
 {
     skip_name(a);
@@ -138,7 +138,7 @@ static ost_status solid(ascii *a, ost_error *err)
     }
 }
 
-/* Writes all solids of the file as one solid in the plain form, because the reader joins all solids. */
+/* Writes all solids of the file as one solid in the plain form, because the reader would join them anyway. */
 static ost_status solids(ascii *a, ost_error *err)
 {
     fputs("solid\n", a->plain.out);

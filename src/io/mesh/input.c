@@ -32,8 +32,8 @@ static uint64_t stl_count(const mesh_input *in)
 }
 
 /*
- * Returns the kind of an STL file. A binary STL file may begin with "solid" and is therefore recognised by its size.
- * A text file contains no zero byte. file_size may be greater than in->size, which is the number of bytes in memory.
+ * Returns the kind of an STL file. A binary file may begin with "solid" and is therefore recognised by its size; a text
+ * file contains no zero byte. `file_size` may exceed in->size, the number of bytes in memory.
  */
 static mesh_kind stl_kind(const mesh_input *in, uint64_t file_size)
 {
@@ -53,7 +53,7 @@ static const char *extension_of(const char *path)
 }
 
 /*
- * Checks the first bytes and the size of a binary STL file, and refuses a wrong file before its remaining bytes are
+ * Checks the first bytes and the size of a binary STL file, so that an invalid file is refused before the rest of it is
  * read.
  */
 static ost_status check_stl_header(const ost_file *file, const char *path, ost_error *err)
@@ -202,8 +202,8 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 
 /*
  * Returns true if the word has at most 64 bytes, is a decimal, and satisfies (digits of the mantissa) + exponent <= 38.
- * The magnitude of such a decimal is at most 10^38, and the greatest float32 is 3.4 * 10^38. If assimp nevertheless
- * converts a word to infinity, read.c refuses the vertex.
+ * The magnitude of such a decimal is at most 10^38, and the greatest float32 is 3.4 * 10^38. Should assimp still
+ * convert a word to infinity, read.c refuses the vertex.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

@@ -4,11 +4,11 @@
  *
  *   file --load--> bytes --check--> bytes whose counts and indices are correct --> assimp
  *
- * assimp reads well-formed files correctly. However, it does not check counts. It also opens files that are named in
- * the input, repairs errors silently, and reports no line numbers. Therefore every file is first read into memory and
- * checked completely here. assimp receives only data that have passed the check, and cannot open any other file of the
- * system. Binary files are checked in place, and the parts that do not affect the vertices (headers, materials,
- * animation) are zeroed. Text is rewritten in a plain form, in which the numbers are copied verbatim.
+ * assimp reads well-formed files correctly, but it does not check counts, opens files that are named in the input,
+ * repairs errors silently, and reports no line numbers. Therefore every file is first read into memory and checked
+ * completely here. assimp receives only data that have passed the check, and cannot open any other file of the system.
+ * Binary files are checked in place, and the parts that do not affect the vertices (headers, materials, animation) are
+ * zeroed. Text is rewritten in a plain form, in which the numbers are copied verbatim.
  */
 #ifndef OST_IO_MESH_INPUT_H
 #define OST_IO_MESH_INPUT_H
@@ -25,15 +25,12 @@ typedef struct mesh_input {
     mesh_kind kind;
     uint8_t *bytes; /* owned; followed by one zero byte */
     size_t size;
-    uint64_t faces;     /* number of primitives (points, lines and polygons) that the check counted */
-    uint64_t triangles; /* number of triangles that the polygons are divided into */
+    uint64_t faces;     /* number of primitives (points, lines and polygons) found by the check */
+    uint64_t triangles; /* number of triangles after the polygons are divided */
     size_t bodies;
 } mesh_input;
 
-/*
- * Reads the file and determines its kind. A kind that has a signature is recognised by the content, and any other kind
- * by the name.
- */
+/* Reads the file and determines its kind, from the content if the kind has a signature, otherwise from the name. */
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err);
 void ost_mesh_input_free(mesh_input *in);
 
@@ -67,9 +64,8 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Completes the plain form. `status` is the result of writing the plain form. If status is OST_OK, the plain form
- * becomes the new in->bytes. If not, in->bytes remains unchanged. Returns status, or an error that occurs in this
- * function.
+ * Completes the plain form and returns a status. `status` is the result of writing the plain form. If it is OST_OK, the
+ * plain form replaces in->bytes; otherwise, in->bytes is unchanged and `status` is returned.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 

@@ -102,14 +102,15 @@ static enum aiReturn memory_seek(struct aiFile *handle, size_t offset, enum aiOr
     memory_file *file = file_of(handle);
     const size_t size = file->in->size;
     size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? file->at : size;
-    size_t to = base + offset; /* a negative offset arrives as an unsigned number modulo 2^64 */
+    /* for a negative offset, assimp passes the offset modulo 2^64, so the unsigned sum is correct */
+    size_t to = base + offset;
     if (to > size)
         return aiReturn_FAILURE;
     file->at = to;
     return aiReturn_SUCCESS;
 }
 
-/* Opens the mesh file itself. Every other name is refused. */
+/* Opens the mesh file itself. Refuses all other names. */
 static struct aiFile *memory_open(struct aiFileIO *io, const char *name, const char *mode)
 {
     const mesh_input *in = (const mesh_input *)(const void *)io->UserData;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Joins equal vertices, because an STL file repeats a vertex for every triangle that uses the vertex. Vertices are
- * equal if their coordinates in picometres are equal; no vertex is moved. A hash table of vertex numbers finds equal
- * vertices. It uses linear probing and is at most half full.
+ * Joins equal vertices. An STL file repeats a vertex for each triangle that uses it. Vertices are equal if their
+ * coordinates in picometres are equal; no vertex is moved. Equal vertices are found with a hash table of vertex
+ * numbers, which uses linear probing and is at most half full.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -7,8 +7,8 @@
 #include "io/mesh/frame.h"
 
 /*
- * Writes a mesh in the format that the ending of `path` selects: .ply, .obj, or otherwise binary STL. Case is
- * ignored.
+ * Writes a mesh. The ending of `path`, in any case, selects the format: .ply, .obj, or binary STL for all other
+ * endings.
  */
 ost_status ost_mesh_write_any(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 

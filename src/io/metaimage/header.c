@@ -8,7 +8,7 @@
 
 #include "io/volume/rows.h"
 
-/* X(identifier, spellings separated by |): the keys that the reader uses. */
+/* X(identifier, spellings separated by |) for each key that the reader uses. */
 #define KEYS(X)                                                      \
     X(OBJECT_TYPE, "ObjectType")                                     \
     X(DIMENSIONS, "NDims")                                           \
@@ -103,7 +103,7 @@ static key key_of(char *line, size_t *length, char **equals)
     return find_key(line, *length);
 }
 
-/* Stores a header fact. `line` begins with its key, osteon_..., which has `length` bytes. */
+/* Stores a header fact. `line` begins with the key, osteon_..., whose length is `length` bytes. */
 static ost_status take_fact(reader *r, const char *line, size_t length, char *value, long number)
 {
     char name[OST_META_KEY];
@@ -275,7 +275,8 @@ static ost_status mean_elements(const reader *r, ost_metaimage_header *out)
         {"MET_CHAR", OST_ELEMENT_INT8},        {"MET_UCHAR", OST_ELEMENT_UINT8},
         {"MET_SHORT", OST_ELEMENT_INT16},      {"MET_USHORT", OST_ELEMENT_UINT16},
         {"MET_INT", OST_ELEMENT_INT32},        {"MET_UINT", OST_ELEMENT_UINT32},
-        {"MET_LONG", OST_ELEMENT_INT32},       {"MET_ULONG", OST_ELEMENT_UINT32}, /* MET_LONG always has 4 bytes */
+        /* MET_LONG has 4 bytes on every platform */
+        {"MET_LONG", OST_ELEMENT_INT32},       {"MET_ULONG", OST_ELEMENT_UINT32},
         {"MET_LONG_LONG", OST_ELEMENT_INT64},  {"MET_ULONG_LONG", OST_ELEMENT_UINT64},
         {"MET_FLOAT", OST_ELEMENT_FLOAT32},    {"MET_DOUBLE", OST_ELEMENT_FLOAT64},
     };

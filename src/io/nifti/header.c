@@ -23,7 +23,7 @@
 static const struct {
     int code, bits;
     ost_element element;
-    const char *name; /* name of the type in the error message, if the type is refused */
+    const char *name; /* name of the type in the error message that refuses it */
 } types[] = {
     {DT_UINT8, 8, OST_ELEMENT_UINT8, NULL},      {DT_INT8, 8, OST_ELEMENT_INT8, NULL},
     {DT_INT16, 16, OST_ELEMENT_INT16, NULL},     {DT_UINT16, 16, OST_ELEMENT_UINT16, NULL},
@@ -82,16 +82,16 @@ static ost_status check_offset(const char *path, double offset, bool pair, int s
 
 /* ----------------------------------------------------------------- lengths */
 
-/* Precision and unit of length of the numbers in a header. */
+/* Precision of the floats in a header, and their unit of length. */
 typedef struct scale {
     bool single;
     uint64_t unit; /* unit of length in picometres */
 } scale;
 
 /*
- * Converts a float in the header's unit to a length. The result is the shortest decimal that reads back as this
- * float. For mm, core has such a function. For m and um, the decimal must be found before scaling, because
- * 0.000488281 m times 1000 is a different float.
+ * Converts a float in the header's unit to a length: the shortest decimal that reads back as this float. For m and um,
+ * the decimal is found before scaling, because scaling changes the float: 0.000488281 m * 1000 differs from 0.488281
+ * mm.
  */
 static bool to_pm(const scale *s, double value, ost_pm *out)
 {
@@ -148,8 +148,8 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /*
- * Replaces the spacing in a column of the affine transform with pixdim. The spacing is replaced only if the column
- * deviates from its axis by no more than noise and if the spacing agrees with pixdim.
+ * Replaces the length of an affine column with pixdim, if the column deviates from its axis by no more than noise and
+ * its length agrees with pixdim.
  */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
@@ -207,8 +207,8 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
 }
 
 /*
- * Returns an error if the two transforms place a voxel centre more than one voxel apart along an axis; one voxel is
- * the smallest pixdim. The difference of the transforms is affine, so it is greatest at a corner of the grid. |sum|
+ * Returns an error if the two transforms place a voxel centre more than one voxel apart along an axis, where a voxel is
+ * the smallest pixdim. The difference of the transforms is affine, so its maximum is at a corner of the grid. |apart|
  * <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
  */
 static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3],
@@ -301,9 +301,9 @@ static bool same_float(ost_pm a, ost_pm b)
 }
 
 /*
- * If the exact lengths in osteon's own comment, rounded to float, equal the header's lengths, they replace the header's
- * lengths. If they differ, another program has changed the header. In every case, removes the comment's lengths from
- * the header facts.
+ * Replaces the header's float lengths with the exact lengths from osteon's own comment, if the exact lengths round to
+ * the header's. If they do not, another program has changed the header. Always removes the comment's lengths from the
+ * header facts.
  */
 static void take_exact(ost_nifti_header *h)
 {
@@ -369,8 +369,8 @@ static ost_status read_raw(ost_input *input, raw_header *raw, ost_nifti_header *
 }
 
 /*
- * Refuses NaN and infinity, which libnifti would silently replace with 0. libnifti does not change srow, which is
- * checked where it is used. A slope that is not finite means that there is no scaling.
+ * Refuses NaN and infinity, which libnifti would silently replace with 0. srow is checked where it is used, because
+ * libnifti does not change it. A slope that is not finite means no scaling.
  */
 static ost_status check_reals(const char *path, const raw_header *raw, bool one, ost_error *err)
 {

@@ -24,7 +24,10 @@
 #include "io/volume/orient.h"
 #include "io/volume/input.h"
 
-/* X(identifier, spellings separated by |): the fields that the reader uses, and IGNORED for those that it ignores. */
+/*
+ * X(identifier, spellings separated by |) for each field that the reader uses; IGNORED lists the fields that it
+ * ignores.
+ */
 #define OST_NRRD_FIELDS(X)                         \
     X(DIMENSION, "dimension")                      \
     X(TYPE, "type")                                \
@@ -66,9 +69,8 @@ typedef struct ost_nrrd_text {
 } ost_nrrd_text;
 
 /*
- * Reads a header from the start of the file and leaves the input at the first byte after the header. The function
- * initialises *out, which the caller can always free. The label names of a segmentation are added to *names unless
- * names is NULL.
+ * Reads a header from the start of the file and leaves the input at the first byte after it. *out is initialised in all
+ * cases and can always be freed. Label names of a segmentation are added to *names unless `names` is NULL.
  */
 ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);

@@ -9,8 +9,8 @@
 #include "io/volume/target.h"
 
 /*
- * Reads a NRRD file. The input must be at the start of the file. If target is NULL, the voxels are not read, and only
- * geometry, meta and report are filled. geometry, meta and report must not be NULL. The function initialises *out.
+ * Reads a NRRD file. The input must be at the start of the file. If target is NULL, the voxels are skipped, and only
+ * geometry, meta and report are filled; these three must not be NULL. *out is initialised in all cases.
  */
 ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, const ost_target *target,
                          ost_geometry *geometry, ost_meta *meta, ost_volume_report *report,

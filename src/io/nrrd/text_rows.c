@@ -65,7 +65,7 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_status status = read_word(input, word, &length, err);
     if (status != OST_OK)
         return status;
-    /* The byte after the word has also been consumed, unless the word ends at the end of the file. */
+    /* After a word, one more byte has been consumed, unless the word ends the file. */
     ost_input_location(input, length + (ost_input_file_left(input) > 0 || length == 0), location);
     if (length == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need",
@@ -136,6 +136,7 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
             return status;
         own->left--;
     }
-    /* Ends the last part, because ost_parts_end would refuse a line end after the last value. */
+    /* The last part must be ended here, because ost_parts_end would refuse the blanks that may follow the last
+     * value. */
     return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
 }

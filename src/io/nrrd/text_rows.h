@@ -10,15 +10,13 @@
 #include "io/volume/rows.h"
 
 typedef struct ost_nrrd_text_rows {
-    ost_rows rows; /* the first member, because `next` converts an ost_rows * to a pointer to this struct */
-    /* number of values in each part, and number of values in the open part that have not been read yet */
+    ost_rows rows; /* must be the first member, because `next` casts an ost_rows * to this struct */
+    /* number of values in each part, and number of values of the open part that are still to be read */
     uint64_t in_part, left;
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/*
- * Checks the end of a part. Called after the last value of the part; returns an error if anything but blanks follows.
- */
+/* Must be called after the last value of a part. Returns an error if anything but blanks follows. */
 ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *rows, ost_error *err);
 
 #endif

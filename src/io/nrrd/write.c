@@ -50,8 +50,8 @@ void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT])
 }
 
 /*
- * Formats value + 1/2 pm as millimetres with ten decimals, that is, as value * 10 + 5 units of 10^-10 mm. Required:
- * |value| <= 8 * 10^12.
+ * Formats a position of (value + 1/2) pm in millimetres with ten decimals, that is, value * 10 + 5 in units of 10^-10
+ * mm. Requires |value| <= 8 * 10^12.
  */
 static void format_half(ost_pm value, char text[OST_PM_TEXT])
 {

@@ -16,8 +16,8 @@ ost_status ost_nrrd_write_header(ost_volume_writer *writer, const ost_geometry *
 void ost_nrrd_escape(const char *value, char out[2 * OST_META_VALUE]);
 
 /*
- * Formats the line of a header fact, "osteon_KEY:=VALUE\n", with escaped backslashes. For a key that describes the
- * geometry of a grid, the text is "".
+ * Formats the header line of a fact, "osteon_KEY:=VALUE\n", with escaped backslashes. The text is "" for a key that
+ * describes the geometry of a grid, because the header has fields for it.
  */
 enum { OST_NRRD_FACT = OST_META_KEY + 2 * OST_META_VALUE + 16 };
 void ost_nrrd_fact(const char *key, const char *value, char text[OST_NRRD_FACT]);

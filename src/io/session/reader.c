@@ -26,9 +26,9 @@ typedef struct scan {
     ost_session *session;
     uint64_t at, size;
     uint64_t next_sequence;
-    uint64_t next_record;   /* record number with which the next block should begin */
-    uint64_t damage_from;   /* start of the damaged bytes before `at`; the file size if there are none */
-    bool gap;               /* true if ticks are missing before `at`; missing notes do not count */
+    uint64_t next_record;   /* expected number of the next block's first record */
+    uint64_t damage_from;   /* offset at which the damaged bytes before `at` start; the file size if there are none */
+    bool gap;               /* true if ticks are missing before `at`; missing notes are ignored */
     bool have_header;
 } scan;
 
@@ -128,7 +128,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
     return store_block(s, block, c->at, err);
 }
 
-/* Returns true if the block can follow the previous blocks. The header of the block must be valid. */
+/* Returns true if a block with this valid header can follow the previous blocks. */
 static bool may_follow(const scan *c, const session_block *block)
 {
     if (block->sequence < c->next_sequence)
@@ -163,8 +163,7 @@ static ost_status scan_one(scan *c, bool *done, ost_error *err)
             c->at += SESSION_BLOCK + block.payload;
             return status;
         }
-        /* The block header has a valid checksum, so the payload's length is correct and no block begins within the
-         * payload. */
+        /* The header's checksum is valid, so the payload size is correct and no block begins within the payload. */
         if (got == block.payload)
             step = SESSION_BLOCK + block.payload;
     }

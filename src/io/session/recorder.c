@@ -40,7 +40,8 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    /* used by the producer; true if the disk has failed for so long that ost_recorder_put_waiting no longer waits */
+    /* used only by the producer; true after a long disk failure, when ost_recorder_put_waiting returns without
+     * waiting */
     bool impatient;
 
     char *name;  /* owned */
@@ -49,14 +50,14 @@ struct ost_recorder {
     session_writer writer;       /* used only by the writer thread */
     unsigned char *block;        /* owned; space for a block header and records; used only by the writer thread */
     uint64_t in_block;           /* number of records in `block` that have not been written yet */
-    uint64_t lost_in_block;      /* value of `lost` at the time when the records in `block` were taken from the ring */
+    uint64_t lost_in_block;      /* value of `lost` when the records in `block` were taken from the ring */
     pthread_t thread;
     bool running;
 
     _Atomic uint64_t put, written, bytes;
     _Atomic int failing; /* errno of the last write; 0 if it succeeded */
     _Atomic bool stop;
-    pthread_mutex_t wake_lock; /* protects the field stop; functions that put records never lock it */
+    pthread_mutex_t wake_lock; /* protects `stop`; never locked by functions that put records */
     pthread_cond_t wake;
 };
 
@@ -122,7 +123,7 @@ static bool write_block(ost_recorder *r)
     unsigned char *records = r->block + SESSION_BLOCK;
     uint64_t count = r->in_block;
     int error;
-    /* Tries fewer records, because a nearly full disk may have space for some of them. */
+    /* Retries with fewer records, because a nearly full disk may have space for some of them. */
     while ((error = ost_session_write_records(&r->writer, records, (uint32_t)count, r->lost_in_block)) != 0 &&
            count > 1)
         count /= 2;
@@ -280,7 +281,7 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
 
 /*
  * Creates the file or, if it exists, truncates it. Fails if another recorder has locked the file. Refuses a symbolic
- * link: a recording has its final name from the beginning, so opening a link would truncate its target.
+ * link, because the file is written directly under its final name, and opening a link would truncate the link's target.
  */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {
@@ -363,7 +364,7 @@ ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end
     pthread_mutex_unlock(&recorder->wake_lock);
     pthread_join(recorder->thread, NULL);
     if (end && !atomic_load(&recorder->failing)) {
-        /* The writer thread has ended and the ring is empty, so the ring has a free slot for the end record. */
+        /* The writer thread has ended and the ring is empty, so there is a free slot for the end record. */
         const ost_record record = {.kind = OST_RECORD_END, .as.end = *end};
         ost_recorder_put(recorder, &record);
         write_all(recorder);

@@ -5,11 +5,10 @@
  *         tail                head
  *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % capacity
  *
- * The numbers head and tail only increase. The producer writes a slot and then head (release). The consumer reads
- * head (acquire) and the slots, and then writes tail (release). The producer reads tail (acquire) before it reuses a
- * slot. Neither thread waits for the other. The producer stores the last tail that it has read, and reads tail again
- * only if the ring seems full, which happens about once per round. All other puts touch no cache line that the
- * consumer writes.
+ * The numbers head and tail only increase. The producer writes a slot and then head (release). The consumer reads head
+ * (acquire) and the slots, and then writes tail (release). The producer reads tail (acquire) before it reuses a slot.
+ * Neither thread waits for the other. The producer caches the tail and rereads it only if the ring seems full, which
+ * happens about once per round. All other puts touch no cache line that the consumer writes.
  */
 #ifndef OST_IO_SESSION_RING_H
 #define OST_IO_SESSION_RING_H
@@ -25,7 +24,7 @@ typedef struct session_ring {
     unsigned char *slots; /* owned; `capacity` records */
     uint64_t capacity;    /* number of slots; a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
-    uint64_t tail_known; /* value of tail when the producer last read it */
+    uint64_t tail_known; /* producer's cached copy of tail */
     _Alignas(RING_LINE) _Atomic uint64_t tail;
 } session_ring;
 
@@ -45,7 +44,10 @@ static inline void ring_close(session_ring *ring)
     free(ring->slots);
 }
 
-/* Called by the producer. Returns the next slot, or NULL if the ring is full. ring_push then publishes the slot. */
+/*
+ * Called by the producer. Returns the next free slot, or NULL if the ring is full. The caller fills the slot and
+ * publishes it with ring_push.
+ */
 static inline unsigned char *ring_slot(session_ring *ring)
 {
     const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
@@ -64,8 +66,8 @@ static inline void ring_push(session_ring *ring)
 }
 
 /*
- * The following functions are called by the consumer. They return the number of waiting records, copy `count`
- * records, and release `count` slots.
+ * Called by the consumer. ring_waiting returns the number of waiting records, ring_copy copies the first `count` of
+ * them, and ring_pop frees the slots of the first `count`.
  */
 static inline uint64_t ring_waiting(session_ring *ring)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes consecutive blocks through a sink. A sink is a file, a copy of a session or, in tests, a disk that fails on
+ * Writes consecutive blocks through a sink: a file, a copy of a session or, in tests, a simulated disk that fails on
  * request.
  */
 #ifndef OST_IO_SESSION_WRITE_H
@@ -10,8 +10,7 @@
 
 typedef struct session_sink {
     void *user;
-    /* Appends all bytes. Returns 0 or an errno. After a failure, the function `cut` removes any bytes that were
-     * appended. */
+    /* Appends all bytes. Returns 0 or an errno. After a failure, `cut` removes the bytes that were already appended. */
     int (*append)(void *user, const void *bytes, size_t size);
     /* Truncates the file to `size` bytes after a failed append. */
     int (*cut)(void *user, uint64_t size);
@@ -29,9 +28,9 @@ typedef struct session_writer {
 /* Writes both copies of the session's header. Returns 0 or an errno. */
 int ost_session_write_header(session_writer *writer, const unsigned char *payload, uint32_t size);
 /*
- * Writes `count` encoded records, 1 to SESSION_BLOCK_RECORDS, as one block. The block header is written to the 64
- * bytes before `records`, which the caller must provide. Returns 0 or an errno. After an error, the same call may be
- * repeated, because the file is unchanged or is cut before the next write.
+ * Writes `count` encoded records, 1 to SESSION_BLOCK_RECORDS, as one block. Overwrites the 64 bytes before `records`,
+ * which the caller must provide, with the block header. Returns 0 or an errno. After an error, the call may be
+ * repeated: the file is unchanged, or is cut before the next write.
  */
 int ost_session_write_records(session_writer *writer, unsigned char *records, uint32_t count, uint64_t lost);
 

@@ -112,7 +112,7 @@ static ost_status list_path(const char *path, ost_stack_names *out, ost_error *e
         status = list(path, (int)strlen(path), NULL, out, err);
     else
         status = append(out, "", 0, path, err);
-    /* the test is needed because the C standard does not allow a null pointer in qsort, even for 0 elements */
+    /* qsort does not accept NULL, even for 0 elements */
     if (status == OST_OK && out->count)
         qsort(out->paths, out->count, sizeof *out->paths, by_text);
     if (status != OST_OK)
@@ -130,7 +130,7 @@ static size_t digits(const char *text)
     return n;
 }
 
-/* Compares two strings of digits as numbers of any length. */
+/* Compares two strings of digits by their numeric values, for any number of digits. */
 static int compare_digits(const char *a, size_t a_count, const char *b, size_t b_count)
 {
     for (; a_count && *a == '0'; a_count--)
@@ -145,8 +145,8 @@ static int compare_digits(const char *a, size_t a_count, const char *b, size_t b
 typedef enum likeness { ALIKE, EQUAL_NUMBERS, TEXT_DIFFERS, NUMBERS_DIFFER } likeness;
 
 /*
- * Compares the names of two files. If they differ in exactly one number, returns ALIKE and sets *at to the index of
- * this number, counted from 0 among the numbers of the name.
+ * Compares the names of two files. Returns ALIKE if they differ in exactly one number, and sets *at to the position of
+ * this number among the numbers of the name, counted from 0.
  */
 static likeness compare(const char *a, const char *b, int *at)
 {
@@ -171,7 +171,7 @@ static likeness compare(const char *a, const char *b, int *at)
     return found;
 }
 
-/* Returns the number with index `at` in a name, or -1 if this number has more than DIGITS_MAX digits. */
+/* Returns number `at` of a name, counted from 0; -1 if it has more than DIGITS_MAX digits. */
 static int64_t number_of(const char *name, int at)
 {
     for (int number = 0; *name; name++) {

@@ -34,8 +34,8 @@ ost_status ost_stack_names_read(const char *path, ost_stack_names *out, ost_erro
 void ost_stack_names_free(ost_stack_names *names);
 
 /*
- * Sets *is to true if the path denotes a stack: a pattern, or a folder whose regular files all begin like TIFF or PNG
- * files. The search stops at the first file of another type.
+ * Sets *is to true if the path denotes a stack: a pattern, or a folder in which all regular files are TIFF or PNG
+ * files, judging by their first bytes. Stops at the first file of another type.
  */
 ost_status ost_stack_find(const char *path, bool *is, ost_error *err);
 

@@ -46,9 +46,9 @@ static ost_status add_slice(stack *s, const ost_slice *slice, ost_error *err)
 }
 
 /*
- * Adds the pages of one file. Several pages of a file may refer to the same bytes. To limit the memory that such a file
- * can request, the size of all pages together must not exceed the size of the file, or OST_SLICE_UNPACK_MAX times this
- * size if the pages are compressed.
+ * Adds the pages of one file. Several pages may refer to the same bytes, so a small file could otherwise request any
+ * amount of memory. The size of all pages together is therefore limited to the size of the file, or to
+ * OST_SLICE_UNPACK_MAX times this size if the pages are compressed.
  */
 static ost_status add_file(stack *s, const char *path, ost_error *err)
 {
@@ -131,7 +131,7 @@ static ost_status read_voxels(const stack *s, const ost_volume_options *options,
                               const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
-    ost_parts none = {.count = 0}; /* the bytes of a stack come from libtiff and libpng, so there are no parts */
+    ost_parts none = {.count = 0}; /* `parts` stays unset, because libtiff and libpng read the files of a stack */
     stack_rows r = {.rows = {.next = next_row,
                              .path = s->path,
                              .parts = &none,

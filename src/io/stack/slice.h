@@ -50,8 +50,7 @@ ost_slice_kind ost_slice_sniff(const unsigned char *head, size_t size);
 ost_status ost_slice_sniff_file(const char *path, ost_slice_kind *kind, ost_error *err);
 
 /*
- * Opens a file, whose format is determined by its content, and describes its first page (slice_open.c). Errors name
- * the file.
+ * Opens a file, whose content determines its format, and describes its first page (slice_open.c). Errors name the file.
  */
 ost_status ost_slice_open(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_row(ost_slice *slice, int32_t y, void *out, ost_error *err);
@@ -62,10 +61,10 @@ void ost_slice_close(ost_slice *slice); /* NULL is allowed */
 enum { OST_SLICE_NAME = 4200 };
 const char *ost_slice_name(const ost_slice *slice, char text[OST_SLICE_NAME]);
 
-/* Checks the size and then the element. Called by the code of a format after all fields have been set. */
+/* Checks the size and the element of a slice. Called by the reader of a format after it has set all fields. */
 ost_status ost_slice_check(const ost_slice *slice, ost_error *err);
 
-/* Open a file in the named format, and describe its first page. */
+/* Each function opens a file of one format and describes its first page. */
 ost_status ost_slice_open_tiff(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_open_png(const char *path, ost_slice **out, ost_error *err);
 

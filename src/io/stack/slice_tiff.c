@@ -32,7 +32,7 @@ typedef struct tiff_slice {
     int fd;
     uint64_t at; /* offset of the next byte that libtiff reads */
     uint32_t index;
-    char reason[REASON]; /* first message of libtiff since the last call */
+    char reason[REASON]; /* first message from libtiff since the last call */
 } tiff_slice;
 
 /* ------------------------------------------------------------ libtiff's view */
@@ -83,7 +83,7 @@ static toff_t file_size(thandle_t handle)
 static int take_error(TIFF *tiff, void *user, const char *module, const char *format, va_list args)
     OST_PRINTF(4, 0);
 
-/* Stores the first message of libtiff, so that libtiff prints nothing. */
+/* Stores the first message from libtiff instead of printing it. */
 static int take_error(TIFF *tiff, void *user, const char *module, const char *format, va_list args)
 {
     tiff_slice *s = user;
@@ -154,8 +154,8 @@ static void describe_pixel(tiff_slice *s)
 }
 
 /*
- * Refuses files of ImageJ that have a TIFF page only for the first slice. The data of the other slices follow the
- * data of the first one, where only ImageJ finds them.
+ * Refuses ImageJ files that have a TIFF page only for the first slice. The data of the other slices follow those of the
+ * first, where only ImageJ finds them.
  */
 static ost_status refuse_imagej(const tiff_slice *s, ost_error *err)
 {

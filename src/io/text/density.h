@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parses a density of the common form, which is [-]digits with 1 to 5 digits and a value within int16. The word w
- * contains eight bytes that begin with the density; the first byte is the lowest byte of w.
+ * Parses a density of the common form: an optional minus sign and 1 to 5 digits, with a value within int16. The word w
+ * contains the next eight bytes of the text, of which the density is the first n. The first byte is the lowest byte of
+ * w.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
  *   a zero byte of x: the lowest bit of (x - 01..01) & ~x & 80..80 is in the
@@ -10,8 +11,8 @@
  *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit moves to the highest byte
  *   ^ '0'            digits are 0 to 9; bytes below them are masked off
  *
- * A byte b is a digit iff b < 10. This is equivalent to b < 16 and b + 6 < 16. (A carry out of a byte requires
- * b >= 250, which the first test has found.)
+ * A byte b is a digit iff b < 10. This is equivalent to b < 16 and b + 6 < 16. (A carry out of a byte requires b >=
+ * 250, which the first test has found.)
  */
 #ifndef OST_IO_TEXT_DENSITY_H
 #define OST_IO_TEXT_DENSITY_H

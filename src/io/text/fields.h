@@ -4,8 +4,8 @@
  *
  *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
  *
- * Fields are separated by blanks and tabs, with at most one comma or semicolon between them. Two commas or semicolons
- * enclose an empty field, which is an error and never a number. '#' ends the line.
+ * Fields are separated by blanks and tabs, with at most one comma or semicolon between them. A field between two commas
+ * or semicolons is empty, which is an error. '#' ends the line.
  */
 #ifndef OST_IO_TEXT_FIELDS_H
 #define OST_IO_TEXT_FIELDS_H
@@ -67,10 +67,9 @@ bool ost_text_is_binary(const char *p, const char *end);
 bool ost_text_is_header(const char *p, const char *end);
 
 /*
- * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Trims VALUE and returns
- * true; returns false for all other comments. A text that is too long for the members is truncated. The truncated
- * text is still too long for a header fact, because OST_META_KEY and OST_META_VALUE are less than the sizes of the
- * members.
+ * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Trims VALUE and returns true;
+ * returns false for all other comments. A key or value that is too long is truncated to the size of its array. This is
+ * larger than OST_META_KEY or OST_META_VALUE, so the truncated text is still refused as a header fact.
  */
 typedef struct ost_text_fact {
     char key[48];

@@ -120,8 +120,8 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 /* ------------------------------------------------------------------- steps */
 
 /*
- * Returns the smallest gap above `floor`, or 0 if there is none. If greatest is not NULL, sets *greatest to the
- * maximum gap.
+ * Returns the smallest gap above `floor`, or 0 if there is none. Stores the largest gap in *greatest unless `greatest`
+ * is NULL.
  */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {
@@ -150,7 +150,7 @@ static bool exact_steps(const fit *f, int64_t coarsest)
     return true;
 }
 
-/* A spacing s = num / den with 1 <= den <= STEPS_MAX. */
+/* A spacing num / den, with 1 <= den <= STEPS_MAX. */
 typedef struct ratio {
     int64_t num, den;
 } ratio;
@@ -193,8 +193,8 @@ static ost_status rounded_steps(const char *path, const fit *f, ost_error *err)
 typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
 
 /*
- * Tests whether the spacing s is feasible for one axis. Returns HERE if it is, and the direction of the feasible
- * spacings if it is not. In the condition (F), `slack` is added to u.
+ * Tests whether the spacing s is feasible for one axis, that is, whether (F) holds with u + slack in place of u.
+ * Returns HERE if it is, otherwise the direction in which the feasible spacings lie.
  */
 static side probe_axis(const fit *f, int64_t s, int64_t slack)
 {
@@ -230,8 +230,9 @@ static side probe(const fit *const *fits, int count, int64_t s)
 
 /*
  * Returns the feasible multiple of q that is nearest to num / den. If two multiples are equally near, returns the
- * smaller one. Returns 0 if no multiple is feasible. Invariant of the bisection: at `near`, the probe is not HERE and
- * points towards `far`. At `far`, the probe points the other way or is HERE, or `far` is the end of the range.
+ * smaller one. Returns 0 if no multiple is feasible. Invariant of the bisection: the multiple `near` is not feasible,
+ * and its probe points towards `far`; the multiple `far` is feasible, or its probe points towards `near`, or it is the
+ * end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {
@@ -248,7 +249,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     if (above == HERE)
         return (m + 1) * q;
     if (below != above)
-        return 0; /* no multiple of q is feasible */
+        return 0; /* m and m + 1 point towards each other, so no multiple of q is feasible */
     int64_t step = above == ABOVE ? 1 : -1;
     int64_t near = step > 0 ? m + between : m, far = step > 0 ? FEASIBLE_MAX / q + 1 : 0;
     while ((far - near) * step > 1) {
@@ -313,7 +314,7 @@ static ost_status find_axis(const char *path, fit *f, ost_pm *spacing, ost_error
         if (!(axis->units >> unit & 1))
             continue;
         f->unit = unit_pm(unit) + axis->rounded;
-        /* Only the error of the finest unit is reported; the errors of coarser units are less specific. */
+        /* Only the error for the finest unit is reported, because it is the most specific. */
         ost_error *to = first == OST_OK ? err : NULL;
         ost_status status = rounded_steps(path, f, to);
         if (status == OST_OK && (*spacing = spacing_of(f)) > 0)

@@ -28,8 +28,8 @@
 #include <osteon/grid.h>
 
 /*
- * Unit number n is the value of the last digit of a coordinate with n - 3 decimal places. Unit 0 is 10^3 mm, and unit
- * 12 is one picometre.
+ * Units are numbered by their decimal place: the last digit of a coordinate with d decimal places has unit d + 3. Unit
+ * 0 is 10^3 mm, and unit 12 is one picometre.
  */
 enum { OST_LATTICE_UNITS = 13, OST_LATTICE_UNIT_PLACES = 3 };
 
@@ -39,13 +39,14 @@ typedef struct ost_lattice_axis {
     const ost_pm *value;  /* distinct values in ascending order */
     const int64_t *line;  /* for each value, the line in which the value occurs first */
     uint32_t units;       /* set of the units that occur; bit n is unit number n */
-    bool rounded; /* true if a coordinate has more than nine decimal places and may be wrong by half a picometre */
+    /* true if a coordinate has more than nine decimal places and was rounded, by at most half a picometre */
+    bool rounded;
 } ost_lattice_axis;
 
 /*
- * Finds the spacing of every axis with spacing[a] == 0 on entry. Of `axes`, only the elements of these axes are read.
- * Returns OST_ERR_INPUT if no spacing fits, or if several spacings fit. The message names the axis, the coordinate
- * and the line, and suggests giving the spacing.
+ * Finds the spacing of each axis a with spacing[a] == 0. Only these elements of `axes` are read. Returns OST_ERR_INPUT
+ * if no spacing or more than one fits; the message names the axis, the coordinate and the line, and suggests passing
+ * the spacing as an option.
  */
 ost_status ost_lattice_find(const char *path, const ost_lattice_axis axes[3], ost_pm spacing[3], ost_error *err);
 

@@ -14,12 +14,12 @@
 struct ost_text_lines {
     char *path;
     int fd;
-    gzFile packed; /* stream that unpacks the file of fd; NULL if the file is not packed */
+    gzFile packed; /* gzip stream that unpacks the file of fd; NULL if the file is not packed */
     int64_t file_size;
     int64_t read_bytes;
     bool at_start, ended, terminated;
-    size_t used, next; /* buffer[0, used) contains data, of which buffer[next, used) has not been returned yet */
-    char buffer[OST_TEXT_BUFFER + 1]; /* the additional byte is for a newline after the last line */
+    size_t used, next; /* buffer[0, used) contains data; buffer[next, used) has not been returned yet */
+    char buffer[OST_TEXT_BUFFER + 1]; /* one extra byte for a newline after the last line */
 };
 
 ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err)
@@ -100,7 +100,7 @@ static ssize_t unpack(ost_text_lines *lines, char *to, size_t size, ost_status *
     return -1;
 }
 
-/* Fills the remainder of the buffer from offset `used` on; stops at the end of the file. */
+/* Fills the buffer from offset `used` on. Stops at the end of the file. */
 static ost_status fill(ost_text_lines *lines, ost_error *err)
 {
     while (!lines->ended && lines->used < OST_TEXT_BUFFER) {
@@ -123,8 +123,8 @@ static ost_status fill(ost_text_lines *lines, ost_error *err)
 }
 
 /*
- * Returns true if the text contains CR but no LF. Before 2001, some computers ended lines with CR alone. A CR at the
- * end of the file is ignored, because it may be the first half of a CR LF.
+ * Returns true if the text contains CR but no LF; some systems before 2001 ended lines with CR alone. A CR at the end
+ * of the text is ignored, because it may be the first half of a CR LF.
  */
 static bool ends_lines_with_cr(const char *text, size_t size)
 {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements the matcher in portable C. All other variants must be equivalent to it. Comparing the bytes before a
- * density also yields the density's position. The newline after the density is one of the eight bytes that begin at
- * this position.
+ * The portable matcher; all other variants are equivalent to it. Comparing the bytes before a density also yields the
+ * position of the density. The newline after the density is one of the eight bytes from this position on.
  */
 #include "core/conditions.h"
 

@@ -7,8 +7,8 @@
  *     column c   the row's own     density, a whole number
  *
  * In a raster scan, every row repeats the column texts of the first row, and its other two coordinates are constant.
- * Equal bytes represent equal numbers, whatever their form, so only the density of a line needs to be parsed. If an
- * axis other than x runs fastest, `before` precedes the column.
+ * Equal bytes represent equal numbers, so only the density of a line needs to be parsed. If y or z runs fastest,
+ * `before` contains the text in front of the column.
  */
 #ifndef OST_IO_TEXT_MATCH_H
 #define OST_IO_TEXT_MATCH_H
@@ -49,14 +49,12 @@ typedef struct ost_text_pattern {
 } ost_text_pattern;
 
 /*
- * Matches lines that follow each other from `text` on; the last byte before `end` is
- * a newline, or text == end.  Line i, 0 <= i < lines, is matched if all lines before it are matched, it begins before
- * `end`, and it consists of
+ * Matches up to `lines` consecutive lines from `text` on, until one does not match. The last byte before `end` must be
+ * a newline, or text == end. Line i matches if it begins before `end` and consists of
  *   before, columns[i].text with lengths[i] bytes, after,
- *   then [-]digits of 1 to 5 digits and a value within int16, then "\r" with carriage, and a newline.
- * Returns the number of matched lines, stores their densities, and sets *next to the
- * beginning of the line after them.  Writes no other densities: the densities of lines after `end` may belong to
- * another thread. OST_TEXT_MARGIN bytes from end on must be readable.
+ *   a density of the common form (density.h), "\r" if `carriage` is true, and a newline.
+ * Returns the number of matched lines, stores their densities, and sets *next to the line after them. Writes no other
+ * element of `density`, because another thread may own it. OST_TEXT_MARGIN bytes from `end` on must be readable.
  */
 typedef size_t ost_text_match(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                               const char *text, const char *end, size_t lines, int16_t *density, const char **next);

@@ -58,8 +58,8 @@ static ost_status fail_count(const ost_text_parser *parser, const char *begin, c
 /* ------------------------------------------------------------------- values */
 
 /*
- * Equivalent to ost_decimal_to_pm, but needs only one multiplication for most positions. The position in picometres
- * is mantissa * 10^shift. It is within 8000 mm iff |mantissa| <= 8000 * 10^(9 - shift).
+ * Equivalent to ost_decimal_to_pm, but needs only one multiplication in most cases. The position is mantissa * 10^shift
+ * pm, so it is within +-8000 mm iff |mantissa| <= 8000 * 10^(9 - shift).
  */
 static bool to_pm(const ost_decimal *value, ost_pm *out, bool *exact)
 {

@@ -7,8 +7,7 @@
  *   -57.3400 12.2200 3.0000 1043          a sample: positions in mm, exact decimals
  *   -56.8700,12.2200,3.0000,-1.2e2        tabs, commas, semicolons; a sign, a point, an exponent
  *
- * The input consists of complete lines, the output of rows. The parser opens no file and allocates
- * no memory.
+ * The input is complete lines, and the output is rows. The parser opens no file and allocates no memory.
  */
 #ifndef OST_IO_TEXT_PARSE_H
 #define OST_IO_TEXT_PARSE_H
@@ -42,8 +41,9 @@ typedef struct ost_text_parser {
 } ost_text_parser;
 
 /*
- * Parses lines from block->begin on, and advances block->begin. Stops at the end of the block or when `rows` is full.
- * At the first bad line, returns OST_ERR_INPUT; the message contains file, line, column, value and what was expected.
+ * Parses lines from block->begin on, and advances block->begin. Stops at the end of the block, or when `rows` is full.
+ * At the first invalid line, returns OST_ERR_INPUT; the message contains the file, line and column, the value and what
+ * was expected.
  */
 ost_status ost_text_parse(ost_text_parser *parser, ost_text_block *block, ost_text_row *rows, size_t capacity,
                           size_t *count, ost_error *err);

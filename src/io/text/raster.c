@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why one pass is sufficient. The lines of each piece are its voxels [first, next).
- * If these intervals tile [0, N) in the file's order, every line is accounted for
- * and line L is voxel L - first_line. A piece that begins within a slice has taken
- * the slice's coordinate from its own first line. This coordinate must therefore
- * equal that of the slice's first line. Coordinates that strictly rise or fall along
- * each axis are distinct, and are the coordinates that two passes would collect. If
- * the coordinates are off their lattice, share a voxel, or do not form a grid, the
+ * Why one pass is sufficient. The lines of a piece are assigned to consecutive voxels [first, next). If these intervals
+ * tile [0, N) in the file's order, every line is accounted for, and line L is voxel L - first_line. If a piece begins
+ * within a slice, its slice coordinate comes from the piece's first line, and must therefore be compared with that of
+ * the slice's first line. If the coordinates strictly rise or fall along each axis, they are distinct, and are those
+ * that two passes would collect. If the coordinates are off their lattice, share a voxel, or do not form a grid, the
  * text is read in two passes.
  *
- * Why there are two readers. Two passes read any text. For a scan, one pass needs a
- * fifth of their processor time (docs/log/0.1.md, parse), because it compares lines
- * instead of parsing them. Most texts are scans.
+ * Why there are two readers. Two passes read any text. For a scan, one pass needs a fifth of their processor time
+ * (docs/log/0.1.md, parse), because it compares lines instead of parsing them. Most texts are scans.
  */
 #include "core/conditions.h"
 
@@ -32,7 +29,7 @@
 #include "io/text/walk.h"
 
 /*
- * The head of the text and its first row must lie within HEAD bytes. A line has at least LINE_MIN bytes: "0 0 0 0\n".
+ * The header and the first row must lie within the first HEAD bytes. A line has at least LINE_MIN bytes: "0 0 0 0\n".
  */
 enum { HEAD = 1 << 20, LINE_MIN = 8, PIECE_MIN = 1 << 18, PIECES_MAX = 1 << 14, PIECES_A_THREAD = 16 };
 
@@ -46,7 +43,7 @@ typedef struct reading {
     uint32_t units[3];
 } reading;
 
-/* Returns a bit mask of the axes in which the two positions differ. */
+/* Returns the set of the axes along which the two positions differ, as a bit mask. */
 static unsigned difference(const ost_text_row *a, const ost_text_row *b)
 {
     unsigned axes = 0;
@@ -61,8 +58,8 @@ static int only_axis(unsigned axes)
 }
 
 /*
- * Adds a sample of the first row as a column with its coordinate and text. Returns false if the coordinates are not
- * monotone or if there are too many columns.
+ * Adds a sample of the first row as a column. Returns false if the coordinates are not strictly monotone or if there
+ * are too many columns.
  */
 static bool learn_column(reading *r, const char *p, const char *newline, const ost_text_row *row)
 {
@@ -87,8 +84,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
 }
 
 /*
- * Reads the comments, the header and the first row. The row ends at the first line in which the coordinate of another
- * axis changes. This line also determines the order of the axes.
+ * Reads the comments, the header and the first row. The row ends before the first line in which the coordinate on
+ * another axis changes. This line also determines the order of the axes.
  */
 static bool learn_row(reading *r, const char *text, size_t bytes)
 {
@@ -135,8 +132,8 @@ static bool learn_row(reading *r, const char *text, size_t bytes)
 }
 
 /*
- * Reads the coordinate of the slow axis from the last line. Sets *terminated to true if the last line ends with a
- * newline.
+ * Stores the last line's coordinate on the slow axis in plan.last_slow. Sets *terminated to true if the last line ends
+ * with a newline.
  */
 static bool learn_last(reading *r, bool *terminated)
 {
@@ -158,8 +155,8 @@ static bool learn_last(reading *r, bool *terminated)
 }
 
 /*
- * Finds the coordinates of the middle axis and the number of slices. They follow from the first slice and from the
- * coordinate of the second slice.
+ * Finds the coordinates of the middle axis, by reading the first slice, and the number of slices. The latter follows
+ * from the slow coordinates of the first, the second and the last slice.
  */
 static bool learn_slice(reading *r)
 {
@@ -223,7 +220,7 @@ static bool map_voxels(ost_text_raster *raster, int64_t count)
     return true;
 }
 
-/* The result for a piece; `placed` is false if no line begins in the piece. */
+/* The result of walking a piece. `placed` is false if no line begins in the piece. */
 typedef struct piece {
     int64_t first, next;
     int32_t slice;
@@ -232,8 +229,8 @@ typedef struct piece {
 } piece;
 
 /*
- * Returns true if the lines of all pieces together contain every voxel exactly once and in order. The coordinates
- * must also be strictly monotone.
+ * Returns true if the lines of all pieces together contain every voxel exactly once and in order, and the coordinates
+ * are strictly monotone.
  */
 static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int count, int64_t voxels)
 {
@@ -255,7 +252,7 @@ static bool is_tiled(const ost_text_raster *raster, const piece *pieces, int cou
 typedef struct shared {
     atomic_bool stop;
     atomic_llong walked; /* number of bytes processed so far */
-    bool cancelled;      /* set by the calling thread */
+    bool cancelled;      /* set by thread 0 */
 } shared;
 
 static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64_t end, shared *s, piece *out)
@@ -269,7 +266,7 @@ static void walk_piece(reading *r, ost_text_walker *walker, int64_t begin, int64
     atomic_fetch_add_explicit(&s->walked, end - begin, memory_order_relaxed);
 }
 
-/* Reports progress. Only the caller's own thread, which is thread 0, reports. */
+/* Reports progress. Called only on thread 0, which is the caller's own thread. */
 static void report_progress(const reading *r, shared *s)
 {
 #if defined _OPENMP
@@ -375,7 +372,10 @@ void ost_text_raster_free(ost_text_raster *raster)
     *raster = (ost_text_raster){0};
 }
 
-/* Returns false if the dims stated in the text show that the text is incomplete. */
+/*
+ * Returns false if the text is incomplete according to the dims that it states: the number of samples differs, or the
+ * last line has no newline.
+ */
 static bool is_complete(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {
     const ost_text_own *dims = &summary->own_dims;

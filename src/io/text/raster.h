@@ -8,17 +8,15 @@
  *   ...
  *   x0 y0 z1 d   ...                           the slow axis: z0, z1, ...
  *
- * Most texts are raster scans. A scan is determined by its coordinates along each
- * axis: every line has one voxel, which must agree with the line's offset in the
- * file. One pass is therefore sufficient. Each thread processes its own pieces of
- * the file, and almost every line is compared instead of parsed (match.h).
+ * Most texts are raster scans. The coordinates along each axis determine the complete scan: the voxel of a line follows
+ * from its number. One pass is therefore sufficient. Each thread processes its own pieces of the file, and almost every
+ * line is compared instead of parsed (match.h).
  *
- * If any line deviates from a scan, for example in a defective text, *found becomes false and there is no other
- * effect. The readers of scan.h and rect.h then read the text and report its errors. For a scan, all readers produce
- * bit-identical results. The axes may be in any order, and each axis may ascend or descend.
+ * If any line deviates from a scan, for example in a defective text, only *found is set, to false. The two-pass
+ * readers, scan.h and rect.h, then read the text and report its errors. For a scan, all readers produce bit-identical
+ * results. The axes may be in any order, and each axis may ascend or descend.
  *
- * Memory: two bytes per line (that is, per voxel of the grid) and one buffer per
- * thread.
+ * Memory: two bytes per line (that is, per voxel of the grid) and one buffer per thread.
  */
 #ifndef OST_IO_TEXT_RASTER_H
 #define OST_IO_TEXT_RASTER_H
@@ -50,15 +48,15 @@ static inline int64_t ost_text_raster_stride(const ost_text_raster *raster, int 
 
 /*
  * Sets *found to true if the text is a scan, its geometry is valid, and every sample has a voxel of its own. The
- * summary then equals the summary of ost_text_scan, except for the fingerprint's hash. The caller frees the summary
- * and the raster. Apart from the errors of opening the file, OST_ERR_CANCELLED is the only error; all other errors
- * are reported by the two-pass readers.
+ * summary then equals the summary of ost_text_scan, except for the fingerprint's hash. The caller frees the summary and
+ * the raster. The only errors are failures to open the file and OST_ERR_CANCELLED; all other errors are left to the
+ * two-pass readers.
  */
 ost_status ost_text_raster_read(const char *path, const ost_text_raster_options *options, ost_text_summary *summary,
                                 ost_text_raster *raster, bool *found, ost_error *err);
 void ost_text_raster_free(ost_text_raster *raster);
 
-/* Adds the same bytes to the hasher as ost_text_scan. */
+/* Adds the same bytes to the hasher as ost_text_scan would. */
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
 /*

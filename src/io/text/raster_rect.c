@@ -12,18 +12,15 @@
 
 #include "core/integer.h"
 
-/*
- * Maps the coordinates of one axis of the scan to voxels of the grid, and records the distances of the coordinates
- * from the voxel centres.
- */
+/* Maps the coordinates of one axis of the scan to voxel indices, and records their distances from the voxel centres. */
 typedef struct axis_map {
-    int32_t count;     /* number of coordinates within the crop, which have the indices from, from + 1, ... */
+    int32_t count;     /* number of coordinates within the crop; they are the coordinates from, from + 1, ... */
     int32_t from;
-    int32_t *index;    /* owned; index in the complete grid for each coordinate */
+    int32_t *index;    /* owned; for each coordinate, the index of its voxel in the complete grid */
     ost_pm spacing;
-    int64_t good;      /* number of coordinates that are within the crop and at most 1/8 of a voxel off */
-    int64_t worst;     /* maximum distance from a voxel centre within the crop, in ppm of a voxel */
-    int32_t worst_at;  /* index of the first coordinate with the maximum distance */
+    int64_t good;      /* number of coordinates within the crop that are at most 1/8 of a voxel from the voxel centre */
+    int64_t worst;     /* maximum distance from a voxel centre within the crop, in millionths of a voxel */
+    int32_t worst_at;  /* index of the first coordinate with this distance */
 } axis_map;
 
 static void maps_free(axis_map maps[3])
@@ -34,7 +31,7 @@ static void maps_free(axis_map maps[3])
 
 /*
  * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate would be rejected, or if memory is
- * exhausted. |at - origin| < 2^54 and off * 10^6 < 2^56.
+ * exhausted. |p| < 2^54 and off * 10^6 < 2^56.
  */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
                      axis_map *map)
@@ -77,9 +74,7 @@ static bool map_all(const ost_text_raster *raster, const ost_geometry *full, con
     return good;
 }
 
-/*
- * Computes the report that a scatter of the lines would return. Every coordinate must have a voxel of its own.
- */
+/* Computes the report that scattering the lines would return. Each coordinate must have a voxel of its own. */
 static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
 {
     *report = (ost_scatter_report){0};
@@ -122,8 +117,8 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For every voxel along an axis, the offset in raster->voxels of the voxel's coordinate; -1 if the voxel has no
-     * coordinate. */
+    /* For each voxel along an axis, the contribution of its coordinate to the index in raster->voxels; -1 if the
+     * voxel has no coordinate. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;

@@ -112,8 +112,8 @@ static ost_status add_row(pass *p, const ost_text_row *row, ost_error *err)
     if (p->options->crop && !in_crop(p->options->full, p->options->crop, row))
         return OST_OK;
     /*
-     * The lines of a batch are stored as 32-bit offsets. An offset overflows only if there are 2 * 10^9 lines of
-     * comments between two samples.
+     * The lines of a batch are stored as 32-bit offsets. An offset can overflow only if 2 * 10^9 comment lines lie
+     * between two samples.
      */
     if (p->count > 0 && row->line - p->first_line > INT32_MAX) {
         ost_status status = flush(p, err);

@@ -80,7 +80,7 @@ static ost_status bad_fact(const ost_text_parser *parser, const ost_text_fact *f
                     (long long)parser->line, fact->key, fact->value, expected);
 }
 
-/* Stores the three values of a header fact. If the key occurs again, the values must be the same. */
+/* Stores the three values of a header fact. If the fact is repeated, the values must be equal. */
 static ost_status take_own(const ost_text_parser *parser, const ost_text_fact *fact, const int64_t value[3],
                            ost_text_own *own, ost_error *err)
 {
@@ -191,7 +191,7 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
     const ost_text_own *dims = &summary->own_dims;
     if (dims->line == 0)
         return OST_OK;
-    /* The product of the three dims is at most (2^14)^3. */
+    /* The product of the three dims is at most (2^14)^3, so it does not overflow. */
     int64_t expected = dims->value[0] * dims->value[1] * dims->value[2];
     if ((uint64_t)expected != summary->fingerprint.rows)
         return ost_fail(
@@ -217,7 +217,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
 {
     const char *path = source->parser.path;
     ost_text_facts facts = {summary, given};
-    /* INT64_MIN is beyond OST_LENGTH_MAX and therefore cannot be a coordinate. */
+    /* INT64_MIN means that there is no previous row; coordinates are within +-OST_LENGTH_MAX. */
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
@@ -333,8 +333,8 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /*
-         * A spacing found from the coordinates may be smaller than the smallest valid spacing, so that (max - origin)
-         * / spacing < 1.7 * 10^13 / 1. The quotient is clamped here, and the later check of the geometry refuses it.
+         * A spacing found from the coordinates may be as small as 1 pm, so `steps` may be as large as 1.7 * 10^13. It
+         * is clamped here, and the later check of the geometry refuses it.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

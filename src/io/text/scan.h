@@ -32,8 +32,8 @@ ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 
 /*
- * A fingerprint of the rows in their order, which shows whether the file has changed between two passes. The hash is
- * not cryptographic, because nobody benefits from a deliberate collision.
+ * A fingerprint of the rows in their order, which reveals whether the file has changed between two passes. The hash
+ * need not be cryptographic, because there is no reason to construct a collision.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;
@@ -50,7 +50,7 @@ typedef struct ost_text_coordinate {
 typedef struct ost_text_axis {
     ost_pm min, max;
     ost_pm given;       /* spacing from an option or from the text itself; 0 if it must be determined */
-    uint32_t units;     /* ost_lattice_axis describes the fields units and rounded */
+    uint32_t units;     /* see ost_lattice_axis for units and rounded */
     bool rounded;
     size_t distinct;    /* number of coordinates in `set`, which is sorted after the pass */
     ost_text_coordinate *set;
@@ -72,13 +72,13 @@ typedef struct ost_text_summary {
 } ost_text_summary;
 
 /*
- * Initialises an empty summary with the spacings from the options. From then on, the summary can be freed at any
- * time.
+ * Initialises an empty summary with the spacings from the options. The summary must later be freed, even after an
+ * error.
  */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
 /*
- * The user data of ost_text_fact_take. The parser calls this function for each header fact; the function stores the
- * fact in the summary.
+ * User data of ost_text_fact_take, which the parser calls for each header fact, and which stores the fact in the
+ * summary.
  */
 typedef struct ost_text_facts {
     ost_text_summary *summary;
@@ -87,19 +87,15 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * Scans the text. `given` contains the spacings from options, which override the spacings in the text; 0 means that
- * there is no option. If `hasher` is not NULL, adds a record of 32 bytes for each sample to the hasher: x, y, z as
- * int64, density as int32, 0 as uint32, little-endian. progress may be NULL. The caller frees the summary, also after
- * an error.
+ * Scans the text. `given` contains the spacings from options, which override those in the text; 0 if there is no
+ * option. If `hasher` is not NULL, adds a record of 32 bytes per sample to it: x, y, z as int64, density as int32, 0 as
+ * uint32, little-endian. progress may be NULL. The caller frees the summary, also after an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);
 void ost_text_summary_free(ost_text_summary *summary);
 
-/*
- * Computes the geometry. inferred[a] becomes true if the spacing of axis a was not given but found from the
- * coordinates.
- */
+/* Computes the geometry. inferred[a] is set to true if the spacing of axis a was found from the coordinates. */
 ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, ost_geometry *out, bool inferred[3],
                              ost_error *err);
 

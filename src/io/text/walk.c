@@ -13,8 +13,8 @@
 #include "io/text/lattice.h"
 
 /*
- * The size of a chunk. A chunk is so small that, after the kernel has copied it into the buffer, it remains in the
- * second-level cache until the walk over it.
+ * Number of bytes that are read and walked at a time. They are few enough to remain in the second-level cache from the
+ * read to the walk.
  */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
@@ -66,7 +66,7 @@ bool ost_text_column_set(ost_text_column *column, uint8_t *length, const char *p
     return true;
 }
 
-/* Appends bytes to `around`. Returns false if there is not enough space. */
+/* Appends bytes to `around`. Returns false if they do not fit. */
 static bool around_add(ost_text_around *around, const void *p, size_t length)
 {
     if (length > OST_TEXT_AROUND_MAX - around->length)
@@ -122,8 +122,8 @@ static void learn_pattern(ost_text_walker *walker, const char *p, const char *ne
 }
 
 /*
- * Derives the pattern of the next row in the slice from the strings of the first slice. Returns false if the pattern
- * cannot be derived.
+ * Derives the pattern of the next row of the slice from the strings of the first slice. Returns false if this is not
+ * possible.
  */
 static bool foresee_row(ost_text_walker *walker)
 {
@@ -153,9 +153,8 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * Computes the index of a slice from its coordinate, assuming evenly spaced slices. The index is also correct for
- * rounded coordinates. If an index is wrong, the indices are not consecutive and the walk fails. |v - s_0| * 16383 <
- * 2^58 for a coordinate v and the first coordinate s_0.
+ * Computes the index of a slice from its coordinate, assuming evenly spaced slices, and tolerates rounded coordinates.
+ * If an index is wrong, the indices are not consecutive and the walk fails. |off| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -203,7 +202,7 @@ static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
     return true;
 }
 
-/* Handles the first line of a further row while the walk is still finding the coordinates of the middle axis. */
+/* Processes the first line of a further row while `learning` is true. */
 static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     ost_text_raster *raster = walker->plan->raster;
@@ -270,7 +269,7 @@ static bool parse_line(ost_text_walker *walker, const char *p, const char *newli
 /* --------------------------------------------------------------- many lines */
 
 /*
- * Matches lines from *text on, starting at the walker's position, up to the end of the row. Returns the number of
+ * Matches lines from *text on, up to the end of the row, and advances *text and the walker. Returns the number of
  * matched lines.
  */
 static size_t match_lines(ost_text_walker *walker, const char **text, const char *end)
@@ -286,7 +285,7 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
 }
 
 /*
- * Matches the lines of the next row without parsing any of them. Returns false if the first line does not match; in
+ * Starts the next row and matches its lines without parsing any. Returns false if the first line does not match; in
  * this case, only walker->known has changed.
  */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
@@ -346,8 +345,8 @@ static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 }
 
 /*
- * Reads the remainder of the line that contains text[filled - 1]; the remainder begins at offset `at` of the file. At
- * the end of the file, a newline is added.
+ * Reads the rest of the line that contains text[filled - 1]. The rest begins at file offset `at`. At the end of the
+ * file, appends a newline.
  */
 static bool complete(int fd, char *text, size_t *filled, int64_t at)
 {

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Processes pieces of a raster scan line by line (raster.h). This is called a walk.
+ * Processes pieces of a raster scan line by line, which is called a walk (raster.h).
  *
  *   file  |--- head ---|---- piece ----|---- piece ----|-- ...
  *                           ^ first line that begins in it: parsed to find its
  *                             voxel; the voxels of the lines after it follow
  *
- * A line that is not matched is parsed like any text, and its position must be the expected one. The line then
- * provides the pattern for the following lines.
+ * A line that does not match is parsed, and its position must be the expected one. The line then provides the pattern
+ * for the following lines.
  *
  *   "-57.340000 12.220000 3.000000 1043\n"
  *    |--text--||--text--||--text-|           a position with the characters in front of it
  *
- * When a row ends, the pattern of the next row is derived from the current one: the text of the middle axis is
- * replaced by its text in the same row of the first slice. Every text except the first begins with its separator, so
- * the concatenated texts represent the same numbers as the separate texts. Therefore, a line that consists of these
- * bytes does not need to be parsed.
+ * When a row ends, the pattern of the next row is derived from the current one: the text of the middle axis is replaced
+ * by its text in the same row of the first slice. Every text except the first begins with its separator, so the
+ * concatenated texts represent the same numbers as the separate texts, and a line that consists of these bytes need not
+ * be parsed.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H
@@ -27,14 +27,14 @@
 typedef struct ost_text_plan {
     const char *path;
     int fd;
-    int64_t begin, end;  /* range of bytes in the file, which begins at the line of the first sample */
+    int64_t begin, end;  /* range of bytes in the file, from the line of the first sample to the end */
     ost_text_raster *raster;
     ost_text_column *columns; /* owned; raster->count[0] elements */
-    uint8_t *lengths;         /* owned; length of each column's string; 0 if the string is too long for its array */
-    ost_text_column *middles; /* owned; strings of the middle axis, raster->count[1] of them */
+    uint8_t *lengths;         /* owned; length of each column's string; 0 if the string does not fit */
+    ost_text_column *middles; /* owned; strings of the middle axis; raster->count[1] elements */
     uint8_t *middle_lengths;  /* owned; length of each string in `middles`; 0 if the string is too long */
     uint32_t shortest;        /* minimum length of a column's string */
-    bool fast;                /* true if the string of every column fits into its array */
+    bool fast;                /* true if the strings of all columns fit */
     bool carriage;
     ost_pm last_slow;
     ost_text_match *match;
@@ -42,17 +42,18 @@ typedef struct ost_text_plan {
 
 typedef struct ost_text_walker {
     const ost_text_plan *plan;
-    bool learning;       /* true while the coordinates of the middle axis are unknown; voxels are stored in `row` */
-    bool done;           /* true if the first slice has ended; used only if `learning` is true */
+    /* true in the walk over the first slice, which finds the coordinates of the middle axis; densities go to `row` */
+    bool learning;
+    bool done;           /* true once the first slice has ended; used only if `learning` is true */
     ost_pm second_slow;  /* coordinate of the second slice; valid only if `done` is true */
     bool placed;         /* true if a line has been read, so that `at` is valid */
-    bool known;          /* true if the pattern is valid in the current row */
-    /* position of the next line, given as ranks of its coordinates; the row has ended if at[0] == count */
+    bool known;          /* true if the pattern applies to the current row */
+    /* index of the next line's coordinate on each axis, by rank; at[0] == count[0] at the end of a row */
     int32_t at[3];
-    ost_pm middle, slow; /* coordinates of the current row on the middle and on the slow axis */
-    int64_t first, next; /* the lines processed so far are the voxels [first, next) */
+    ost_pm middle, slow; /* coordinates of the current row on the middle and the slow axis */
+    int64_t first, next; /* range of the voxels whose lines have been processed */
     int32_t first_slow_index;
-    ost_pm first_slow;   /* set of the decimal units that occur on each axis; see ost_text_axis */
+    ost_pm first_slow;   /* index and coordinate, on the slow axis, of the first line processed */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
     ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */

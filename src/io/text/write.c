@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Positions are formatted once per axis, not once per voxel. A line consists of the text of x, the text " y z " of
- * its row, and the digits of the density.
+ * Writes a volume as text. For speed, positions are formatted once per axis, not once per voxel. A line consists of the
+ * text of x, the text " y z " of its row, and the digits of the density.
  */
 #include "core/conditions.h"
 
@@ -13,7 +13,7 @@
 #include "core/integer.h"
 #include "io/outfile.h"
 
-/* NUMBER allows for "-8000.123456789" and a blank; LINE also allows for "-32768\n". */
+/* Buffer sizes: NUMBER for "-8000.123456789" and a blank, LINE for three numbers and "-32768\n". */
 enum { NUMBER = 20, LINE = 3 * NUMBER + 8 };
 
 typedef struct number {
@@ -94,7 +94,7 @@ static int decimals_needed(const ost_geometry *g)
     return decimals;
 }
 
-/* Computes, for each axis, the lowest index of a voxel that is not 0. Returns false if all voxels are 0. */
+/* Finds the lowest index of a nonzero voxel on each axis. Returns false if all voxels are 0. */
 static bool first_voxels(const ost_volume *volume, int32_t lo[3])
 {
     const ost_dims dims = volume->geometry.dims;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes a volume in the text form of the thesis: one line "x y z density" per voxel,
- * x fastest.
+ * Writes a volume in the text form of the thesis: one line "x y z density" per voxel, x fastest.
  *
  *   # osteon dims: 256 234 201
  *   # osteon spacing_mm: 0.47 0.47 1
@@ -9,8 +8,8 @@
  *   # osteon kind: ct                     and the other facts
  *   -57.34 12.20 3.00 1043
  *
- * Because of its comments, the file is read back as the same volume for any number of
- * decimals. From dims, a reader can determine whether the file is complete.
+ * The comments state the exact geometry, so the file is read back as the same volume for any number of decimals. dims
+ * allows a reader to detect an incomplete file.
  */
 #ifndef OST_IO_TEXT_WRITE_H
 #define OST_IO_TEXT_WRITE_H
@@ -22,8 +21,8 @@
  * the positions need. Returns OST_ERR_USAGE if a position would be more than 1/8 of a voxel off because there are too
  * few digits.
  *
- * If options->omit_empty is set, voxels of density 0 have no line, and the comment dims is omitted. origin_mm is then
- * the corner of the box of the remaining voxels, because this box is the grid that a reader finds. Returns
+ * If options->omit_empty is set, voxels of density 0 and the comment dims are omitted. origin_mm is then the lower
+ * corner of the bounding box of the remaining voxels, because a reader takes this box as the grid. Returns
  * OST_ERR_INPUT if every voxel is 0. options may be NULL.
  */
 ost_status ost_text_write_volume(const char *path, const ost_volume *volume, const ost_write_options *options,

@@ -52,9 +52,9 @@ static ost_status join(const ost_data_files *files, const char *name, char out[O
 }
 
 /*
- * Expands the pattern of a file name, which should contain one conversion such as %d, %5d or %05d; "%%" represents
- * "%". The pattern is never passed to printf. Returns the number of conversions. Returns -1 if there is any other
- * conversion or `out` is too small.
+ * Expands the pattern of a file name, normally with one conversion such as %d, %5d or %05d; "%%" yields "%". The
+ * pattern is never passed to printf. Returns the number of conversions, or -1 if a conversion is of another kind or
+ * `out` is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {
@@ -182,8 +182,8 @@ static ost_status open_part(void *user, uint64_t index, ost_input **out, ost_err
 /* -------------------------------------------------------------------- count */
 
 /*
- * Reads the last `count` words of `value` as integers. Returns the position of the first of these words, or NULL on
- * failure.
+ * Reads the last `count` words of `value` as integers. Returns the start of the first of these words, or NULL if there
+ * are not enough words or one is not an integer.
  */
 static const char *trailing_numbers(const char *value, int count, int64_t numbers[])
 {

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the data that belong to a NRRD or MetaImage header. The data follow the header, or are in files that the
- * header names.
+ * Finds the data of a NRRD or MetaImage header, which follow the header or are in files that the header names.
  *
  *   name                         one file
  *   name.%03d MIN MAX STEP [D]   numbered files
  *   LIST [D]                     followed by one name per line
  *
  * D is the number of axes that each file contains completely. The default, 2, means one slice per file; 3 means that
- * the last axis is divided into slabs. The files follow each other without gaps, and their number must match the
- * sizes. A file begins with line_skip lines, then byte_skip bytes (counted after decompression, if it is compressed),
- * then the data.
+ * the last axis is divided into slabs. The files follow each other without gaps, and their number must match the sizes.
+ * A file begins with line_skip lines, then byte_skip bytes (counted after decompression, if it is compressed), then the
+ * data.
  *
- * A header may be malicious, so a data file must be in the header's folder or below
- * it. Absolute names and any ".." are refused.
+ * A header may be malicious, so a data file must be in the header's folder or below it. Absolute names and any ".." are
+ * refused.
  */
 #ifndef OST_IO_VOLUME_DATA_FILES_H
 #define OST_IO_VOLUME_DATA_FILES_H
@@ -27,13 +26,13 @@ typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DAT
 /* The file names as the header states them. The strings belong to the text of the header. */
 typedef struct ost_data_names {
     const char *value; /* value of the field; NULL if the data follow the header */
-    long line;         /* number of the header line that contains the value, for messages */
-    const char *list;  /* for LIST, the file names, each terminated by NUL; NULL in all other cases */
+    long line;         /* number of the line that contains the field, for messages */
+    const char *list;  /* file names after LIST, each terminated by NUL; NULL if the value is not LIST */
     size_t list_bytes;
 } ost_data_names;
 
 typedef struct ost_data_files {
-    /* The caller sets the fields before the blank line. */
+    /* Set by the caller, up to byte_skip. */
     const char *path; /* path of the header */
     ost_data_names names;
     ost_data_form form;
@@ -44,14 +43,14 @@ typedef struct ost_data_files {
     int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
 
     uint64_t part_bytes;
-    /* The following two fields are used for numbered files. */
-    const char *pattern; /* pattern of the file name; pattern_length bytes */
+    /* `pattern` and `pattern_length` are used for numbered files. */
+    const char *pattern; /* pattern of the file name; not terminated by NUL */
     size_t pattern_length;
     int64_t first, step;
     uint64_t count;
     /*
-     * The following two fields are used for LIST. They are the position and the index of the next name, so that one
-     * pass finds all names.
+     * Used for LIST: position and index of the next name to read. They are kept from call to call, so that opening all
+     * files reads the list only once.
      */
     const char *list_at;
     uint64_t list_index;

@@ -72,7 +72,7 @@ static int sign_of(ost_i128 value)
 static int binary_round(ost_binary value, int32_t *out, bool *exact)
 {
     if (value.mantissa == 0 || value.exponent < -53) {
-        /* In this case, |value| < 2^53 * 2^-54 = 1/2, so the result is 0. */
+        /* |value| < 2^53 * 2^-54 = 1/2 */
         *out = 0;
         *exact = value.mantissa == 0;
         return 0;
@@ -105,7 +105,7 @@ enum { SCALE_BITS = 78, SCALE_INTEGER = 47 };
 
 /*
  * Computes floor(mantissa * 2^(exponent + 78)). Requires |mantissa| < 2^117. Returns false if |mantissa * 2^exponent|
- * >= 2^47. The magnitude of a result is therefore below 2^125, and the sum of two results is below 2^126.
+ * >= 2^47. Results are therefore below 2^125 in magnitude, and the sum of two results is below 2^126.
  */
 static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 {
@@ -129,8 +129,8 @@ static bool scale_term(ost_i128 mantissa, int exponent, ost_i128 *out)
 }
 
 /*
- * Computes mantissa * 2^exponent * slope + intercept, rounded half to even. If the result fits into int32, stores
- * it in *out and returns 0. Otherwise, returns the sign of the value. |mantissa| <= 2^64.
+ * Computes mantissa * 2^exponent * slope + intercept, rounded half to even, for |mantissa| <= 2^64. If the result fits
+ * into int32, stores it in *out and returns 0. Otherwise, returns the sign of the result.
  */
 static int scale_value(const ost_converter *c, ost_i128 mantissa, int exponent, int32_t *out, bool *exact)
 {
@@ -253,8 +253,8 @@ static size_t convert_general(ost_converter *c, const unsigned char *bytes, size
 }
 
 /*
- * Converts the common CT elements, whose values always fit into int16 and are never rounded, at memory speed. Returns
- * false for all other elements.
+ * Fast path for the common CT elements, whose values fit into int16 and need no rounding. Returns false for all other
+ * elements.
  */
 static bool convert_plain(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)
 {

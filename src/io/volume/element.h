@@ -2,7 +2,7 @@
 /*
  * Converts the elements of a volume file to int16 densities.
  *
- *   integers    unchanged; values beyond int16 are an error, or are saturated if the options allow it
+ *   integers    unchanged; values outside int16 are an error, or are clamped if the options allow it
  *   floats      rounded half to even to an integer, then as above; infinity is
  *               always an error, and NaN is one unless the options define it as air
  *   scaled      (NIfTI) value * slope + intercept: each of the two terms is
@@ -10,8 +10,8 @@
  *               multiple of 2^-78 (exact whenever slope and intercept are
  *               float32 of at least 2^-54); the sum is rounded half to even
  *
- * All computations use integers: a float is split into mantissa and exponent, so
- * no rounding mode, compiler or machine can change a density.
+ * All computations use integers: a float is split into mantissa and exponent, so no rounding mode, compiler or machine
+ * can change a density.
  */
 #ifndef OST_IO_ELEMENT_H
 #define OST_IO_ELEMENT_H
@@ -47,13 +47,13 @@ typedef struct ost_binary {
 /* Splits a finite number into mantissa and exponent. Returns false for NaN and infinity. */
 bool ost_binary_from_double(double value, ost_binary *out);
 
-enum { OST_AIR = -1024 }; /* density, in HU, of a voxel whose value is NaN, if the options define NaN as air */
+enum { OST_AIR = -1024 }; /* density, in HU, to which NaN is converted if the options permit NaN */
 
 typedef struct ost_converter {
     ost_element element;
     bool swap;  /* true if the bytes in the file are big-endian */
-    bool clamp; /* true if values beyond int16 are saturated */
-    bool nan_as_air; /* true if NaN is converted to OST_AIR, even if the values are scaled */
+    bool clamp; /* if true, values outside int16 are clamped; if false, they are errors */
+    bool nan_as_air; /* if true, NaN is converted to OST_AIR, even if values are scaled; if false, it is an error */
     bool scaled;
     ost_binary slope, intercept;
     uint64_t rounded, clamped, nan; /* numbers of rounded, clamped and NaN values, counted by ost_convert */
@@ -66,8 +66,8 @@ typedef struct ost_bad {
 } ost_bad;
 
 /*
- * Converts elements up to the first one that cannot be converted. Returns the number of converted elements. If this
- * number is less than `count`, *bad describes the element that cannot be converted.
+ * Converts `count` elements, but stops at the first one that cannot be converted. Returns the number of converted
+ * elements. If it is less than `count`, *bad describes the element that cannot be converted.
  */
 size_t ost_convert(ost_converter *converter, const void *bytes, size_t count, int16_t *out, ost_bad *bad);
 

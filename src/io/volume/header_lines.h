@@ -10,10 +10,7 @@
 
 enum { OST_HEADER_MAX = 1 << 22 }; /* maximum size of a header in bytes; enough for 16384 file names */
 
-/*
- * The lines of a header. The struct must be initialised with 0. A pointer into `bytes` remains valid until the next
- * line is read.
- */
+/* The lines of a header. Must be zero-initialised. Reading a line invalidates pointers into `bytes`. */
 typedef struct ost_header_lines {
     char *bytes;   /* owned; every line ends in NUL */
     size_t size, capacity;
@@ -22,8 +19,8 @@ typedef struct ost_header_lines {
 } ost_header_lines;
 
 /*
- * Reads one line. At the end of the input, sets *ended and reads no line. Returns OST_ERR_INPUT if the header
- * contains a NUL or exceeds OST_HEADER_MAX. end_mark is the text that ends a header; the error message contains it.
+ * Reads one line. At the end of the input, sets *ended instead. Returns OST_ERR_INPUT if the header contains a NUL or
+ * exceeds OST_HEADER_MAX. `end_mark` is the text that ends a header, for the error message.
  */
 ost_status ost_header_lines_next(ost_header_lines *lines, ost_input *input, const char *end_mark, bool *ended,
                                  ost_error *err);

@@ -22,13 +22,13 @@ struct ost_input {
     char *path;
     int fd;
     uint64_t file_bytes;
-    uint64_t raw_read; /* number of bytes read from the file so far, which is also the file offset of raw[raw_end] */
+    uint64_t raw_read; /* number of bytes read from the file so far, that is, the file offset of raw[raw_end] */
     size_t raw_at, raw_end;
     bool packed;
     const char *form; /* "gzip" or "compressed", for messages; valid only for packed files */
     bool member_done; /* true if the current gzip member has ended */
     z_stream z;
-    uint64_t unpacked; /* number of bytes that inflate has produced */
+    uint64_t unpacked; /* number of bytes that inflate has produced so far */
     size_t out_at, out_end;
     unsigned char raw[BUFFER_BYTES];
     unsigned char out[BUFFER_BYTES];
@@ -107,7 +107,7 @@ uint64_t ost_input_at_most(const ost_input *input)
         return left;
     if (left > UINT64_MAX / DEFLATE_LIMIT - BUFFER_BYTES)
         return UINT64_MAX;
-    /* inflate may internally store a few input bytes and one incomplete match. */
+    /* 8 more bytes, because inflate may hold back a few input bytes and one incomplete match. */
     return (left + 8) * DEFLATE_LIMIT + (input->out_end - input->out_at);
 }
 
@@ -160,7 +160,7 @@ ost_status ost_input_inflate(ost_input *input, ost_error *err)
     return start_inflate(input, 15 + 32, "compressed", err);
 }
 
-/* Reads further raw bytes. If raw_at == raw_end after the call, the file has ended. */
+/* Reads more raw bytes. raw_at == raw_end afterwards means the end of the file. */
 static ost_status fill_raw(ost_input *input, ost_error *err)
 {
     assert(input->raw_at == input->raw_end);
@@ -183,7 +183,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     input->form, (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* Unpacks further bytes. If out_at == out_end after the call, the last member has ended at the end of the file. */
+/* Unpacks more bytes. out_at == out_end afterwards means that the last member has ended at the end of the file. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);
@@ -229,10 +229,7 @@ static ost_status fill_out(ost_input *input, ost_error *err)
     return OST_OK;
 }
 
-/*
- * Sets *bytes to the available bytes. If no bytes are available, reads further bytes first. *count is 0 only at the
- * end.
- */
+/* Sets *bytes and *count to the available bytes. If there are none, reads more first. *count is 0 only at the end. */
 static ost_status have(ost_input *input, const unsigned char **bytes, size_t *count, ost_error *err)
 {
     size_t *at = input->packed ? &input->out_at : &input->raw_at;

@@ -33,15 +33,15 @@ ost_status ost_input_seek(ost_input *input, uint64_t offset, ost_error *err);
 /* Treats the following bytes as gzip data, which may have several members. Offsets in the unpacked data start at 0. */
 ost_status ost_input_gunzip(ost_input *input, ost_error *err);
 /*
- * Treats the following bytes as one zlib stream (RFC 1950) or as gzip data, because a MetaImage file contains one of
- * these. Offsets in the unpacked data start at 0.
+ * Treats the following bytes as one zlib stream (RFC 1950) or as gzip data, either of which a MetaImage file may
+ * contain. Offsets in the unpacked data start at 0.
  */
 ost_status ost_input_inflate(ost_input *input, ost_error *err);
 
 bool ost_input_is_packed(const ost_input *input);
 /*
- * Returns an upper limit on the number of bytes that can still be read. The limit is exact for plain bytes. For
- * packed bytes, it follows from the greatest ratio of deflate, 1032 to 1.
+ * Returns an upper limit on the number of bytes that can still be read. It is exact for plain bytes; for packed bytes,
+ * it follows from deflate's maximum ratio of 1032 to 1.
  */
 uint64_t ost_input_at_most(const ost_input *input);
 

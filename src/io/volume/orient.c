@@ -13,8 +13,8 @@ static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0
 enum { LEAST_STEPS = 64, STRAIGHT_SHARE = 8 };
 
 /*
- * Returns true if every component is at most 100 mm. Components are at most OST_LENGTH_MAX < 2^43 pm. 100 mm is below
- * 2^37 pm, so products of three components fit.
+ * Returns true if every component is at most 100 mm in magnitude, which is below 2^37 pm. Products of three components
+ * then fit into 128 bits.
  */
 static bool columns_small(const ost_affine *affine)
 {
@@ -91,7 +91,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    /* letter i is the direction of LPS axis i % 3; R, A and I point in the opposite direction */
+    /* letter i points along LPS axis i % 3; R, A and I point in its negative direction */
     static const char letters[] = "LPSRAI";
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};

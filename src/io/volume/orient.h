@@ -31,12 +31,12 @@ typedef struct ost_placement {
     int to[3];
     bool flip[3];
     bool reoriented;       /* true if the file's axes are permuted or flipped */
-    bool oblique;          /* true if the grid is oblique; the field geometry is then not meaningful */
+    bool oblique;          /* true if the grid is oblique; `geometry` is then not meaningful */
     double degrees;        /* maximum angle in degrees between a file axis and its LPS axis, for messages */
     char code[4];          /* directions of the file's axes, for example "LPS" or "RAS" */
     ost_geometry geometry; /* geometry of the grid in LPS+ order */
     int64_t base;          /* index of the file's voxel (0, 0, 0) in the result */
-    int64_t stride[3];     /* change of the index in the result per voxel along each of the three file axes */
+    int64_t stride[3];     /* change of the index in the result from one voxel to the next along each file axis */
 } ost_placement;
 
 /*
@@ -46,8 +46,8 @@ typedef struct ost_placement {
 bool ost_affine_restate(ost_affine *affine, const char code[4]);
 
 /*
- * Computes the placement. `sizes` are in the file's order. Returns OST_ERR_INPUT if the columns are linearly
- * dependent. For a straight grid, also returns OST_ERR_RANGE if ost_geometry_check does.
+ * Computes the placement. `sizes` are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent,
+ * and, for a straight grid, OST_ERR_RANGE if ost_geometry_check does.
  */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 

@@ -5,9 +5,9 @@
  *   part 0: one file, data_bytes of it -> part 1 -> ... -> part count - 1
  *
  * Every part is checked before anything is allocated: a plain part must contain exactly its bytes, and a packed part
- * must be large enough to unpack to its bytes. The parts are then opened one after the other, so only one file is
- * open at a time. If data continue beyond the end that follows from the sizes, this is an error, because either the
- * sizes or the file is wrong.
+ * must be large enough to unpack to its bytes. The parts are then opened one after the other, so only one file is open
+ * at a time. Data beyond the end that follows from the sizes are an error, because either the sizes or the file is
+ * wrong.
  */
 #ifndef OST_IO_VOLUME_PARTS_H
 #define OST_IO_VOLUME_PARTS_H
@@ -15,13 +15,13 @@
 #include "io/volume/input.h"
 
 typedef struct ost_parts {
-    /* Opens part number `index`. The next byte of *out is then the first byte of the part's data. */
+    /* Opens part `index` and positions *out at the first byte of its data. */
     ost_status (*open)(void *user, uint64_t index, ost_input **out, ost_error *err);
     void *user;
     uint64_t count;
     uint64_t part_bytes; /* size in bytes of the unpacked data of each part */
     bool text; /* true if the data are text, whose length is not known in advance; part_bytes is then the minimum */
-    /* The fields below are set by the functions in this file. */
+    /* Set by the functions below. */
     ost_input *input;
     uint64_t index; /* index of the next part to open */
     uint64_t left;  /* remaining bytes of the open part */
@@ -34,14 +34,11 @@ ost_status ost_parts_check(const ost_parts *parts, ost_error *err);
  * called for text.
  */
 ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error *err);
-/* Checks the end of the data. Called after the last byte; returns an error if further data follow. */
+/* Must be called after the last byte. Returns an error if further data follow. */
 ost_status ost_parts_end(ost_parts *parts, ost_error *err);
 void ost_parts_close(ost_parts *parts);
 
-/*
- * Opens the next part if no part is open. Called by readers of text, which afterwards read from parts->input
- * directly.
- */
+/* Opens the next part if no part is open. Called by readers of text, which then read directly from parts->input. */
 ost_status ost_parts_ready(ost_parts *parts, ost_error *err);
 
 #endif

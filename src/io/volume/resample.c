@@ -24,7 +24,7 @@ ost_status ost_resample_geometry(const ost_affine *affine, const int32_t sizes[3
     int64_t dims[3];
     ost_pm spacing[3], least[3];
     for (int a = 0; a < 3; a++) {
-        ost_i128 squares = 0; /* a component is below 2^37 */
+        ost_i128 squares = 0; /* components are below 2^37 */
         for (int w = 0; w < 3; w++)
             squares += (ost_i128)affine->column[a][w] * affine->column[a][w];
         spacing[placement->to[a]] = integer_root(squares);
@@ -92,7 +92,7 @@ void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], cons
                 for (int a = 0; a < 3 && inside; a++) {
                     ost_i128 n = sign * (cofactor[a][0] * p[0] + cofactor[a][1] * p[1] + cofactor[a][2] * p[2]);
                     /*
-                     * The comparison comes before the division, because it is cheap and ensures that the quotient fits.
+                     * The comparison precedes the division, because it is cheaper and ensures that the quotient fits.
                      */
                     inside = 2 * n >= -det && n <= det * sizes[a];
                     if (inside) {

@@ -118,7 +118,7 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     return ost_rows_bad(rows, first + (int64_t)done, ost_input_path(rows->parts->input), location, &bad, err);
 }
 
-/* Reads slice k of the file into `voxels`, at the positions that the placement defines. `row` has space for one row. */
+/* Reads slice k of the file into `voxels`, at the indices given by the placement. `row` is scratch for one row. */
 static ost_status fill_slice(ost_rows *rows, const ost_placement *placement, int32_t k, int16_t *row, int16_t *voxels,
                              ost_error *err)
 {
@@ -139,10 +139,7 @@ static ost_status fill_slice(ost_rows *rows, const ost_placement *placement, int
     return status;
 }
 
-/*
- * Reads all slices into `voxels`. If voxels is NULL, reads one slice at a time into memory for one slice, and passes
- * it to the target.
- */
+/* Reads all slices into `voxels`. If `voxels` is NULL, reads slice by slice and passes each slice to the target. */
 static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, int16_t *voxels,
                               const ost_target *target, ost_error *err)
 {
@@ -156,7 +153,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
                           voxels ? "row" : "slice", (long long)(voxels ? n : count));
     ost_placement own = *placement;
     if (!voxels) {
-        /* The placement within a slice of the result. */
+        /* `own` places voxels within one slice of the result. */
         own.base -= placement->flip[2] ? count * (slices - 1) : 0;
         own.stride[2] = 0;
     }
@@ -198,7 +195,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
         return status;
     ost_geometry first = *geometry;
     if (placement->oblique) {
-        /* Only dims is used from this geometry, because resampling uses the affine transform. */
+        /* Only the dims of this geometry matter, because resampling uses the affine transform. */
         first.dims = (ost_dims){rows->sizes[0], rows->sizes[1], rows->sizes[2]};
         first.origin = (ost_pm3){0, 0, 0};
         first.spacing = (ost_pm3){OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN};

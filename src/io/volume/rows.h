@@ -20,7 +20,7 @@
 
 typedef struct ost_rows ost_rows;
 struct ost_rows {
-    /* Reads the next row of densities. `first` is the number, in the file, of the row's first voxel. */
+    /* Reads the next row of densities. `first` is the index, in the file's order, of the row's first voxel. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* for progress; may be NULL */
@@ -32,10 +32,7 @@ struct ost_rows {
 
 /* Implements ost_rows.next for binary elements. */
 ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/*
- * Returns OST_ERR_INPUT. The message names voxel `number` of the file, the voxel's position in the file and its
- * defect.
- */
+/* Returns OST_ERR_INPUT. The message states the voxel's number in the file, its position and its defect. */
 ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, const char *location,
                         const ost_bad *bad, ost_error *err);
 
@@ -46,10 +43,10 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
 
 /*
- * Determines the directions of the file's axes. Called before ost_volume_resolve. *oriented is true if the file
- * states the directions. If it does not, the affine transform is converted to LPS by options->orientation, or is
- * assumed to be LPS (report->assumed); the header fact OST_META_ORIENTATION is then added to meta. Returns an error
- * if both the file and the option state the orientation.
+ * Determines the directions of the file's axes. Called before ost_volume_resolve. *oriented is true if the file states
+ * the directions. If not, converts the affine transform to LPS according to options->orientation, or assumes LPS
+ * (report->assumed), and adds the header fact OST_META_ORIENTATION to meta. Returns an error if both the file and the
+ * option state the orientation.
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
                                   bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);
@@ -63,9 +60,9 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
                               ost_geometry *geometry, ost_volume_report *report, ost_error *err);
 
 /*
- * Checks the parts, reads every row, and checks that no further data follow. If the target is a volume, the function
- * initialises the volume with empty meta. If the target consists of functions and the slices of the result are slices
- * of the file, only one slice is in memory at a time.
+ * Checks the parts, reads every row, and checks that no further data follow. If the target is a volume, initialises it
+ * with empty meta. If the target consists of functions and each slice of the result is a slice of the file, only one
+ * slice is in memory at a time.
  */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
                            const ost_geometry *geometry, const ost_target *target, ost_error *err);

@@ -24,7 +24,7 @@ typedef struct ost_volume_writer ost_volume_writer;
 ost_status ost_volume_writer_start(const char *path, ost_element element, int64_t count,
                                    const ost_write_options *options, ost_volume_writer **out, ost_error *err);
 ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, size_t count, ost_error *err);
-/* Completes the file and frees the writer, even after an error. Every voxel must have been written before. */
+/* Completes the file and frees the writer, even after an error. All voxels must have been written. */
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
 void ost_volume_writer_discard(ost_volume_writer *writer); /* NULL is allowed */
 

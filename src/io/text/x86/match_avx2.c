@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time. The code is the same as in match_avx512.c, but with half the number of lanes, and with
- * lanes of all ones instead of mask registers.
+ * Matches four lines at a time. The code is the same as in match_avx512.c, but with half as many lanes, and with vector
+ * masks (lanes of all ones) instead of mask registers.
  */
 #include "core/conditions.h"
 
@@ -10,9 +10,9 @@
 enum { LANES = 4 };
 
 /*
- * Parses densities. `last` contains, in each lane, the bytes that end with the density. `length` contains the lengths
- * of the densities; every signed number is allowed. Returns the values. A lane of *good is -1 if the density in the
- * lane is valid.
+ * Parses one density per lane. `last` contains the eight bytes that end with the density, and `length` the number of
+ * its bytes, which may be any signed number. Returns the values. A lane of *good is -1 if its density is valid,
+ * otherwise 0.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -30,8 +30,8 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
     over = _mm256_and_si256(over, _mm256_set1_epi8((char)0xf0));
     fits = _mm256_and_si256(fits, _mm256_cmpeq_epi64(over, zero));
     /*
-     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of a
-     * density. The lower group contains at most one digit, that of the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group contains the last four digits of a
+     * density, and the lower group the ten-thousands digit, if any.
      */
     __m256i pairs = _mm256_maddubs_epi16(t, _mm256_set1_epi16(0x010a));
     __m256i fours = _mm256_madd_epi16(pairs, _mm256_set1_epi32(0x00010064));
@@ -43,15 +43,15 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 }
 
 /*
- * Shifts a word that begins with a density, as in match.c, so that the byte before the newline becomes the highest
+ * Shifts a word that begins with a density, as in match.c, so that the last byte of the density becomes the highest
  * byte. Returns the length of the density.
  */
 static inline int64_t align(uint64_t *word, bool carriage)
 {
     uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
     uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-    /* The newline with the index n is marked by bit 8 n + 7. If there is no newline, n is 8; if the newline is the
-     * first byte, n is 0. Both are invalid lengths. */
+    /* The bit 8 n + 7 marks a newline with index n. If there is no newline, n is 8; if the newline is the first
+     * byte, n is 0. Both are invalid lengths. */
     *word <<= (71 - bits) & 63;
     return (int64_t)(bits >> 3) - carriage;
 }
@@ -76,8 +76,8 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
 }
 
 /*
- * Matches the first `count` lines (1 to 4) from *text on. If all of them match and end before `end`, returns true and
- * advances *text.
+ * Matches the first `count` lines (1 to 4) at *text. If all of them match and end before `end`, advances *text and
+ * returns true.
  */
 static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern,
                                                              const ost_text_column *columns, const uint8_t *lengths,

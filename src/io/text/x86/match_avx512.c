@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches eight lines at a time (match_four.h). The densities of the lines are parsed in parallel. Each lane contains
- * eight bytes that begin with a density, as in match.c. If eight lines do not all match, they are matched again one
- * by one.
+ * Matches eight lines at a time (match_four.h). Their densities are parsed in parallel, one per lane, from the eight
+ * bytes that begin with the density, as in match.c. If at least one of the eight lines does not match, all are matched
+ * again one by one.
  */
 #include "core/conditions.h"
 
@@ -16,8 +16,8 @@ typedef struct densities {
 } densities;
 
 /*
- * Parses densities. `last` contains, in each lane, the bytes that end with the density. `length` contains the lengths
- * of the densities; every number is allowed.
+ * Parses one density per lane. `last` contains the eight bytes that end with the density, and `length` the number of
+ * its bytes, which may be any number.
  */
 static inline densities parse(__m512i last, __m512i length)
 {
@@ -33,8 +33,8 @@ static inline densities parse(__m512i last, __m512i length)
     __m512i over = _mm512_or_si512(_mm512_add_epi8(t, _mm512_set1_epi8(6)), t);
     good &= _mm512_testn_epi64_mask(over, _mm512_set1_epi8((char)0xf0));
     /*
-     * Combines digits into pairs, and pairs into groups of four. The upper group consists of the last four digits of a
-     * density. The lower group contains at most one digit, that of the ten thousands.
+     * Combines digits into pairs, and pairs into groups of four. The upper group contains the last four digits of a
+     * density, and the lower group the ten-thousands digit, if any.
      */
     __m512i pairs = _mm512_maddubs_epi16(t, _mm512_set1_epi16(0x010a));
     __m512i fours = _mm512_madd_epi16(pairs, _mm512_set1_epi32(0x00010064));
@@ -48,8 +48,8 @@ static inline densities parse(__m512i last, __m512i length)
 /* Parses words that begin with a density, as in match.c. */
 static inline densities parse_words(__m512i words, bool carriage)
 {
-    /* The newline with the index n is marked by bit 8 n + 7. If there is no newline, the shift is 72 and n is -1, which
-     * is not a valid length. */
+    /* The bit 8 n + 7 marks a newline with index n. If there is no newline, the shift is 72 and n is -1, which is an
+     * invalid length. */
     __m512i x = _mm512_xor_si512(words, _mm512_set1_epi8('\n'));
     __m512i zero = _mm512_andnot_si512(x, _mm512_sub_epi64(x, _mm512_set1_epi8(1)));
     zero = _mm512_and_si512(zero, _mm512_set1_epi8((char)0x80));
@@ -66,8 +66,7 @@ static inline densities parse_words(__m512i words, bool carriage)
 }
 
 /*
- * Matches the first eight lines from *text on. If all of them match and end before `end`, returns true and advances
- * *text.
+ * Matches the first eight lines at *text. If all of them match and end before `end`, advances *text and returns true.
  */
 static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                                const char **text, const char *end, int16_t *density)
@@ -87,7 +86,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Matches `count` lines (1 to 8) as match_eight does, and stores only the densities of these lines. */
+/* Matches `count` lines (1 to 8) like match_eight, but stores only the densities of these lines. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the ends of lines, and compares all their bytes except the densities: the
- * common part of the variants for AVX2 and AVX-512.
+ * The common part of the variants for AVX2 and AVX-512: finds the ends of lines and compares all their bytes except the
+ * densities.
  *
- * A line begins where the one before it ends. If the lines are processed one by one,
- * this is a chain of dependent steps of about 14 cycles each: load, compare, count
- * zeros, add. Here the ends of four lines are found in one step instead:
+ * A line begins where the previous one ends. Processing lines one by one is therefore a chain of dependent steps of
+ * about 14 cycles each: load, compare, count zeros, add. Here, the ends of four lines are found in one step instead:
  *
  *   q = density of line 0       c_k = bytes from a density's start to the next
  *   |                                 one's, if the density had no digits
@@ -14,12 +13,12 @@
  *             |  [1..........31]         window k: 32 bytes from q + c_1 + .. + c_k,
  *             q + c_1       |  [2...        searched for the first newline
  *
- * Proof that this is the end of line k. Let lines 0 to k - 1 match, so that their
- * densities have n_i <= 7 bytes ("-12345" and a carriage return). The density of line
- * k begins n_0 + .. + n_(k-1) <= 21 bytes after the beginning of its window. Let all lines have at least
- * OST_TEXT_JUMP = 21 bytes in front of their densities. The window then begins within these bytes. If line k matches,
- * these bytes contain no newline, so the newline is at n_0 + .. + n_k <= 28 of 32. If line k does not match, the ends
- * that were found do not matter, because a caller accepts all four lines or none.
+ * Proof that the first newline in window k is the end of line k. Let lines 0 to k - 1 match, so that their densities
+ * have n_i <= 7 bytes ("-12345" and a carriage return). The density of line k begins n_0 + .. + n_(k-1) <= 21 bytes
+ * after the beginning of its window. Let all lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities.
+ * The window then begins within these bytes. If line k matches, these bytes contain no newline, so the newline is at
+ * n_0 + .. + n_k <= 28 of 32. If line k does not match, the ends that were found do not matter, because a caller
+ * accepts all four lines or none.
  */
 #ifndef OST_IO_TEXT_X86_MATCH_FOUR_H
 #define OST_IO_TEXT_X86_MATCH_FOUR_H
@@ -34,10 +33,10 @@ enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 /* The expected bytes of lines, and the differences found so far. */
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
-    size_t lead, other; /* length of `before`, and sum of the lengths of `before` and `after`, in bytes */
-    const char *line;   /* beginning of the next line */
-    const char *q;      /* beginning of the next line's density */
-    __m128i found16;    /* found16 and found32 are not 0 if at least one byte differs */
+    size_t lead, other; /* numbers of bytes in `before`, and in `before` and `after` together */
+    const char *line;   /* start of the next line */
+    const char *q;      /* start of the next line's density */
+    __m128i found16;    /* found16 or found32 is not 0 if at least one byte differs */
     __m256i found32;
 } match_state;
 
@@ -72,7 +71,7 @@ static inline __m256i differ32(__m256i found, const char *bytes, __m256i text, _
     return _mm256_or_si256(found, _mm256_and_si256(x, mask));
 }
 
-/* Compares the bytes of the line at p that precede its density. */
+/* Compares the bytes before the density in the line at p. */
 static inline __attribute__((always_inline)) void match_front(match_state *s, const char *p,
                                                               const ost_text_column *column, size_t length)
 {
@@ -83,7 +82,7 @@ static inline __attribute__((always_inline)) void match_front(match_state *s, co
 }
 
 /*
- * Processes the next four lines. `words` receives the eight bytes that begin with each density, two densities per
+ * Processes the next four lines. `words` receives the eight bytes from the start of each density, for two lines per
  * vector.
  */
 static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns,
@@ -113,8 +112,8 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
 }
 
 /*
- * Processes one line of any length. Returns the eight bytes that begin with its density; the end of the line is
- * searched for in these bytes.
+ * Processes one line of any length. Returns the eight bytes from the start of its density, in which the end of the line
+ * is then searched for.
  */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
