@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Steps along the ray from cell to cell of a brick, up to the first cell with an exposed face
- * (Amanatides and Woo 1987).  In a regular grid, bricks are ordered by the distances of their
- * middles, as voxels are.
+ * Steps along the ray through the cells of a brick, one per voxel, up to the first with an exposed face (Amanatides and
+ * Woo 1987). In a regular grid, the distances of their centres order bricks along every ray, as they order voxels.
  *
- * A voxel that is drawn separately is slightly wider than a cell. Therefore, if the ray passes close to an edge of a
- * cell, the shader tests every voxel of the brick as in point.frag, and uses the nearest voxel.
+ * A voxel that is drawn as a single point is slightly wider than a cell. Therefore, if the ray passes close to an edge
+ * of a cell, the shader tests every voxel of the brick like point.frag, and uses the nearest one that is hit.
  */
 flat in uvec4 what;
 flat in vec3 o;
@@ -14,10 +13,10 @@ uniform usamplerBuffer shades;
 #if TARGET == FORWARD
 out vec4 kept;
 #else
-out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
+out uvec2 kept; /* first word: colour | face << 24; second word: depth */
 #endif
 
-/* a distance in voxels that is greater than the sum of a voxel's enlargement and the rounding error */
+/* distance in voxels, above the sum of a voxel's enlargement and the rounding error */
 const float CLOSE = 4e-4;
 
 uint ones(uint v)
@@ -67,7 +66,7 @@ void main()
     float t = max(max(near.x, near.y), near.z);
     if (t > min(min(far.x, far.y), far.z))
         discard;
-    /* A brick has cells 0 to 3 on each axis. On each axis, the distance between adjacent planes is one cell width. */
+    /* `at` is a position in the brick, whose cells are numbered from 0 to 3 on each axis. */
     vec3 at = d * t - o + 2.0;
     ivec3 direction = ivec3(sign(d));
     ivec3 cell = clamp(ivec3(floor(at)), ivec3(0), ivec3(3));
@@ -85,8 +84,8 @@ void main()
         float first = min(min(next.x, next.y), next.z);
         bvec3 least = equal(next, vec3(first));
         /*
-         * Detects two planes that the ray crosses at almost the same distance. `apart` is the difference of the two
-         * distances divided by the longer of the two step widths.
+         * Detects that the ray crosses two planes at almost the same distance. `apart` is the difference of the two
+         * distances, divided by the larger of the ray's lengths within a cell along the two axes.
          */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));

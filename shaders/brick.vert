@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a brick of 4^3 voxels as one point. The inputs are the position of the brick in its block, the set of the
- * brick's voxels with an exposed face, and the index of the first shade of these voxels.
+ * Draws a brick of 4^3 voxels as one point. `brick` contains the position of the brick in its block, the set of its
+ * voxels with an exposed face (two words), and the index of the first of their shades.
  */
 uniform isamplerBuffer pages;
 in uvec4 brick;
 flat out uvec4 what;
-flat out vec3 o;    /* vector from the eye to the middle of the brick */
+flat out vec3 o;    /* vector from the eye to the centre of the brick */
 flat out vec3 base; /* vector from the eye to the first voxel of the block */
 
 void main()

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lights each pixel from one direction, using the pixel's depth, normal and colour. This is
- * the thesis' compositing pass.
+ * The compositing pass of the thesis: lights each pixel from one direction, using its depth, normal and colour.
  */
 uniform sampler2D normals, colours, depths;
 out vec4 colour;

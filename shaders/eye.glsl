@@ -1,38 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The camera's values for all shader stages. The struct ost_gl_eye_block in eye.h has the same layout. All positions
- * are in voxels of the object that is drawn, relative to the first voxel of its grid.
+ * The camera of an object, for all shader stages. The layout must match the struct ost_gl_eye_block in eye.h. All
+ * positions are in voxels of the object, relative to the first voxel of its grid.
  *
- * PRECISE is `precise` if the language version supports this keyword.  Products and sums are
- * then rounded one by one, as in the processor's renderer.  The names and the order of
- * operations are those of points/splat_scalar.c.
+ * PRECISE is `precise` if the language version has this keyword. Products and sums are then rounded one by one, as in
+ * the CPU renderer. Names and the order of operations are as in points/splat_scalar.c.
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w is the focal length in pixels */
-    /* w is half the width of a voxel along the vector. The same applies to eye_up and eye_forward. */
+    /* w is half the width of a voxel along the vector; likewise for eye_up and eye_forward */
     vec4 eye_right;
     vec4 eye_up;
     vec4 eye_forward;
-    vec4 axis_0;      /* w is half the width of the frame */
-    vec4 axis_1;      /* w is half the height of the frame */
+    vec4 axis_0;      /* w is the distance of the forward axis from the picture's left edge, in pixels */
+    vec4 axis_1;      /* w is the distance of the forward axis from the picture's top edge, in pixels */
     vec4 axis_2;      /* w is the distance of the near plane */
-    /* x and y are the width and height in pixels; depth = (squared distance) * z + w */
+    /* x and y are the size of the picture in pixels; z and w map a squared distance to a depth: distance^2 * z + w */
     vec4 frame;
     /*
-     * x is the size of a voxel in voxels of the first object. y is 1 if each face has one colour. z is half of a
-     * voxel's side, slightly enlarged.
+     * x: edge length of a voxel, in voxels of the first object; y: 1 if each face has one colour; z: half of a voxel's
+     * edge length, slightly enlarged
      */
     vec4 layer;
-    uvec4 light_0;    /* light intensities of faces 0 to 3, in 256ths */
-    /* x and y are the light intensities of faces 4 and 5, in 256ths; z is the background colour as 0xBBGGRR */
+    uvec4 light_0;    /* light on the faces 0 to 3, in 256ths */
+    /* x and y: light on the faces 4 and 5, in 256ths; z: background colour, 0xBBGGRR */
     uvec4 light_4;
     uvec4 paint;      /* red, green, blue, gloss */
 };
 
-/*
- * Converts a depth along the view direction, in voxels of the first object, to the range 0 to 1.
- * The depth is at most 2^16 voxels.
- */
+/* Factor that maps a depth along the view direction, at most 2^16 voxels of the first object, to the range 0 to 1. */
 const float DEPTH_SCALE = 1.0 / 65536.0;
 
 float dot3(vec3 a, vec3 b)
@@ -48,8 +44,8 @@ vec3 cross3(vec3 a, vec3 b)
 }
 
 /*
- * Returns the vector from the eye to the centre of a voxel. The parameter `word` is the voxel's position in its block,
- * and `page` the position of the block's first voxel.
+ * Returns the vector from the eye to the centre of a voxel. `word` is the voxel's position in its block, and `page` the
+ * position of the block's first voxel.
  */
 vec3 place(uint word, ivec4 page)
 {
@@ -58,7 +54,9 @@ vec3 place(uint word, ivec4 page)
     return o;
 }
 
-/* Returns the offset of a fragment from the middle of the picture, to the right and down. The top row is row 0. */
+/*
+ * Returns the offset of a fragment from the forward axis in the picture, to the right and down. Row 0 is the top row.
+ */
 vec2 slope(vec2 fragment)
 {
     PRECISE vec2 s = fragment - vec2(axis_0.w, axis_1.w);

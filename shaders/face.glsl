@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the face through which a ray enters a voxel, and the light of this face,
- * by the same operations as `resolve` in points/splat_scalar.c.
+ * Computes the face through which a ray enters a voxel, and the light on this face, by the same operations as `resolve`
+ * in points/splat_scalar.c.
  */
 uint enter(vec3 o, vec3 d, out float t)
 {
@@ -26,7 +26,7 @@ vec3 channels(uint colour)
     return vec3(uvec3(colour, colour >> 8, colour >> 16) & 255u) / 255.0;
 }
 
-/* Returns the lit colour, with the face in the last channel. */
+/* Returns the lit colour with the face in the alpha channel. */
 vec4 lit(uint tint, uint face)
 {
     uint light = face < 4u ? light_0[face] : light_4[face - 4u];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws the triangles of a tool into the thesis' G-buffer. */
+/* Draws the triangles of a tool into the G-buffer of the thesis. */
 in vec3 corner;
 in vec3 out_of_it;
 out vec3 normal;

@@ -5,7 +5,7 @@
  *   LINES   The line along d meets the cube with the centre o if |(o x d)_i| <= 1/2 (|d_j| + |d_k|)
  *           for each axis i, where j and k are the other two axes. This test is linear in the
  *           pixel's position and needs no division.
- *   else    On each axis, the shader intersects the ray with the plane of the face that is
+ *   else    On each axis, the ray is intersected with the plane of the face that is
  *           turned to the eye. The ray hits the voxel if one of these intersections is within
  *           the voxel on the other two axes (Majercik et al. 2018).
  */
@@ -13,7 +13,7 @@ flat in uint tint; /* 0xBBGGRR */
 flat in vec3 o;
 
 #if TARGET == COMPACT
-out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
+out uvec2 kept; /* first word: colour | face << 24; second word: depth */
 #elif TARGET == FORWARD
 out vec4 kept;
 #else
@@ -28,8 +28,8 @@ bool slabs(vec3 d, out uint face, out float t)
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z,
                       p.z <= layer.z && q.z <= layer.z);
     /*
-     * A ray parallel to a plane causes a division by zero. The division is harmless, because the ray can still hit the
-     * planes of the other two axes.
+     * For a ray parallel to a plane, `near` is the result of a division by zero, which does no harm: the ray can still
+     * hit the planes of the other two axes.
      */
     t = hit.x ? near.x : hit.y ? near.y : near.z;
     face = hit.x ? (s.x > 0.0 ? 1u : 0u) : hit.y ? (s.y > 0.0 ? 3u : 2u) : s.z > 0.0 ? 5u : 4u;

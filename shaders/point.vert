@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a voxel as a point. A voxel that is larger than the driver's largest point is drawn as a rectangle of two
- * triangles (QUADS).
+ * Draws a voxel as a point or, if the driver does not support points of this size, as a rectangle of two triangles
+ * (QUADS).
  *
- *   EVERY_VOXEL   one density per vertex; the vertex's number determines its position (thesis 2.6)
+ *   EVERY_VOXEL   one density per vertex, whose number determines its position (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
-/* positions of the blocks' first voxels, with one entry for every 2^PAGE_BITS vertices */
+/* position of the block's first voxel, for each group of 2^PAGE_BITS vertices */
 uniform isamplerBuffer pages;
 #if QUADS
 uniform usamplerBuffer list, points;
@@ -21,8 +21,8 @@ flat out uint tint;
 flat out vec3 o;
 
 /*
- * Places a vertex where it is not visible. Without TRUE_DEPTH, this position is on the far plane, where the vertex
- * fails every depth test and needs no clipping. Clipping would be slow in software.
+ * Places a vertex where it is invisible: outside the clip volume or, without TRUE_DEPTH, on the far plane, where it
+ * fails every depth test. The latter avoids clipping, which is slow in software.
  */
 void nowhere()
 {

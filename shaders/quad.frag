@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes a pixel of a visible face. The depth is computed as in face.glsl: the ray enters the voxel through the plane
- * of the face.
+ * Writes a pixel of a visible face. As in face.glsl, the depth is that at which the ray crosses the plane of the face.
  */
 flat in uint tint; /* 0xBBGGRR */
 flat in uint face;
 flat in vec3 o;
-out uvec2 kept; /* colour and face << 24 in the first word, depth in the second word */
+out uvec2 kept; /* first word: colour | face << 24; second word: depth */
 
 void main()
 {

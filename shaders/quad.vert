@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Places a corner of a visible face of a voxel. The input `corner` is a vertex as described in core/face_mesh.h. The
- * page of the quad contains the position of the block's first voxel, and the index of the face's look relative to the
+ * Places a corner of a visible face of a voxel. `corner` is a vertex as defined in core/face_mesh.h. The page of a quad
+ * contains the position of the block's first voxel, and the difference between the index of the face's look and the
  * number of the quad.
  *
- * The position of a corner is exact until the eye is subtracted, so faces that share a corner place it at the same
- * position and leave no gap. The depth of a corner is that of the voxel's centre, as for points (point.vert).
+ * A corner's position is exact until the eye is subtracted, so faces that share a corner agree on its position and
+ * leave no gap. The depth of a corner is that of the voxel's centre, as for points (point.vert).
  */
 uniform isamplerBuffer pages;
 uniform usamplerBuffer shades;
@@ -22,7 +22,7 @@ void main()
     ivec3 at = ivec3(uvec3(corner, corner >> 6, corner >> 12) & 63u);
     uint axis = corner >> 19 & 3u, side = corner >> 18 & 1u;
     int along[3] = int[3](int(side), int(corner >> 21 & 1u), int(corner >> 22 & 1u));
-    /* `at` is a corner of the face, and `voxel` is the corner of the voxel that is closest to (0, 0, 0) */
+    /* `at` is a corner of the face, and `voxel` is the voxel's corner nearest to (0, 0, 0) */
     ivec3 voxel = at - (axis == 0u ? ivec3(along[0], along[1], along[2])
                                    : axis == 1u ? ivec3(along[2], along[0], along[1])
                                                 : ivec3(along[1], along[2], along[0]));
@@ -31,7 +31,7 @@ void main()
     PRECISE vec3 base = vec3(page.xyz) - eye_at.xyz;
     PRECISE vec3 centre = base + vec3(voxel);
     o = centre;
-    /* A face that is turned away, or a voxel that the near plane cuts, is placed where it is not visible. */
+    /* A face that is turned away, or whose voxel the near plane cuts, is placed where it is invisible. */
     float toward = side == 1u ? -o[axis] : o[axis];
     gl_Position = vec4(0.0, 0.0, 1.0, 1.0);
     if (!(toward > 0.5) || !(dot3(eye_forward.xyz, o) - eye_forward.w > axis_2.w))

@@ -2,15 +2,14 @@
 /*
  * Computes the pixels that a cube may cover.
  *
- * rectangle_of: the bounding rectangle of the cube, computed from the slopes of its corners
- * (derived in splat_scalar.c), in complete pixels and clipped to the frame.  The point is
- * placed in the middle of the clipped rectangle.  OpenGL drops a point whose middle is outside
- * the frame, so a visible point is never dropped.
+ * rectangle_of: the bounding rectangle of the cube in whole pixels, clipped to the frame, computed from the slopes of
+ * its corners (derived in splat_scalar.c). The point is placed at the centre of the clipped rectangle, because OpenGL
+ * drops points whose centre is outside the frame.
  *
- * square_of: the square around the cube's bounding sphere, as in the thesis (Sigg et al. 2006).
- * With the camera's rows as planes, t_i = (R m_i, m_i . c), and <a, b> = a.xyz b.xyz - a.w b.w,
- * a plane touches the sphere where <t_x - X t_w, t_x - X t_w> = 0.  This is a quadratic
- * equation in X.  The mean of its two solutions is <t_x, t_w> / <t_w, t_w>.
+ * square_of: the square around the cube's bounding sphere, as in the thesis (Sigg et al. 2006). The sphere has the
+ * radius R and the centre c; m_x, m_y, m_w are the right, up and forward vectors. With t_i = (R m_i, m_i . c) and <a,
+ * b> = a.xyz . b.xyz - a.w b.w, the plane through the eye with the slope X touches the sphere if <t_x - X t_w, t_x - X
+ * t_w> = 0. This is a quadratic equation in X. The mean of its two solutions is <t_x, t_w> / <t_w, t_w>.
  */
 float spread(vec3 axis, float t)
 {
@@ -19,8 +18,8 @@ float spread(vec3 axis, float t)
 }
 
 /*
- * Computes the first and last column and the first and last row of the pixels that a cube covers. The parameter `side`
- * is the side of the cube in voxels. Returns false if the cube covers no pixel.
+ * Computes the first and last column and the first and last row of the pixels that a cube covers. `side` is the edge
+ * length of the cube in voxels. Returns false if the cube covers no pixel.
  */
 bool rectangle_of(vec3 o, float side, out vec4 r)
 {
@@ -44,12 +43,12 @@ float sphere(vec4 a, vec4 b)
 }
 
 /*
- * Computes the middle and the size of the square in pixels. Returns false if the sphere is not
- * completely in front of the near plane.
+ * Computes the centre and the size of the square in pixels. Returns false unless the sphere is completely beyond the
+ * eye's plane.
  */
 bool square_of(vec3 o, out vec2 middle, out float size)
 {
-    const float R = 0.8660254; /* half the diagonal of a voxel */
+    const float R = 0.8660254; /* half the diagonal of a voxel, the radius of its bounding sphere */
     vec4 tx = vec4(R * eye_right.xyz, dot(eye_right.xyz, o)), ty = vec4(R * eye_up.xyz, dot(eye_up.xyz, o));
     vec4 tw = vec4(R * eye_forward.xyz, dot(eye_forward.xyz, o));
     float q = sphere(tw, tw);

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the colour of a fully lit voxel, 0xBBGGRR, by the same integer operations as points/light.c. */
-/*
- * The palette contains one entry for each direction (brightness in 256ths, and gloss << 9), followed by the colour of
- * each paint.
- */
+/* Computes the colour of a fully lit voxel, 0xBBGGRR, with the same integer operations as points/light.c. */
+/* One entry for each octahedral cell (brightness in 256ths | gloss << 9), followed by the colour of each paint. */
 uniform usamplerBuffer palette;
 
 uint tint_of(uint shade)

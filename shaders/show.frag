@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Copies a picture to a framebuffer, whose first row is the bottom row, and blends a sheet over it.
+ * Copies a picture to a framebuffer, in which row 0 is the bottom row, and blends a sheet over it.
  *
- * If ANTIALIASED is 1, the edges are smoothed as in src/render/points/antialias.c, which explains the method. Functions
- * with the same names compute the same integers, so the colours are bit-identical. The sides are not stored but
- * computed from the pixels.
+ * If ANTIALIASED is 1, edges are smoothed by the method of src/render/points/antialias.c. Functions of the same names
+ * compute the same integers, so the colours are bit-identical. Sides are computed from the pixels when needed instead
+ * of being stored.
  */
 uniform sampler2D picture;
 uniform sampler2D sheet;
@@ -23,7 +23,7 @@ ivec3 pixel(ivec2 p)
 #if ANTIALIASED
 const ivec2 DOWN = ivec2(0, 1), RIGHT = ivec2(1, 0);
 
-/* Returns 1 if the pixel p and its neighbour in the direction `to` form an edge. Pixels outside the picture form no
+/* Returns 1 if the pixel p and its neighbour at p + to form an edge, otherwise 0. Pixels outside the picture form no
    edges. */
 int side(ivec2 p, ivec2 to)
 {
@@ -32,7 +32,7 @@ int side(ivec2 p, ivec2 to)
     return any(greaterThanEqual(abs(pixel(p) - pixel(p + to)), ivec3(LEAST))) ? 1 : 0;
 }
 
-/* Returns the number of further sides of the run in the direction `along`, at most RUN + 1. */
+/* Returns the number of further sides of the run in the direction `along`, limited to RUN + 1. */
 int run_of(ivec2 p, ivec2 across, ivec2 along)
 {
     int n = 0;
@@ -48,8 +48,8 @@ int share_of(int before, int after)
 }
 
 /*
- * The side lies between the pixels p and p + across; the run extends along the other axis. Returns the weight of the
- * second pixel's colour in the first pixel if `sign` is 1, and that of the first in the second if `sign` is -1.
+ * Takes the side between the pixels p and p + across. Returns the weight with which the second pixel is mixed into the
+ * first if `sign` is 1, or the first into the second if `sign` is -1.
  */
 int share(ivec2 p, ivec2 across, int sign)
 {

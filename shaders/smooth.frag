@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lights a smooth mesh, by the formulas of points/light.c. The directions of
- * the lights are constant in the camera's frame.
+ * Lights a smooth mesh by the formulas of points/light.c. The directions of the lights are constant in the camera's
+ * frame.
  */
 in vec3 normal;
 in float along;
@@ -17,7 +17,7 @@ float lamp(vec3 n, vec3 direction)
 
 void main()
 {
-    /* In the reversed picture, the outer side of a triangle is clockwise. */
+    /* Because y is reversed, the outer side of a triangle is clockwise, and gl_FrontFacing is false for it. */
     vec3 n = normalize(normal) * (gl_FrontFacing ? -1.0 : 1.0);
     float sky = 0.5 + 0.5 * n.y;
     float bright = 0.20 + 0.17 * sky + 0.74 * lamp(n, key) + 0.20 * lamp(n, fill) + 0.10 * lamp(n, back);

@@ -11,6 +11,6 @@ void main()
     float x = dot3(o, eye_right.xyz), y = dot3(o, eye_up.xyz), z = dot3(o, eye_forward.xyz);
     normal = vec3(dot3(out_of_it, eye_right.xyz), dot3(out_of_it, eye_up.xyz), dot3(out_of_it, eye_forward.xyz));
     along = z;
-    /* Row 0 of the picture is its top row, so y is reversed. */
+    /* y is reversed, because row 0 of the picture is the top row. */
     gl_Position = vec4(x * eye_at.w / axis_0.w, -y * eye_at.w / axis_1.w, z - 2.0 * axis_2.w, z);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the maximum depth in each tile of 8 x 8 pixels. The code in hide.c uses these depths. */
+/* Computes the maximum depth in each tile of 8 x 8 pixels, for hide.c. */
 uniform sampler2D depths;
 out float farthest;
 

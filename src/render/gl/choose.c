@@ -82,7 +82,8 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
 }
 
 /*
- * Writes to out[] the numbers of those points of the block that are in `wanted` cells and have a face toward the eye.
+ * Writes to out[] the numbers of the block's points that are in `wanted` cells and have a face toward the eye. Returns
+ * how many there are.
  */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
@@ -101,8 +102,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Writes to out[] the numbers of those bricks of the block that are in `wanted` cells. The bricks of a run are stored
-   in the order of their bits. */
+/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns how many there are. The
+   bricks of a run are stored in the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -114,14 +115,14 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width in pixels of the block's voxels, computed with the slopes of
-   splat_scalar.c at the frame's corner. */
+/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. It follows from the
+   slopes of splat_scalar.c at the corner of the frame. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;
     const float middle[3] = {base[0] + 15.5f, base[1] + 15.5f, base[2] + 15.5f};
     const float nearest = ost_eye_dot(e->forward, middle) - (float)OST_BLOCK * s->reach[2];
-    /* The axis of a headset's eye is not in the middle of the frame. */
+    /* For an eye of a headset, the forward axis is not in the middle of the frame. */
     const float farther_w = fmaxf(e->half_w, (float)e->width - e->half_w),
                 farther_h = fmaxf(e->half_h, (float)e->height - e->half_h);
     const float slope = hypotf(farther_w, farther_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
@@ -158,7 +159,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Bricks are drawn faster than points if voxels are narrower than this number of pixels. */
+/* Width of a voxel in pixels below which bricks are drawn faster than points. */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

@@ -56,7 +56,8 @@ ost_status ost_gl_context_check(ost_gl_context *c, const char *doing, ost_error 
                           "OpenGL (%s) fails as it %s: %s%s%s", c->info.driver, doing,
                           error != GL_NO_ERROR ? error_name(error) : "",
                           error != GL_NO_ERROR && c->complaint[0] ? "; " : "", c->complaint);
-    /* OpenGL queues errors. The number of calls is limited, because a lost context reports an error at every call. */
+    /* Empties OpenGL's queue of errors. The number of calls is limited, because a lost context reports an error at
+     * every call. */
     for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++)
         ;
     c->complaint[0] = '\0';
@@ -163,7 +164,7 @@ static int find_candidates(candidate *out, ost_error *err)
     return count;
 }
 
-/* Opens a context of any version, so that the error message can name the version that the driver supports. */
+/* Opens a context of any version, only to name the version that the driver supports in the error message. */
 static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 {
     const EGLint none[] = {EGL_NONE};
@@ -223,8 +224,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * Closes the context but not the display. Other threads of the process may use the display. Moreover, closing the last
- * display unloads the driver, and some drivers then leak the data of this thread.
+ * Closes the context but not the display, because other threads of the process may use the display, and because closing
+ * the last display unloads the driver, after which some drivers leak this thread's data.
  */
 static void drop(ost_gl_context *c)
 {
@@ -239,9 +240,9 @@ static void drop(ost_gl_context *c)
 }
 
 /*
- * Opens the first candidate that is not a software renderer. If there is none, opens the first
- * candidate that works, unless the options require a graphics card. On failure, err contains the
- * reason for which the first candidate failed, or the name of a software renderer.
+ * Opens the first candidate that is not a software renderer. If there is none, opens the first candidate that works, or
+ * fails if the options require a graphics card. On failure, err contains the error of the first candidate, or the name
+ * of a software renderer.
  */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {

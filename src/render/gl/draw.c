@@ -8,9 +8,9 @@
  *   G-buffer cleared, points drawn, composited over the picture (pass.c)
  *       the points are drawn in two parts, between which hidden cells are found (hide.c)
  *
- * The depth is the squared distance of a voxel's centre. If clip-space depth ranges from 0 to 1 (OpenGL 4.5), the
- * stored depth is exact: it is the float that the processor's renderer compares, multiplied by a power of two. In older
- * versions, the depth is rounded to a 24-bit fraction of the maximum distance.
+ * The depth of a pixel is the squared distance from the eye to the voxel's centre. If clip-space depth ranges from 0 to
+ * 1 (OpenGL 4.5), it is stored exactly, as the float that the CPU renderer compares, times a power of two. In older
+ * versions, it is rounded to a 24-bit fraction of the maximum distance.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"
@@ -150,7 +150,7 @@ void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher)
     gl->store.mesher = mesher;
 }
 
-/* Waits until the last frame is drawn. Afterwards, the data that this frame used may be overwritten. */
+/* Waits until the GPU has drawn the last frame. Only then may the data of that frame be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)
@@ -166,7 +166,9 @@ static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 
 /* ------------------------------------------------------------------ layers */
 
-/* Draws the cells that have not been drawn yet although they may be visible. */
+/*
+ * Draws the cells that may be visible but were not drawn in the first part, because they were hidden in the last frame.
+ */
 static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -181,8 +183,7 @@ static ost_status draw_missing(ost_gl *gl, const ost_gl_variant *v, int number, 
     return ost_gl_draw_points(gl, v, l, err);
 }
 
-/* Draws a layer into the G-buffer. If a pixel of the layer is nearer than the picture's pixel, copies it to the
-   picture. */
+/* Draws a layer into the G-buffer, and composites it over the picture in the pixels where the layer is nearer. */
 static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, ost_error *err)
 {
     ost_gl_layer *l = &gl->layer[number];
@@ -208,7 +209,7 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     return status;
 }
 
-/* Draws all layers with a common depth, into one G-buffer or, with OST_GL_FORWARD, into the picture. */
+/* Draws all layers against one depth buffer, into the G-buffer or, with OST_GL_FORWARD, into the picture. */
 static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_WIDE, .target = v->target};
@@ -255,8 +256,8 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
 }
 
 /*
- * Builds the lists of the layers and draws the layers one after the other. On entry, gl->blocks contains the blocks of
- * the layer that was prepared last.
+ * Builds the list of each layer, then draws the layers one by one. On entry, gl->blocks contains the blocks of the
+ * layer that was prepared last.
  */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {
@@ -370,7 +371,7 @@ static ost_status read_planes(ost_gl *gl, ost_frame *frame, bool depth, ost_erro
             p->face[i] = (uint8_t)(p->colour[i] >> 24);
             p->colour[i] &= 0xffffff;
             if (depth)
-                p->depth[i] *= 65536; /* reverses the multiplication by DEPTH_SCALE in eye.glsl */
+                p->depth[i] *= 65536; /* undoes DEPTH_SCALE of eye.glsl */
         }
     }
     return status;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The shaders' sources, embedded in the library by build-aux/source-strings. Each part begins with #line. */
+/*
+ * The source texts of the shaders, which build-aux/source-strings embeds in the library. Each part begins with #line.
+ */
 #ifndef OST_RENDER_GL_EMBEDDED_H
 #define OST_RENDER_GL_EMBEDDED_H
 

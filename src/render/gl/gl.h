@@ -11,9 +11,9 @@
  *
  *   changed blocks --backend: face meshes (core/face_mesh.h)--> vertices --quads that face the eye--> the same G-buffer
  *
- * By default, the context needs no display (EGL) and belongs to a separate thread. The functions may therefore
- * be called on any thread, including a window's, but only one at a time. If the context of a window is used instead,
- * the picture can be shown without being read back:
+ * By default, the context needs no display (EGL) and belongs to a separate worker thread. The functions may therefore
+ * be called on any thread, even one with a window, but only by one thread at a time. If the context of a window is used
+ * instead, the picture can be shown without being read back:
  *
  *   lit colours --smooth the edges, lay a sheet over them--> framebuffer of the window          ost_gl_show
  */
@@ -26,66 +26,64 @@
 
 typedef struct ost_gl ost_gl;
 
-/* The format of the render target to which the fragments of voxels are written. */
+/* The format of the render target for the fragments of voxels. */
 typedef enum ost_gl_target {
     OST_GL_COMPACT, /* colour, face and depth in 64 bits per pixel */
     OST_GL_WIDE,    /* normal and colour as 32-bit floats, as in the thesis */
     OST_GL_SMALL,   /* normal and colour, 8 bits each */
-    OST_GL_FORWARD  /* the lit colour, drawn without a G-buffer */
+    OST_GL_FORWARD  /* the lit colour, without a G-buffer */
 } ost_gl_target;
 
 /* A drawing method. The variants other than ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* if true, a point is drawn for every voxel of every used block, as in the thesis, including voxels that are not
-       active; requires OST_GL_WIDE */
+    /* true to draw a point for each voxel of each used block, even if it is not active, as in the thesis; requires
+       OST_GL_WIDE */
     bool every_voxel;
-    bool frustum;     /* if true, only blocks in view are drawn */
-    bool facing;      /* if true, only points with a face toward the eye are drawn */
-    bool order;       /* if true, near blocks are drawn first */
-    /* if true, only cells of 8^3 voxels that are not hidden are drawn; requires `frustum` and OST_GL_COMPACT,
-       excludes `true_depth` */
+    bool frustum;     /* true to skip blocks outside the view frustum */
+    bool facing;      /* true to skip points without a face toward the eye */
+    bool order;       /* true to draw near blocks first */
+    /* true to skip hidden cells of 8^3 voxels; requires `frustum` and OST_GL_COMPACT, excludes `true_depth` */
     bool occlusion;
-    /* if true, a shader computes the depths of tiles, as on a graphics card, even with a software renderer; used only
-       with `occlusion` */
+    /* true to compute the depths of tiles in a shader even with a software renderer; used only with `occlusion` */
     bool tiles;
-    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; if false, it covers the
-       bounding square of the cube's bounding sphere */
+    /* if true, a point covers the bounding rectangle of its cube, clipped to the frame; if false, the bounding
+       square of the cube's bounding sphere */
     bool tight;
-    /* if true, linear inequalities on three axes determine whether a pixel is covered; if false, the slab test of the
-       thesis is used */
+    /* if true, a pixel is tested with linear inequalities on three axes (splat_scalar.c); if false, with the slab
+       test of the thesis */
     bool lines;
-    /* if true, the fragment shader writes the depth; if false, the depth is the squared distance of the voxel's
-       centre */
+    /* if true, the fragment shader writes the depth of the hit; if false, the depth is the squared distance of the
+       voxel's centre */
     bool true_depth;
-    /* if true, a point represents 4^3 voxels, which the shader traverses; `tight` must be true, `facing` false, and
-       `target` OST_GL_COMPACT or OST_GL_FORWARD */
+    /* true to draw a point for each brick of 4^3 voxels, which the shader traverses; requires `tight`, not `facing`,
+       and OST_GL_COMPACT or OST_GL_FORWARD */
     bool bricks;
-    /* if true, bricks are drawn where voxels are small on the screen, and single voxels elsewhere */
+    /* true to draw bricks where voxels appear small, and single voxels elsewhere */
     bool choose;
-    /* if true, quads of visible faces are drawn instead of points; requires `frustum`, OST_GL_COMPACT and a mesher,
+    /* true to draw quads of visible faces instead of points; requires `frustum`, OST_GL_COMPACT and a mesher,
        excludes all other options */
     bool mesh;
-    /* if greater than 0, only blocks in slots below this number are drawn; used to measure the time per block */
+    /* if greater than 0, only blocks with a slot below this number are drawn, to measure the time per block */
     int32_t slots;
     ost_gl_target target;
 } ost_gl_variant;
 
 extern const ost_gl_variant ost_gl_ours;
-/* This variant draws tools as triangles, with flat faces in every style. */
+/* Draws tools as triangles, with flat faces in every style. */
 extern const ost_gl_variant ost_gl_thesis;
-/* This variant draws quads of visible faces. It needs ost_gl_set_mesher. */
+/* Draws quads of visible faces. Requires ost_gl_set_mesher. */
 extern const ost_gl_variant ost_gl_mesh;
 
 typedef struct ost_gl_options {
-    bool debug;  /* if true, the driver's messages are enabled and reported as errors */
-    /* maximum OpenGL version to use, times ten; 0 means no limit. If the driver does not support this version, an older
-       version is used. */
+    bool debug;  /* true to enable the driver's messages and report them as errors */
+    /* maximum OpenGL version, times ten; 0 means no limit. Falls back to an older version if the driver does not
+       support it. */
     int version;
-    bool hardware; /* if true, OpenGL that is executed by the processor is refused */
+    bool hardware; /* true to refuse software renderers */
     /*
-     * if true, the renderer uses the context that is current on the calling thread, for example that of a window,
-     * instead of a context and a thread of its own. All functions must then be called on this thread, with this context
-     * current. ost_gl_abandon replaces ost_gl_close if the context no longer exists.
+     * true to use the context that is current on the calling thread, for example that of a window, instead of a
+     * separate context and thread. All functions must then be called on this thread while the context is current, and
+     * ost_gl_abandon replaces ost_gl_close once the context no longer exists.
      */
     bool current;
 } ost_gl_options;
@@ -93,19 +91,19 @@ typedef struct ost_gl_options {
 typedef struct ost_gl_info {
     char version[96];  /* version of OpenGL, for example "4.5 (Core Profile) Mesa 22.3.6" */
     char driver[128];  /* name of the renderer, for example "llvmpipe (LLVM 15.0.6, 256 bits)" */
-    char way[48];      /* the way in which the context was opened, for example "EGL without a surface" */
-    bool software;     /* set if the processor executes OpenGL */
-    bool mapped;       /* set if buffers stay mapped */
-    float largest;     /* maximum size of a point, in pixels */
+    char way[48];      /* how the context was opened, for example "EGL without a surface" */
+    bool software;     /* true if the renderer is a software renderer */
+    bool mapped;       /* true if buffers stay mapped */
+    float largest;     /* maximum point size in pixels */
 } ost_gl_info;
 
-/* Returns NULL if this build supports OpenGL. Otherwise returns the reason why it does not. */
+/* Returns NULL if this build supports OpenGL, otherwise the reason why it does not. */
 const char *ost_gl_missing(void);
-/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, OpenGL 3.3 or a required
-   graphics card is missing. The message in err names the missing part. */
+/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE, with a message that names what is missing, if this build has no OpenGL,
+   or if EGL, a driver, OpenGL 3.3 or a required graphics card is missing. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
-/* Frees a renderer that was opened with the option `current`, without a call of OpenGL. NULL is allowed. */
+/* Frees a renderer that was opened with the option `current`, without calling OpenGL. NULL is allowed. */
 void ost_gl_abandon(ost_gl *gl);
 ost_gl_info ost_gl_info_get(const ost_gl *gl);
 
@@ -116,9 +114,9 @@ ost_gl_info ost_gl_info_get(const ost_gl *gl);
 void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher);
 
 /*
- * Draws the same picture as ost_frame_draw_things. First uploads the blocks that changed since the last call, and the
- * smooth meshes that have not been uploaded yet. Returns OST_ERR_RANGE under the same conditions as
- * ost_frame_draw_things. Returns OST_ERR_UNAVAILABLE if OpenGL fails or has lost its context.
+ * Draws the same picture as ost_frame_draw_things. First uploads the blocks that have changed since the last call, and
+ * smooth meshes that are not uploaded yet. Returns OST_ERR_RANGE under the same conditions as ost_frame_draw_things,
+ * and OST_ERR_UNAVAILABLE if OpenGL fails or the context is lost.
  */
 ost_status ost_gl_draw(ost_gl *gl, const ost_gl_variant *variant, const ost_frame_thing *things, int count,
                        ost_style style, ost_error *err);
@@ -131,50 +129,49 @@ typedef struct ost_gl_egl {
 } ost_gl_egl;
 ost_gl_egl ost_gl_egl_get(const ost_gl *gl);
 
-/* Calls a function on the thread on which the context is current, and waits for its result. */
+/* Calls a function on the thread of the context, and waits for its result. */
 typedef ost_status ost_gl_function(void *user, ost_error *err);
 ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_error *err);
 
 /*
- * Copies the colours of the last picture to a texture of this context, without reading them back. The texture must have
- * the picture's size. The rows are in OpenGL's order: the picture's top row becomes the texture's last row.
+ * Copies the colours of the last picture to a texture of this context, within the GPU. The texture must have the
+ * picture's size. Rows are in OpenGL's order: the picture's top row becomes the texture's last row.
  */
 ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err);
 
-/* A layer of letters and boxes that covers a picture (ost_sheet). */
+/* A layer of letters and boxes to show over a picture (ost_sheet). */
 typedef struct ost_gl_sheet {
     /* pixels 0xAABBGGRR of the picture's size, with colours multiplied by their opacity AA; the first row is the top
        row */
     const uint32_t *pixels;
     int stride;
-    /* set of cells that may differ from the sheet that was shown last, of the same size; NULL if any cell may differ */
+    /* cells that may differ from the sheet that was shown last, which had the same size; NULL if any cell may differ */
     const ost_cells *changed;
 } ost_gl_sheet;
 
 /*
- * Draws the last picture and the sheet over it into a framebuffer of the picture's size; framebuffer 0 is that of a
- * window. If `antialiased` is true, the edges are smoothed; the colours are bit-identical to those of ost_antialias.
+ * Draws the last picture with the sheet over it into a framebuffer of the picture's size; 0 is the framebuffer of a
+ * window. If `antialiased` is true, edges are smoothed, bit-identically to ost_antialias.
  */
 ost_status ost_gl_show(ost_gl *gl, unsigned framebuffer, bool antialiased, const ost_gl_sheet *sheet, ost_error *err);
 
 /* Waits until drawing is complete. */
 ost_status ost_gl_finish(ost_gl *gl, ost_error *err);
-/* Copies colour, face and, if `depth` is true, depth of the last picture to a frame of the same size. The keys of the
-   frame do not change. */
+/* Copies colours, faces and, if `depth` is true, depths of the last picture to a frame of the same size. The frame's
+   keys remain unchanged. */
 ost_status ost_gl_read(ost_gl *gl, ost_frame *frame, bool depth, ost_error *err);
 
 /* Numbers that describe the last draw. */
 typedef struct ost_gl_counts {
     uint64_t points;   /* number of vertices passed to OpenGL */
     uint64_t uploaded; /* number of bytes of surface data uploaded */
-    bool bricks;       /* set if the first object was drawn as bricks */
-    /* number of hidden cells of 8^3 voxels that were skipped; only cells of the first object in blocks in view are
-       counted */
+    bool bricks;       /* true if the first object was drawn as bricks */
+    /* number of hidden cells of 8^3 voxels that were skipped in those blocks of the first object that are in view */
     uint32_t hidden;
-    /* the following values describe the variant ost_gl_mesh */
-    uint32_t meshed;   /* number of blocks that were meshed, because their visible faces had changed */
+    /* only for the variant ost_gl_mesh */
+    uint32_t meshed;   /* number of blocks that were meshed again because their visible faces had changed */
     int64_t mesh_ns;   /* time of the mesher */
-    int64_t copy_ns;   /* time of copying vertices and appearance to OpenGL's buffers */
+    int64_t copy_ns;   /* time, in ns, to copy vertices and looks to OpenGL's buffers */
     uint64_t quads;    /* number of quads passed to OpenGL */
 } ost_gl_counts;
 ost_gl_counts ost_gl_counts_get(const ost_gl *gl);

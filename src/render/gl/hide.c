@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search is worthwhile if at least one cell in WORTH is hidden */
-    PAUSE = 8, /* number of frames without a search after a search that was not worthwhile */
+    WORTH = 8,  /* the search pays off if at least 1 in WORTH cells is hidden */
+    PAUSE = 8, /* number of frames without a search after one that did not pay off */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)
@@ -45,9 +45,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden. A cube is hidden if every pixel that it may cover shows
- * something nearer to the eye. The vector `o` points from the eye to the cube's centre. The slopes are derived in
- * splat_scalar.c.
+ * Returns true if a cube with edges of `side` voxels is hidden, that is, if each pixel that it may cover already shows
+ * something nearer to the eye. `o` is the vector from the eye to the cube's centre. splat_scalar.c derives the slopes.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
@@ -55,8 +54,8 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o),
                 nearest = z - 2 * half * l->eye.reach[2];
     /*
-     * The depth of a point is the depth of its voxel's centre. The depth of a brick is the depth of the middle of its
-     * 4^3 voxels.
+     * The depth of a point is that of its voxel's centre, and the depth of a brick is that of the brick's centre. All
+     * centres lie within `centres` of the cube's centre on each axis.
      */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
     float square = 0, sx = 0, sy = 0;
@@ -80,7 +79,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     return true;
 }
 
-/* Returns the hidden cells of a block. The vector `base` points from the eye to the block's first voxel. */
+/* Returns the set of the hidden cells of a block. `base` is the vector from the eye to the block's first voxel. */
 static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_gl_run *run, const float base[3])
 {
     enum { CELL = 8 };
@@ -99,8 +98,8 @@ static uint64_t hidden_cells(const ost_gl *gl, const ost_gl_layer *l, const ost_
     return hidden;
 }
 
-/* Computes the maximum depth of each tile. The code compares the bit patterns of the depths as integers. Because no
-   depth is negative, the order is the same. */
+/* Computes the maximum depth of each tile. Depths are compared as integers by their bit patterns, which gives the
+   same order because no depth is negative. */
 static void find_tiles(const ost_gl_targets *t)
 {
     int32_t column[OST_FRAME_MAX];

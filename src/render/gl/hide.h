@@ -1,35 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Skips cells of 8^3 voxels that other cells hide. This changes no pixel:
+ * Skips cells of 8^3 voxels that are hidden by other cells, without changing any pixel:
  *
  *   cells visible in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
  *   those of them that were not drawn yet --drawn--> depth
  *
  * The cells that were visible in the last frame are drawn first, because they probably hide the other cells. If they do
- * not, drawing takes longer, but the picture is the same. A cell is skipped if all tiles that it may cover are filled
- * by points that are nearer than the entire cell. Points drawn later can only make a tile nearer. A voxel's depth is
- * the squared distance of its centre. A cell's nearest depth is therefore the depth of its voxel centre nearest to the
- * eye, with a margin for rounding.
+ * not, drawing takes longer, but the picture is the same. A cell is skipped if every tile that it may cover is filled
+ * with points that are nearer than all voxels of the cell. Points drawn later can only make a tile nearer. A voxel's
+ * depth is the squared distance of its centre, so the nearest depth of a cell is that of its voxel centre nearest to
+ * the eye, less a margin for rounding.
  *
- * Cells are tested rather than blocks of 32^3 voxels, because bone is thin: often the box around a cell is hidden
- * although the box around the complete block is not.
+ * Cells are tested in addition to blocks of 32^3 voxels, because bone is thin: a cell is often hidden although its
+ * block is not.
  *
- * A shader computes the tiles, and a few kilobytes are read back. With a software renderer, all
- * depths are read back, which is faster than the shader.
+ * A shader computes the tiles, and a few kilobytes are read back. With a software renderer, all depths are read back,
+ * which is faster than the shader.
  */
 #ifndef OST_RENDER_GL_HIDE_H
 #define OST_RENDER_GL_HIDE_H
 
 #include "render/gl/insides.h"
 
-/* Returns true if hidden cells of this layer must be skipped. */
+/* Returns true if hidden cells of this layer should be skipped. */
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number);
 /* Sets gl->wanted to the cells that were visible in the last frame. */
 void ost_gl_hide_guess(ost_gl *gl, const ost_gl_layer *l);
 /*
- * Called after the wanted cells were drawn. Sets gl->wanted to the cells that may be visible but were not drawn. Sets
- * *missing to true if there are such cells. May change the framebuffer, the viewport and the program.
+ * Called after the wanted cells have been drawn. Sets gl->wanted to the cells that may be visible but have not been
+ * drawn, and *missing to true if there are any. May change the framebuffer, the viewport and the program.
  */
 ost_status ost_gl_hide_test(ost_gl *gl, const ost_gl_variant *v, const ost_gl_layer *l, bool *missing, ost_error *err);
 

@@ -17,18 +17,19 @@ typedef struct ost_gl_layer {
     bool mesh;
     bool smooth;                 /* true if the object's smooth mesh is drawn instead of its voxels */
     GLuint palette, palette_texture;
-    /* `begin` is the index of the layer's first entry in the list. `near` is the number of the layer's entries that are
-       drawn as quads. `count` is the total number of the layer's entries. */
+    /* range of the layer's entries in the list: index of the first entry, number of entries drawn as quads, number
+       of all entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
-    /* true if the list contains the points to draw; if false, all points of the blocks are drawn */
+    /* true to draw the points in the list; false to draw all points of the selected blocks */
     bool listed;
-    /* `depth_scale` converts a squared distance to a depth buffer value; `depth_slack` bounds the rounding error */
+    /* factor from a squared distance to a value of the depth buffer, and an upper bound of the rounding error of
+     * this value */
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
 
-/* A buffer that contains a smooth mesh, and the hash and the number of the mesh's triangles. */
+/* A buffer that contains a smooth mesh, with the mesh's hash and number of triangles. */
 enum { OST_GL_SMOOTH = 16 };
 typedef struct ost_gl_smooth_mesh {
     uint64_t hash;
@@ -37,14 +38,14 @@ typedef struct ost_gl_smooth_mesh {
 } ost_gl_smooth_mesh;
 
 struct ost_gl {
-    ost_gl_worker *worker;  /* NULL if the calling thread's context is used */
-    /* The worker's thread owns the following fields. Other threads read them only while the worker is idle. */
-    bool open;              /* set if the context exists */
+    ost_gl_worker *worker;  /* NULL if the context of the calling thread is used */
+    /* The following fields belong to the worker's thread. Other threads may read them only while the worker is idle. */
+    bool open;              /* true if the context exists */
     ost_gl_context context;
     ost_gl_store store;
     ost_gl_programs programs;
     ost_gl_targets targets;
-    GLuint eyes, vertices;  /* `eyes` is the buffer of the layers' uniforms, and `vertices` is the vertex array */
+    GLuint eyes, vertices;  /* uniform buffer with the uniforms of all layers, and vertex array */
     GLint eye_stride;
     GLuint list, list_texture;
     void *list_mapped;
@@ -58,21 +59,19 @@ struct ost_gl {
     GLuint sheet;           /* texture of the sheet that was shown last; 0 before the first sheet */
     int sheet_width, sheet_height;
     ost_frame_block *blocks; /* owned; block_capacity entries */
-    float *bases;           /* owned; for each block, the vector from the eye to the block's first voxel, in 4 floats */
+    float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
     GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */
     GLsizei *counts;        /* owned */
-    /* owned; block_capacity null pointers, because the indices of every block begin at the first index */
+    /* owned; block_capacity null pointers: each block's indices start at offset 0 of quad_indices */
     const void **offsets;
-    /* owned; for each block, the set of the cells whose points are listed next; the bits have the order of
-       ost_gl_run.cells */
+    /* owned; for each selected block, the cells whose points are listed next; bits as in ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;
-    bool tests_depth;       /* set if this frame searches for hidden cells (hide.c) */
+    bool tests_depth;       /* true if this frame searches for hidden cells (hide.c) */
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    /* signalled when the last frame is complete; NULL if there is no such frame or if a thread has already waited for
-       it */
+    /* signalled when the GPU has completed the last frame; NULL if there is nothing to wait for */
     GLsync fence;
     ost_gl_counts did;
 };

@@ -87,9 +87,7 @@ static ost_status reserve_indices(ost_gl *gl, uint32_t quads, ost_error *err)
     return ost_gl_context_check(&gl->context, "makes the indices of quads", err);
 }
 
-/*
- * Draws the quads of the selected blocks. The element of `firsts` for a block is the index of the block's first vertex.
- */
+/* Draws the quads of the selected blocks. firsts[i] is the index of the first vertex of block i. */
 static ost_status draw_quads(ost_gl *gl, const ost_gl_layer *l, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_QUADS, .page_bits = OST_GL_QUAD_BITS};

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenGL buffer that many blocks share. It is allocated in granules of 2^bits elements; each block has a
- * run of consecutive granules.
+ * An OpenGL buffer that many blocks share. It is allocated in granules of 2^bits elements, and each block has a run of
+ * consecutive granules.
  *
  *   | block 7 . . | block 2 | free | block 0 . . . |      granules
  *   | page | page | page    |      | page | page   |      page: position of the granule's block in voxels
  *
- * A vertex shader finds the block of vertex v in page v >> bits. With OpenGL 4.4, the buffer stays mapped and is
- * written through the mapping. In older versions, it is written with glBufferSubData. Drawing the last frame may still
- * read the buffer, so the caller waits for the last frame before it writes.
+ * A vertex shader finds the position of vertex v's block in page v >> bits. With OpenGL 4.4, the buffer stays mapped
+ * and is written through the mapping; in older versions, it is written with glBufferSubData. The GPU may still read the
+ * buffer to draw the last frame, so callers must wait for that frame before they write.
  */
 #ifndef OST_RENDER_GL_POOL_H
 #define OST_RENDER_GL_POOL_H
@@ -20,7 +20,7 @@ typedef struct ost_gl_pool {
     size_t element;      /* size of an element in bytes */
     unsigned bits;
     GLenum format;       /* format of the texture; 0 if there is no texture */
-    /* `granules` is the number of granules; `next` is the granule at which the next search for a free run begins */
+    /* number of granules, and granule at which the next search for a free run begins */
     uint32_t granules, next;
     uint8_t *used;       /* owned; one entry for each granule */
     GLuint buffer, texture, page_buffer, page_texture;
@@ -28,17 +28,16 @@ typedef struct ost_gl_pool {
 } ost_gl_pool;
 
 /*
- * Initializes an empty pool. The first call of ost_gl_pool_take creates the OpenGL objects. Shaders read the buffer
- * through a texture with the given format; 0 means that there is no texture.
+ * Initialises an empty pool. OpenGL objects are created by the first call of ost_gl_pool_take. Shaders read the buffer
+ * through a texture of the given format; 0 means no texture.
  */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);
 /* Frees the pool's memory and OpenGL objects. Accepts a zero-initialized pool. */
 void ost_gl_pool_free(ost_gl_pool *pool);
-/* Frees only the pool's memory, without a call of OpenGL. */
+/* Frees only the pool's memory, without calling OpenGL. */
 void ost_gl_pool_abandon(ost_gl_pool *pool);
 
-/* Reserves a run of granules for count elements. Stores the index of the run's first element and the number of
-   granules. */
+/* Reserves a run of granules for `count` elements. Stores the index of the first element and the number of granules. */
 ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t count, uint32_t *first,
                             uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
@@ -47,8 +46,8 @@ void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3],
                        int32_t more);
 
-/* Creates a buffer that the processor writes. If OpenGL supports mapped buffers, maps the buffer. If not, sets *mapped
-   to NULL. */
+/* Creates a buffer that the CPU writes. Sets *mapped to its mapping, or to NULL if OpenGL does not support
+   persistent mappings. */
 GLuint ost_gl_buffer_make(const ost_gl_context *context, GLenum target, size_t bytes, void **mapped);
 /* Creates a texture through which shaders read a buffer. */
 GLuint ost_gl_buffer_texture(GLuint buffer, GLenum format);

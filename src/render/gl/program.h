@@ -14,8 +14,8 @@ typedef struct ost_gl_source {
 enum { OST_GL_EYE = 0 }; /* binding of the uniform block that shaders/eye.glsl declares */
 
 /*
- * Compiles and links a program. The text `defines` consists of #define lines. `samplers` and `inputs` are lists that
- * end with NULL; the samplers get the texture units 0, 1, and so on, and the inputs get the locations 0, 1, and so on.
+ * Compiles and links a program. `defines` consists of #define lines. `samplers` and `inputs` are lists that end with
+ * NULL; in their order, samplers get the texture units 0, 1, ..., and inputs get the locations 0, 1, ...
  */
 ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment,
                                const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,

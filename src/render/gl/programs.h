@@ -17,7 +17,7 @@ typedef enum ost_gl_stage {
     OST_GL_STAGE_SHOW
 } ost_gl_stage;
 
-/* The texture unit of each sampler, which is the same in every program. */
+/* The texture units of the samplers, which are the same in all programs. */
 typedef enum ost_gl_unit {
     OST_GL_UNIT_PAGES,
     OST_GL_UNIT_POINTS,
@@ -32,7 +32,7 @@ typedef enum ost_gl_unit {
     OST_GL_UNIT_SHEET
 } ost_gl_unit;
 
-/* The settings that become macros in the shaders of a stage. */
+/* The settings that are passed to the shaders of a stage as macros. */
 typedef struct ost_gl_program_key {
     ost_gl_stage stage;
     ost_gl_target target;
@@ -53,8 +53,8 @@ typedef struct ost_gl_programs {
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program the current program, and compiles it if necessary. If `first` is not NULL, stores the location of the
-   program's uniform `first` in *first. */
+/* Makes a program current, and compiles it on first use. Stores the location of the program's uniform `first` in
+   *first unless `first` is NULL. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 

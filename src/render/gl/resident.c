@@ -77,8 +77,8 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return pools[form];
 }
 
-/* Returns the entry of the surface. If the surface has no entry, returns a free entry. If no entry is free, returns the
-   least recently used entry. */
+/* Returns the surface's entry. If there is none, returns a free entry or else the least recently used one, after
+   clearing it. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
     ost_gl_resident *oldest = &store->resident[0];
@@ -99,7 +99,7 @@ static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surf
 
 /* ------------------------------------------------------------------- forms */
 
-/* Reserves a run for `count` elements. The current run is used again if it is large enough. */
+/* Reserves a run for `count` elements. Keeps the current run if it is large enough. */
 static ost_status reserve(ost_gl_context *c, ost_gl_pool *pool, uint32_t count, uint32_t *first, uint32_t *granules,
                           ost_error *err)
 {
@@ -129,7 +129,7 @@ static ost_status bring_points(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* Returns the number of the brick that contains a point. */
+/* Returns the index of the brick that contains a point. */
 static uint32_t brick_of(uint32_t p)
 {
     return (p >> 2 & 7) | (p >> 7 & 7) << 3 | (p >> 12 & 7) << 6;
@@ -256,7 +256,7 @@ static ost_status reserve_clusters(ost_gl_store *store, int32_t count, ost_error
     return OST_OK;
 }
 
-/* Returns the voxels of a block that are shown, or NULL if there is no such block. */
+/* Returns the shown voxels of a block as words, or NULL if there is no such block. */
 static const uint32_t *words_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
 {
     const ost_surface_block *b = ost_surface_block_at(s, x, y, z);
@@ -272,7 +272,7 @@ static ost_face_cluster cluster_of(const ost_surface *s, const int32_t at[3])
                                             words_at(s, x, y, z - 1), words_at(s, x, y, z + 1)}};
 }
 
-/* Makes the quads of the blocks whose visible faces have changed, all in one call of the mesher. */
+/* Makes the quads of all blocks whose visible faces have changed, in one call of the mesher. */
 static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost_surface *s, ost_gl_run *runs,
                                ost_error *err)
 {
@@ -299,7 +299,7 @@ static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost
             ost_gl_pool_write(&store->quads, run->first, store->mesh.vertices + 4 * (size_t)first, count);
         run->count = count;
         run->listed = s->slot[store->slots[i]]->listed;
-        run->version = 0; /* forces the shades to be written again */
+        run->version = 0; /* so that the shades are written again */
         store->uploaded += count * 4 * sizeof(uint32_t);
     }
     store->meshed += (uint32_t)n;
@@ -308,8 +308,8 @@ static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* Writes the shades of a block's faces. A face has the shade of its voxel. The points are in the order of the voxels to
-   which the quads belong. */
+/* Writes the shades of a block's faces. The shade of a face is that of its voxel. Points and quads have the same
+   order of voxels. */
 static ost_status bring_face_shades(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
                                     ost_error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenGL's copy of a surface: the points of each block and their shades, in the forms that are
- * needed. A copy is identified by the block's version.
+ * OpenGL's copy of a surface: the points of each block and their shades, in the forms that are drawn. The block's
+ * version shows whether a copy is up to date.
  *
  *   points   where, look             a surface point (points/surface.h)
  *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
@@ -22,26 +22,24 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_Q
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    /* first element and number of granules of the run of shades; used only by bricks and quads */
+    /* first element and number of granules of the run of shades; only for bricks and quads */
     uint32_t shade_first, shade_granules;
-    uint64_t listed;      /* value of the block's `listed` when the quads were made; used only by quads */
+    uint64_t listed;      /* block's `listed` when the quads were made; only for quads */
     uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
     uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
-    uint64_t hidden;      /* set of the cells that the last search found to be hidden (hide.h) */
+    uint64_t hidden;      /* set of the cells that the last search found hidden (hide.h); bits as in `cells` */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
-    /*
-     * surface of this entry; the pointer is only compared, never dereferenced; versions identify the contents
-     */
+    /* surface of this entry; NULL if free; only compared, never dereferenced */
     const ost_surface *surface;
     uint64_t last;              /* number of the last frame that used this entry */
-    /* owned; for each form, an array with one run for every slot */
+    /* owned; for each form, an array of runs, indexed by slot */
     ost_gl_run *run[OST_GL_FORMS];
     int32_t runs[OST_GL_FORMS];
     int pause;                  /* number of frames until the next search for hidden cells (hide.c) */
     GLuint mesh;
-    uint64_t mesh_version;      /* sum of the versions of the surface's blocks */
+    uint64_t mesh_version;      /* sum of the versions of the surface's blocks when the mesh was uploaded */
     uint32_t mesh_vertices;
 } ost_gl_resident;
 
@@ -49,12 +47,12 @@ enum { OST_GL_RESIDENTS = 24, OST_GL_QUAD_BITS = 6 /* a granule has 2^OST_GL_QUA
 
 typedef struct ost_gl_store {
     ost_gl_pool points, bricks, shades, voxels, quads;
-    ost_backend *mesher;  /* borrowed; makes the quads; NULL if it is not set */
-    ost_face_mesh mesh;   /* owned; the last meshes that were made */
+    ost_backend *mesher;  /* borrowed; backend that makes the quads; NULL if not set */
+    ost_face_mesh mesh;   /* owned; most recent meshes */
     ost_face_cluster *clusters; /* owned; clusters and slots have cluster_capacity entries */
     int32_t *slots, cluster_capacity;
     uint32_t meshed;      /* number of blocks meshed since the start of the frame */
-    int64_t mesh_ns, copy_ns; /* durations of meshing and of copying, summed since the start of the frame */
+    int64_t mesh_ns, copy_ns; /* times in ns for meshing and for copying since the start of the frame */
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
     uint64_t uploaded; /* number of bytes uploaded since the start of the frame */
@@ -68,14 +66,14 @@ static inline uint32_t ost_gl_cell_of_brick(uint32_t brick)
 
 void ost_gl_store_init(ost_gl_store *store);
 void ost_gl_store_free(ost_gl_store *store);
-/* Frees only the memory, without a call of OpenGL. */
+/* Frees only memory, without calling OpenGL. */
 void ost_gl_store_abandon(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
-/* Uploads the current state of the surface in the given form. The previous frame must be complete. */
+/* Uploads the current state of the surface in the given form. The GPU must have completed the previous frame. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                               ost_gl_form form, ost_gl_resident **out, ost_error *err);
-/* Meshes the blocks whose visible faces have changed, and uploads the quads and the shades that have changed. */
+/* Meshes the blocks whose visible faces have changed, and uploads the changed quads and shades. */
 ost_status ost_gl_store_bring_quads(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                                     ost_gl_resident **out, ost_error *err);
 ost_status ost_gl_store_bring_mesh(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,

@@ -17,7 +17,7 @@ typedef struct copying {
     GLuint texture;
 } copying;
 
-/* Row 0 is the top row of a picture, but the bottom row of an OpenGL texture. */
+/* Row 0 is the top row of a picture, but the bottom row of a texture. */
 static ost_status copy_here(void *user, ost_error *err)
 {
     const copying *c = user;
@@ -28,7 +28,7 @@ static ost_status copy_here(void *user, ost_error *err)
     glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, c->texture, 0);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, t->picture);
     glDisable(GL_SCISSOR_TEST);
-    /* The picture contains display values. They are copied unchanged, even to a texture in sRGB. */
+    /* The picture contains display values, which are copied unchanged even to an sRGB texture. */
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBlitFramebuffer(0, 0, t->width, t->height, 0, t->height, t->width, 0, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);

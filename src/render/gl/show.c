@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shows the last picture in a framebuffer, for example that of a window, without reading the picture back.
+ * Draws the last picture into a framebuffer, for example that of a window, without reading it back.
  *
  *   picture --smooth the edges (show.frag)--> colours --sheet over them--> framebuffer
  *   sheet --changed cells--> texture
@@ -8,7 +8,10 @@
 #include "render/gl/insides.h"
 #include "render/gl/pass.h"
 
-/* Creates the texture of the sheet if the size has changed. Sets *fresh to true if the texture has no contents. */
+/*
+ * Creates the texture of the sheet if its size has changed. Sets *fresh to true if the texture is new and therefore
+ * empty.
+ */
 static ost_status reserve_sheet(ost_gl *gl, int width, int height, bool *fresh, ost_error *err)
 {
     *fresh = gl->sheet_width != width || gl->sheet_height != height;

@@ -22,7 +22,7 @@ static GLuint depth_texture(int width, int height)
     return ost_gl_texture(GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, width, height);
 }
 
-/* Creates a framebuffer. The parameter `colour_1` is 0 if there is only one colour texture. */
+/* Creates a framebuffer. `colour_1` is 0 if there is only one colour texture. */
 static GLuint framebuffer(GLuint depth, GLuint colour, GLuint colour_1, GLenum *complete)
 {
     static const GLenum both[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};

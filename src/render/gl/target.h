@@ -30,7 +30,7 @@ GLuint ost_gl_texture(GLenum internal, GLenum format, GLenum type, int width, in
 ost_status ost_gl_targets_make(ost_gl_context *context, ost_gl_targets *targets, int width, int height,
                                ost_gl_target kind, ost_error *err);
 void ost_gl_targets_free(ost_gl_targets *targets);
-/* Frees only memory, without a call of OpenGL. */
+/* Frees only memory, without calling OpenGL. */
 void ost_gl_targets_abandon(ost_gl_targets *targets);
 
 #endif

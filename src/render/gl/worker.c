@@ -11,7 +11,7 @@ struct ost_gl_worker {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t changed;
-    ost_gl_work *work; /* NULL while there is no work */
+    ost_gl_work *work; /* NULL while idle */
     void *user;
     ost_error *err;
     ost_status status;
@@ -44,8 +44,8 @@ ost_status ost_gl_worker_start(ost_gl_worker **out, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for OpenGL's thread");
     pthread_mutex_init(&w->mutex, NULL);
     pthread_cond_init(&w->changed, NULL);
-    /* The worker thread blocks all signals, so that other threads handle them. Threads that a
-       driver starts inherit this signal mask. */
+    /* The worker blocks all signals, so that other threads handle them. Threads that a driver starts inherit this
+       mask. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     const int error = pthread_create(&w->thread, NULL, run_jobs, w);
