@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A letter consists of strokes on a grid. A point is written as a digit, its x coordinate, and a
- * letter, its y coordinate. 'd' is the baseline, 'j' the top of a small letter, 'm' the top of a
- * capital.
+ * A letter consists of strokes between points of a grid. A point is written as a digit for x and a letter for y: 'd' is
+ * the baseline, 'j' the top of a small letter, 'm' the top of a capital.
  *
  *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
  *       / \
  *     g 1---5       ~  a curve from its first point to its last; the points in between are control points
  *     d 0   6       @  a closed curve
  *
- * The curves are quadratic B-splines: parabolas between the middles of the control polygon's sides,
- * with the polygon's corners as control points.
+ * Curves are quadratic B-splines: parabolas between the midpoints of the control polygon's sides, with the polygon's
+ * corners as control points.
  */
 #include "render/lettering.h"
 
@@ -132,12 +131,11 @@ static const drawing drawings[] = {
 
 typedef struct glyph {
     /*
-     * position and size of the letter's bitmap in pixels, relative to the letter's position on the baseline; y points
-     * down
+     * position, relative to the start of the letter on the baseline, and size of the bitmap, in pixels; y points down
      */
     int x, y, width, height;
     double advance;
-    uint8_t *cover; /* owned; coverage of each pixel, 0 to 255 */
+    uint8_t *cover; /* owned; coverage of each pixel by the letter, 0 to 255 */
 } glyph;
 
 struct ost_lettering {
@@ -211,7 +209,7 @@ static void stroke(outline *o, char kind, double p[POINTS][2], int n)
         add(o, p[i - 1][0], p[i - 1][1], p[i][0], p[i][1]);
 }
 
-/* Traces the strokes in pixels, with y upward from the baseline. */
+/* Converts the strokes to line segments in pixels, with the baseline at y = 0 and y upward. */
 static void trace(const drawing *d, double unit, outline *o)
 {
     *o = (outline){.x0 = 1e9, .y0 = 1e9, .x1 = -1e9, .y1 = -1e9};
@@ -252,7 +250,7 @@ static bool draw_glyph(const drawing *d, double unit, glyph *g)
     g->cover = calloc((size_t)g->width, (size_t)g->height);
     if (!g->cover)
         return false;
-    /* Computes the distance only for the pixels that a segment can reach. */
+    /* For speed, only the pixels that a segment can reach are visited. */
     for (int i = 0; i < o.count; i++) {
         const segment *e = &o.segment[i];
         const int x0 = (int)floor(fmin(e->ax, e->bx) - r - 1) - g->x, x1 = (int)ceil(fmax(e->ax, e->bx) + r + 1) - g->x;
@@ -322,8 +320,8 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Mixes four pixels at once. The result is bit-identical to mixing them one by one. A product of a
- * colour channel and a weight is at most 255 x 256, so it fits into 16 bits.
+ * Mixes four pixels at once, bit-identically to mixing them one by one. A product of a colour channel and a weight is
+ * at most 255 x 256, so it fits into 16 bits.
  */
 typedef uint32_t four __attribute__((vector_size(16)));
 typedef uint16_t eight __attribute__((vector_size(16)));

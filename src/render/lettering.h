@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws letters over a frame, at any size. The strokes of the letters have a uniform width and
- * round ends. For each size, every letter is rasterized once to a bitmap of pixel coverage. ASCII,
- * the degree sign and the raised three are supported; all other characters are left blank.
+ * Draws letters over a frame, at any size. Strokes have a uniform width and round ends. For each size, every letter is
+ * rasterized once, to a bitmap of pixel coverage. ASCII, the degree sign and the superscript 3 are supported; all other
+ * characters are left blank.
  */
 #ifndef OST_RENDER_LETTERING_H
 #define OST_RENDER_LETTERING_H
@@ -17,27 +17,26 @@
 typedef struct ost_lettering ost_lettering;
 
 /*
- * The pixels on which letters are drawn. A pixel has the form 0xAABBGGRR; the first row is the top row. AA is the
- * opacity. If all pixels were 0 before, a sheet contains what was drawn as a transparent layer, whose colours are
- * multiplied by their opacity: over a picture with the colour c, the layer's pixel p gives p + c (255 - AA) / 255.
- * Sheets of pictures have any opacity.
+ * The pixels to draw letters on, as 0xAABBGGRR, where AA is the opacity; the first row is the top row. A sheet whose
+ * pixels were all 0 becomes a transparent layer with colours premultiplied by opacity: over a picture of colour c, its
+ * pixel p gives p + c (255 - AA) / 255. If the pixels are those of a picture, AA is meaningless.
  */
 typedef struct ost_sheet {
     uint32_t *pixels;
     int stride, width, height;
-    const ost_cells *written; /* if not NULL, the set of cells to which the cells with drawn pixels are added */
+    const ost_cells *written; /* if not NULL, the cells that contain drawn pixels are added to this set */
 } ost_sheet;
 
-/* Creates letters of one size. The parameter `height` is the height of a capital letter in pixels, from 5 to 200. */
+/* Creates letters of one size. `height` is the height of a capital letter in pixels, from 5 to 200. */
 ost_status ost_lettering_create(double height, ost_lettering **out, ost_error *err);
 void ost_lettering_free(ost_lettering *lettering); /* accepts NULL */
 
 int ost_lettering_width(const ost_lettering *lettering, const char *text);
-/* Draws a line of text and clips it to the sheet. The text begins at x, and its baseline is at y. */
+/* Draws a line of text, clipped to the sheet. The text begins at x, and its baseline is at y. */
 void ost_lettering_draw(const ost_lettering *lettering, const ost_sheet *sheet, int x, int y, const char *text,
                         uint32_t colour);
 
-/* Blends a box of one colour over the sheet. The opacity alpha is at most 256, which means opaque. */
+/* Blends a box of one colour over the sheet. `alpha` is the opacity, 0 to 256 (opaque). */
 void ost_sheet_box(const ost_sheet *sheet, int x, int y, int width, int height, uint32_t colour, unsigned alpha);
 
 #endif

@@ -20,26 +20,23 @@ enum { OST_MARKS_MARGIN = 12 };
 /* Returns the size of a unit in pixels for a picture of the given height. */
 double ost_marks_unit(int height);
 
-/*
- * Returns the greatest number of the form 1, 2 or 5 times a power of ten that is at most `most`. The smallest result is
- * 0.001.
- */
+/* Returns the largest number of the form 1, 2 or 5 times a power of ten that is at most `most`, but at least 0.001. */
 double ost_round_down(double most);
 
 /*
  * Writes the letters of an anatomical direction. The first letter names the axis with the greatest component. Letters
  * of other axes follow if their components are large enough. The frame is LPS+; "S" and "I" mean superior and inferior.
- * For a zero vector, writes "".
+ * Writes "" for a zero vector.
  */
 void ost_orientation_letters(const double direction[3], char letters[4]);
-/* Writes the letters of the anatomical direction toward an edge of a picture. The edges are 0 left, 1 right, 2 upper
-   and 3 lower. The vectors `right` and `up` are the picture's axes in the patient's frame. */
+/* Writes the letters of the anatomical direction toward an edge of the picture: 0 left, 1 right, 2 upper, 3 lower.
+   `right` and `up` are the picture's axes in the patient's frame. */
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar with its length above it and its lower edge at y. The bar's length is 1, 2 or 5 times a power of
- * ten in millimetres. The function chooses the maximum for which the bar is at most `longest` pixels long. If from_left
- * is true, x is the bar's left end; if from_left is false, x is its right end.
+ * Draws a scale bar, with its lower edge at y and its length in millimetres written above it. The length is the largest
+ * number of the form 1, 2 or 5 times a power of ten for which the bar is at most `longest` pixels long. x is the left
+ * end of the bar if from_left is true, otherwise the right end.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);
@@ -47,7 +44,7 @@ void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, 
 typedef struct ost_marks {
     /* unit vectors of the picture's axes in the patient's frame; zero vectors if the axes are unknown */
     double right[3], up[3];
-    double mm_per_pixel;    /* size of a pixel in mm; 0 to draw no scale bar */
+    double mm_per_pixel;    /* size of a pixel in mm; 0 for no scale bar */
     ost_legend legend;
 } ost_marks;
 

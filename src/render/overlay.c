@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a line pixel by pixel along its longer side in the picture. The reciprocal of the line's
- * depth is linear in the picture, so the depth at every pixel can be computed. Each step blends the line's
- * colour into the pixels across the line, in proportion to their coverage.
+ * Draws a line step by step along its major axis, x or y, in the picture. The reciprocal of depth is linear in the
+ * picture, which yields the depth at each step. Each step blends the colour into the pixels across the line, in
+ * proportion to their coverage.
  */
 #include "render/overlay.h"
 
@@ -25,7 +25,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* a line at most this many voxels behind a surface is drawn as if it were in front of the surface */
+/* a line at most this many voxels behind a surface counts as in front of it */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {
@@ -54,8 +54,8 @@ static void dot(const ost_frame *f, int x, int y, float depth, uint32_t colour, 
 }
 
 /*
- * Reduces the interval *from .. *to, which lies within 0 .. 1, to the values t for which lo <= v0 + t dv <= hi. Returns
- * false if there is no such t.
+ * Clips the interval [*from, *to], which lies within [0, 1], to the values t with lo <= v0 + t dv <= hi. Returns false
+ * if there are none.
  */
 static bool narrow(float v0, float dv, float lo, float hi, float *from, float *to)
 {
@@ -68,8 +68,8 @@ static bool narrow(float v0, float dv, float lo, float hi, float *from, float *t
 }
 
 /*
- * Computes x, y and the reciprocal of the depth in the picture for both ends of a line. Returns false if both ends are
- * nearer than the near plane.
+ * Projects both ends of a line: computes x, y and the reciprocal of the depth. Returns false if both ends are nearer
+ * than the near plane.
  */
 static bool project(const ost_eye *e, const float from[3], const float to[3], float out[2][3])
 {
@@ -128,13 +128,13 @@ void ost_overlay_line(const ost_frame *f, const ost_eye *eye, const float from[3
     }
 }
 
-/* Returns the width of a thin line in pixels, which is one pixel for every 720 rows of the picture. */
+/* Returns the width of a thin line: one pixel per 720 rows of the picture. */
 static int thin(const ost_frame *f)
 {
     return f->height < 1080 ? 1 : (f->height + 360) / 720;
 }
 
-/* Draws the edges of a box. Bit a of a corner's index i selects the end of the box on axis a. */
+/* Draws the edges of a box. Bit a of a corner's index selects the lower (0) or upper (1) bound on axis a. */
 static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength,
                 int width)
 {
@@ -212,7 +212,7 @@ static void draw_chunks(const ost_frame *f, const ost_eye *e, const ost_overlay_
 
 /* ------------------------------------------------------------------- boxes */
 
-/* Computes the corners of the tool's box in the bone's voxels. */
+/* Computes the corners of the tool's box in voxel coordinates of the bone. */
 static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
 {
     const ost_rotation r = ost_rotation_of(&s->pose);
@@ -235,8 +235,8 @@ static void tool_corners(const ost_overlay_scene *s, point3 corner[8])
     }
 }
 
-/* Computes the intersection of the bone's box and the axis-parallel box around the tool. Returns false if the
-   intersection is empty. */
+/* Intersects the bone's box with the axis-parallel bounding box of the tool. Returns false if the intersection is
+   empty. */
 static bool meeting(const ost_overlay_scene *s, float lo[3], float hi[3])
 {
     point3 corner[8];
@@ -300,11 +300,12 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 /* ------------------------------------------------------------------ voxels */
 
 /*
- * Maps a grid of any orientation to the bone's voxels. Used to draw the edges of the voxel faces that are turned to the
- * eye.
+ * A grid of any orientation, given in voxel coordinates of the bone. Used to draw the edges of those voxel faces that
+ * are turned to the eye.
  */
 typedef struct turned_grid {
-    double origin[3], column[3][3]; /* position of the grid's origin and directions of its axes, in the bone's voxels */
+    /* position of the origin, and step from voxel to voxel along each axis of the grid */
+    double origin[3], column[3][3];
 } turned_grid;
 
 static point3 placed(const turned_grid *g, const double at[3])
@@ -422,7 +423,7 @@ static void draw_mm(const ost_frame *f, const ost_eye *e, const ost_overlay_scen
     ost_overlay_line(f, e, end[0].v, end[1].v, colour, FULL, width);
 }
 
-/* Draws a cross of 6 mm that faces the eye. */
+/* Draws a cross, 6 mm in size, that faces the eye. */
 static void draw_cross(const ost_frame *f, const ost_eye *e, const ost_overlay_scene *s, const double at[3],
                        uint32_t colour)
 {

@@ -27,7 +27,7 @@ typedef enum ost_overlay {
     OST_OVERLAY_LANDMARKS,
     OST_OVERLAY_COUNT
 } ost_overlay;
-extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* "chunks", "boxes", and so on */
+extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* names of the overlays: "chunks", "boxes", ... */
 
 enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 
@@ -41,23 +41,22 @@ typedef struct ost_overlay_scene {
     int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
-    double trigonum_mm[3], inferior_mm[3]; /* valid if landmarks are drawn */
-    double rim_mm[OST_OVERLAY_RIM][3];     /* positions around the glenoid, in the order of the rim */
+    double trigonum_mm[3], inferior_mm[3]; /* valid if the overlay `landmarks` is selected */
+    double rim_mm[OST_OVERLAY_RIM][3];     /* positions on the glenoid's rim, in order around it */
     int rim_count;
 } ost_overlay_scene;
 
 /*
- * Draws overlays on the frame. The bit mask `which` selects the overlays, and `eye` is the frame's eye in the bone's
- * voxel coordinates.
+ * Draws overlays on the frame. `which` is a bit mask of overlays, and `eye` is the frame's eye in voxel coordinates of
+ * the bone.
  */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Computes the half-open range of chunks that may intersect the tool's box. The range is empty if no chunk may
-   intersect it. */
+/* Computes the half-open range of chunks that may intersect the tool's box; empty if there are none. */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
-/* Draws a line between two positions in the bone's voxel coordinates. The parameter `strength` is the opacity, at most
-   256, which means opaque. The width is in pixels, at least 1. */
+/* Draws a line between two positions in voxel coordinates of the bone. `strength` is the opacity, 0 to 256 (opaque).
+   The width is in pixels, at least 1. */
 void ost_overlay_line(const ost_frame *frame, const ost_eye *eye, const float from[3], const float to[3],
                       uint32_t colour, unsigned strength, int width);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes pictures as PNG, in memory and on disk, with libpng. A file contains only pixels, without a time or program
- * name, so equal pictures produce equal files. Only the function write_file writes to disk, by calling src/io.
+ * Encodes pictures as PNG with libpng. A file contains only pixels, no time or program name, so equal pictures produce
+ * equal files. Only write_file writes to disk, through src/io.
  */
 #include <errno.h>
 #include <setjmp.h>
@@ -46,8 +46,8 @@ static void sink_flush(png_structp png)
 }
 
 /*
- * If a call fails, libpng returns to setjmp by longjmp. Therefore all data that is used after longjmp is in *s or in
- * the caller's stack frame.
+ * On failure, libpng calls longjmp, which returns to this setjmp. Everything that is used afterwards is therefore in *s
+ * or in the caller's stack frame.
  */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
                          ost_error *err)

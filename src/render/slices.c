@@ -7,8 +7,8 @@
  *     x ->                x ->                y ->
  *     y down              z up                z up
  *
- * All three slices have the same scale and square pixels. Colours, not densities, are interpolated between voxel
- * centres, so that individual voxels can be recognized at the border of a cut.
+ * All three slices have the same scale and square pixels. Colours rather than densities are interpolated between voxel
+ * centres, so that individual voxels remain recognizable at the border of a cut.
  */
 #include "render/slices.h"
 
@@ -32,14 +32,15 @@ typedef struct source {
     double spacing[3];
 } source;
 
-/* OVER is the number of samples per pixel along each axis. */
+/* OVER is the number of samples per pixel on each axis. */
 enum { GAP = OST_SLICES_GAP, OVER = 2 };
 enum { OUTLINE = 2 };        /* width of an outline in pixels */
-enum { LEAST_SIDE = 120 };  /* in pixels; a panel whose shorter side is below this limit has no space for letters */
+enum { LEAST_SIDE = 120 };  /* minimum length, in pixels, of a panel's shorter side for letters to fit */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Colours of the voxel rows above and below a line of samples, three values per voxel; `row` is -1 before a row is
-   computed. Many samples share a row, and a callback for each of them would take most of the time of a picture. */
+/* Cached colours, three values per voxel, of the voxel rows above and below a line of samples; `row` is their index,
+   -1 if not computed yet. Many samples share a row, so calling the callback for each sample would dominate the
+   drawing time. */
 typedef struct row_pair {
     double *rgb[2];
     int row[2];
@@ -55,7 +56,10 @@ static size_t index_of(const source *s, const plane *p, int through, int i, int 
     return (size_t)v[0] + (size_t)s->n[0] * ((size_t)v[1] + (size_t)s->n[1] * (size_t)v[2]);
 }
 
-/* Moves a coordinate of a sample, in voxels, into the range of the voxel centres. */
+/*
+ * Clamps a coordinate of a sample, in voxels, to the range of the voxel centres. Rounds it first if colours are not
+ * interpolated.
+ */
 static double at_centres(const source *s, double a, int n)
 {
     if (s->paint->by_voxel)
@@ -63,7 +67,7 @@ static double at_centres(const source *s, double a, int n)
     return a < 0 ? 0 : a > n - 1 ? n - 1 : a;
 }
 
-/* Computes the colours of the rows that the samples at the position b use. */
+/* Computes the colours of the one or two voxel rows between which position b lies. */
 static void find_rows(const source *s, const plane *p, int through, double b, row_pair *rows)
 {
     const int j = (int)b;
@@ -75,7 +79,7 @@ static void find_rows(const source *s, const plane *p, int through, double b, ro
         }
 }
 
-/* Adds the colour at the position (a, b) in the plane, in voxels, to sum[]. */
+/* Adds the interpolated colour at position (a, b) of the plane, in voxels, to sum[]. */
 static void add_sample(double a, double b, const row_pair *rows, double sum[3])
 {
     const int i = (int)a, j = (int)b;
@@ -129,7 +133,7 @@ static int voxel_at(int x, double mm_per_pixel, double spacing, int n)
     return at < n - 1 ? (int)at : n - 1;
 }
 
-/* Finds the region of the voxel that contains the centre of each pixel of a panel. */
+/* Determines, for each pixel of a panel, the region of the voxel that contains the pixel's centre. */
 static void find_regions(const source *s, const plane *p, int through, double mm_per_pixel, int width, int height,
                          uint32_t *regions)
 {
@@ -152,7 +156,7 @@ static void find_regions(const source *s, const plane *p, int through, double mm
     }
 }
 
-/* Draws the outlines of the regions of a panel. The array `regions` has one element per pixel of the panel. */
+/* Draws the outlines of the regions in a panel. `regions` has one element per pixel. */
 static void outline(const source *s, const plane *p, int through, double mm_per_pixel, int x0, int width, int height,
                     uint32_t *regions, const ost_sheet *sheet)
 {
@@ -173,7 +177,7 @@ static void outline(const source *s, const plane *p, int through, double mm_per_
         }
 }
 
-/* Draws a word on a darker background, so that the word is legible on bone. The baseline is at y. */
+/* Draws a word on a darker background, so that it is legible on bone. The baseline is at y. */
 static void word(const ost_sheet *sheet, const ost_lettering *letters, int x, int y, double unit, const char *text)
 {
     const int edge = (int)(3 * unit + 0.5), high = (int)(OST_MARKS_LETTER * unit);
@@ -200,7 +204,7 @@ static void annotate(const plane *p, const ost_lettering *letters, const char *t
     }
 }
 
-/* Draws short ticks at the edges of the panel where the other two slice planes intersect the panel. */
+/* Draws short ticks at the edges of the panel where the other two planes intersect it. */
 static void ticks(const source *s, const plane *p, const int at[3], double mm_per_pixel, int x0, int width, int height,
                   const ost_sheet *sheet)
 {
@@ -296,7 +300,7 @@ static bool is_removed(const densities *d, size_t v)
     return d->before && d->now->voxels[v] < d->threshold && d->before->voxels[v] >= d->threshold;
 }
 
-/* Computes the grey value of a density. A removed voxel is tinted with a colour; the density before its removal remains
+/* Computes the grey value of a density. A removed voxel is tinted, but its density before the removal remains
    visible. */
 static void colour_of(const void *user, size_t voxel, double rgb[3])
 {
@@ -309,7 +313,7 @@ static void colour_of(const void *user, size_t voxel, double rgb[3])
         rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
 }
 
-/* Computes the middle of the removed voxels' box. If no voxel was removed, computes the middle of the grid. */
+/* Computes the middle of the removed voxels' bounding box or, if no voxel was removed, of the grid. */
 static void middle(const densities *d, int32_t at[3])
 {
     const ost_dims n = d->now->geometry.dims;

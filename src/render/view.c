@@ -20,7 +20,7 @@ enum { THRESHOLD = 120, SIDE = 800 };
 /* fraction of the picture's height or width that the box of the active voxels fills */
 static const double FILLED = 0.94;
 
-/* The camera's axes as unit vectors in the patient's frame, and the point at which the camera is directed. */
+/* The camera's axes as unit vectors in the patient's frame, and the point that the camera looks at. */
 typedef struct aim {
     double right[3], up[3], forward[3], at[3];
     double distance; /* mm */
@@ -43,7 +43,7 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box. The distance is chosen so that the picture contains the
+/* Directs the camera at the middle of the active voxels' box, from a distance at which the picture contains the
    complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {
@@ -67,8 +67,8 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces each 2 x 2 pixels of the frame by their mean colour, in place. The pixel that is overwritten by a mean
-   has already been read. */
+/* Replaces each 2 x 2 pixels of the frame by their mean colour, in place: a mean overwrites only a pixel that has
+   already been read. */
 static void halve(ost_sheet *sheet)
 {
     sheet->width /= 2;
@@ -77,7 +77,7 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            /* half of the divisor 4 in each channel, so that the mean is rounded */
+            /* starts at half of the divisor 4 in each channel, so that the mean is rounded */
             uint32_t odd = 0x020002, green = 0x0200;
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
@@ -108,8 +108,8 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
 }
 
 /*
- * Draws a view for ost_picture_view and ost_view_draw. The parameter `before` is the uncut bone or NULL. The parameters
- * `labels` and `unit` have the same meaning as for ost_view_draw.
+ * Draws a view for ost_picture_view and ost_view_draw. `before` is the uncut bone or NULL. `labels` and `unit` are as
+ * for ost_view_draw.
  */
 static ost_status draw(const ost_volume *volume, const ost_volume *before, bool labels, double unit,
                        const ost_view_options *options, ost_picture *out, ost_error *err)
@@ -127,10 +127,10 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
     ost_viewer viewer;
     aim a = {0};
     const int width = o->width > 0 ? o->width : SIDE, height = o->height > 0 ? o->height : SIDE;
-    /* samples per pixel along each axis */
+    /* samples per pixel on each axis */
     const int samples = width <= OST_FRAME_MAX / 2 && height <= OST_FRAME_MAX / 2 ? 2 : 1;
     ost_camera camera = {.width = samples * width, .height = samples * height};
-    ost_volume uncut = before ? *before : *volume; /* borrowed, so the viewer must not free its voxels */
+    ost_volume uncut = before ? *before : *volume; /* shares the caller's voxels, so the viewer must not free them */
     camera.focal_milli = (int32_t)(OST_VIEW_FOCAL * 1000 * camera.height);
     ost_status status = ost_viewer_init(&viewer, &volume->geometry, OST_STYLE_SMOOTH, NULL, o->threads, err);
     if (status == OST_OK && o->tool)
@@ -140,7 +140,7 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
     viewer.reference.uncut = labels;
     if (status == OST_OK && (before || labels))
         ost_viewer_set_colouring(&viewer, before ? OST_COLOUR_DEPTH : OST_COLOUR_LABEL);
-    /* Uses the box of the uncut bone, so that pictures before and after a removal show the same part of the bone. */
+    /* Fits the picture to the uncut bone, so that pictures before and after a removal show the same region. */
     if (status == OST_OK)
         status = find_axes(o, &a, err);
     if (o->extent_mm > 0) {
@@ -167,7 +167,7 @@ static ost_status draw(const ost_volume *volume, const ost_volume *before, bool 
         status = ost_picture_init(out, width, height, err);
     if (status == OST_OK) {
         ost_sheet sheet = ost_frame_sheet(&viewer.frame);
-        sheet.written = NULL; /* no cells are recorded, because this frame is not drawn again */
+        sheet.written = NULL; /* no cells need to be recorded, because no further frame is drawn */
         if (samples == 2)
             halve(&sheet);
         if (!o->no_legend)

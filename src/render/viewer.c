@@ -79,8 +79,8 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 }
 
 /*
- * Returns the tool's grid as a geometry of the type that describes a bone. The origin of this geometry is the middle of
- * the first voxel, not the corner of the grid. Half a voxel is rounded down to picometres; the error is invisible.
+ * Returns the tool's grid as a geometry like that of a bone: the origin is the centre of the first voxel, not the
+ * corner of the grid. Half a voxel is rounded down to picometres, an error that is invisible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {
@@ -88,7 +88,7 @@ static ost_geometry grid_of(const ost_tool_geometry *t)
     return (ost_geometry){t->dims, {s, s, s}, {t->corner.x + half, t->corner.y + half, t->corner.z + half}};
 }
 
-/* Creates the surface of a tool. If this fails, the surface is empty. */
+/* Creates the surface of a tool. The surface is empty on failure. */
 static ost_status surface_of(const ost_tool_volume *volume, ost_surface *surface, ost_error *err)
 {
     const ost_geometry g = grid_of(&volume->geometry);
@@ -195,8 +195,8 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Closes OpenGL if it has failed with `status`, so that the processor draws instead. If the camera is out of range,
- * OpenGL has not failed, and the processor would report the same error.
+ * Closes OpenGL if `status` is a failure of OpenGL, so that the CPU draws from now on. OST_ERR_RANGE is not one: the
+ * camera is out of range, which the CPU renderer would report too.
  */
 static void check_gl(ost_viewer *viewer, ost_status status, const ost_error *why)
 {
@@ -207,7 +207,7 @@ static void check_gl(ost_viewer *viewer, ost_status status, const ost_error *why
     viewer->gl = NULL;
 }
 
-/* Draws with OpenGL. Returns false if the processor must draw the frame instead. */
+/* Draws with OpenGL. Returns false if the CPU must draw the frame instead. */
 static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count)
 {
     ost_error why = {0};
@@ -220,8 +220,8 @@ static bool draw_gl(ost_viewer *viewer, const ost_frame_thing *things, int count
     return status == OST_OK;
 }
 
-/* Returns the mesh that is drawn for a tool, or NULL if the tool is drawn as voxels. With flat faces, as in the thesis,
-   every tool is drawn as voxels. */
+/* Returns the smooth mesh to draw for a tool, or NULL to draw its voxels. With flat faces, as in the thesis, tools
+   are always drawn as voxels. */
 static const ost_smooth_mesh *mesh_of(const ost_viewer *viewer, int tool)
 {
     const ost_smooth_mesh *mesh = &viewer->tool_mesh[tool];

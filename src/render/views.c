@@ -6,7 +6,7 @@
 
 #include "core/vector.h"
 
-/* maximum elevation in radians; a greater elevation would turn the picture upside down */
+/* maximum elevation in radians; beyond it, the picture would turn upside down */
 static const double STEEPEST = 1.55;
 static const double NEAREST = 4, FARTHEST = 3000; /* mm */
 
@@ -70,8 +70,8 @@ void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t
 }
 
 /*
- * Returns an orbit whose camera looks at the point `at` from the direction `back`. In LPS, x points to the patient's
- * left, y to the back, and z up.
+ * Returns an orbit whose camera looks at `at` from the direction `back`. In LPS, x points to the patient's left, y to
+ * the back, and z up.
  */
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {
@@ -96,7 +96,7 @@ ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *s, const os
         double t[3], q[4];
         ost_pose_to_doubles(tool, t, q);
         const double w = q[0], x = q[1], y = q[2], z = q[3];
-        /* The tool's working direction is its -z axis. */
+        /* The tool works in the direction of its -z axis. */
         return from(t, (double[3]){2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z},
                     1.4 * near);
     }
@@ -132,7 +132,7 @@ void ost_orbit_frame(const ost_orbit *o, double right[3], double up[3], double b
 
 void ost_orbit_turn(ost_orbit *o, double dx, double dy, int height)
 {
-    /* rotation in radians for a drag over the full height of the picture */
+    /* rotation, in radians, for a drag over the full height of the picture */
     const double a_picture = 2.5;
     o->azimuth -= a_picture * dx / height;
     o->elevation = fmax(-STEEPEST, fmin(STEEPEST, o->elevation + a_picture * dy / height));

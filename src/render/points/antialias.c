@@ -12,11 +12,11 @@ enum { RUN = OST_ANTIALIAS_RUN, WORD = OST_CELL_WIDTH };
 _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row of a cell");
 
 /*
- * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run extends by
- * `before` and `after` sides on the two sides of the pixel. The weight depends on the nearer end of the run. From this
- * end, at x = 0, to the middle of the run, the height of the line falls from half a pixel to zero. If the pixel is k
- * sides away from the end, the weight is the area under the line between x = k and k + 1. Two lines end in the pixel in
- * the middle of the run; each of them contributes half of a triangle.
+ * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run extends `before`
+ * and `after` sides beyond this side. The weight depends only on the nearer end of the run: from there, at x = 0, to
+ * the middle of the run, the height of the line falls from half a pixel to zero. For a pixel k sides from the end, the
+ * weight is the area under the line between x = k and k + 1. The pixel in the middle of a run contains the ends of two
+ * lines, each of which contributes a triangle.
  */
 static uint8_t share_of(int before, int after)
 {
@@ -79,7 +79,7 @@ void ost_antialias_free(ost_antialias *a)
     *a = (ost_antialias){.words = 0};
 }
 
-/* Returns the index of the word that contains the sides of row y of a cell. Row -1 and cell -1 exist. */
+/* Returns the index of the word with the sides of row y of a cell. Row -1 and cell -1 are valid. */
 static size_t word_of(const ost_antialias *a, int cell, int y)
 {
     return (size_t)(y + 1) * (size_t)a->words + (size_t)(cell + 1);
@@ -118,17 +118,17 @@ void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row)
 }
 
 /*
- * The run to which a side belongs. A side separates two rows or two columns. A bend describes an end of the run: it is
- * 1 if the edge continues in the first of the two rows or columns, -1 if it continues in the second, and 0 if it
- * continues in neither or in both, or if the end is out of reach.
+ * The run to which a side belongs. A side separates two rows or two columns. The bend at an end of the run is 1 if the
+ * edge continues into the first of the two rows or columns, -1 if it continues into the second, and 0 if it continues
+ * into neither or both, or if the end is out of reach.
  */
 typedef struct edge {
     int before, after; /* number of further sides of the run in each direction, at most RUN */
     int bend_before, bend_after;
 } edge;
 
-/* Returns the weight of the second pixel's colour in the first pixel or, if `of_second` is false, the weight of the
-   first pixel's colour in the second pixel. */
+/* Returns the weight with which the second pixel is mixed into the first or, if `of_second` is false, the first into
+   the second. */
 static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 {
     const int sign = of_second ? 1 : -1;
@@ -141,7 +141,7 @@ static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 static edge edge_below(const ost_antialias *a, int x, int y)
 {
     const uint16_t *w = &a->below[word_of(a, x >> 4, y)];
-    /* Bit 16 is the side itself. Bits 0 and 32 are the last bits that are searched. */
+    /* Bit 16 is the side itself, and bits 0 and 32 are the farthest sides that are searched. */
     const uint64_t around = ((uint64_t)w[-1] | (uint64_t)w[0] << 16 | (uint64_t)w[1] << 32) >> (x & 15);
     const uint32_t ahead = ~(uint32_t)(around >> 17) & 0xffff, behind = ~(uint32_t)around & 0xffff;
     edge e = {.before = behind ? __builtin_clz(behind) - 16 : RUN + 1, .after = ahead ? __builtin_ctz(ahead) : RUN + 1};
@@ -173,7 +173,7 @@ static edge edge_right(const ost_antialias *a, int x, int y)
     return e;
 }
 
-/* Mixes the colour of a pixel with the colours of two other pixels, whose weights are in 256ths. */
+/* Mixes two other pixels into a pixel, with weights in 256ths. */
 static uint32_t mixed(uint32_t colour, uint32_t first, uint32_t share_1, uint32_t second, uint32_t share_2)
 {
     const uint32_t rest = 256 - share_1 - share_2;
@@ -182,8 +182,8 @@ static uint32_t mixed(uint32_t colour, uint32_t first, uint32_t share_1, uint32_
     return ((odd + 0x800080) >> 8 & 0xff00ff) | ((green + 0x8000) >> 8 & 0xff00);
 }
 
-/* Returns the smoothed colour of a pixel that differs from a neighbour. Only the neighbours in the column or only those
-   in the row are mixed in, depending on which of the four neighbours has the greatest weight. */
+/* Returns the smoothed colour of a pixel that differs from a neighbour. Mixes in only the two neighbours in the
+   column or only the two in the row, depending on which of the four has the greatest weight. */
 static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride, int x, int y)
 {
     uint32_t above = 0, under = 0, left = 0, right = 0;
@@ -202,8 +202,8 @@ static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride,
                           : mixed(*at, left ? at[-1] : 0, left, right ? at[1] : 0, right);
 }
 
-/* Returns true if at least one pixel of row y in the cells c to c + 3 has an edge. Beyond the end of the row, reads
-   words of the next row. */
+/* Returns true if a pixel of row y in the cells c to c + 3 has an edge. At the end of a row, also reads words of the
+   next row, which does no harm. */
 static bool any_of_four(const uint16_t *below, const uint16_t *right, int words)
 {
     uint64_t under, above, across;

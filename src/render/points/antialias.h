@@ -6,9 +6,9 @@
  *   colours --differences of neighbours--> one bit for each side between two pixels
  *           --runs of bits, bends at both ends--> share of the neighbour in a pixel --> smooth colours
  *
- * A side lies between two neighbouring pixels. Between two rows, an edge is a run of adjacent sides at which the upper
- * and the lower pixel differ. If the edge continues in the upper or the lower row at an end of the run, the run is one
- * step of a slanted line. At this end, the step is half a pixel away from the line:
+ * A side is the border between two neighbouring pixels. Between two rows, an edge is a run of adjacent sides at which
+ * the upper and the lower pixel differ. If the edge continues into the upper or the lower row at an end of the run, the
+ * run is one step of a slanted line, and this end of the step is half a pixel away from the line:
  *
  *   . . . . . . # # #          `line`: from half a pixel above the run's left end to its middle. The pixels # that the
  *   . . . . # # # # #          line cuts get the share of the colour below that lies below the line.
@@ -16,8 +16,8 @@
  *
  * Sides between two columns are processed in the same way. All values are integers, so the result is bit-identical for
  * every instruction set and number of threads. A pixel depends only on pixels at most OST_ANTIALIAS_REACH away, in its
- * row and column and in the neighbouring rows and columns. If a part of a picture changes, only this part and its
- * surroundings must therefore be computed again.
+ * own and the adjacent rows and columns. If part of a picture changes, only this part and its surroundings are
+ * recomputed.
  */
 #ifndef OST_RENDER_ANTIALIAS_H
 #define OST_RENDER_ANTIALIAS_H
@@ -28,9 +28,9 @@
 enum {
     OST_ANTIALIAS_RUN = 15,    /* number of sides that are searched in each direction from a pixel */
     OST_ANTIALIAS_REACH = 16,
-    /* minimum difference of two pixels in one channel at which there is an edge between them */
+    /* minimum difference, in one colour channel, between two pixels that form an edge */
     OST_ANTIALIAS_LEAST = 24,
-    /* number of columns, and of rows, of cells around a changed cell whose pixels may depend on this cell */
+    /* a pixel depends only on cells at most this many columns and rows of cells away */
     OST_ANTIALIAS_CELLS_ACROSS = 1,
     OST_ANTIALIAS_CELLS_DOWN = 2,
 };
@@ -38,17 +38,17 @@ _Static_assert(OST_ANTIALIAS_CELLS_ACROSS * OST_CELL_WIDTH >= OST_ANTIALIAS_REAC
                OST_ANTIALIAS_CELLS_DOWN * OST_CELL_HEIGHT >= OST_ANTIALIAS_REACH, "a changed pixel is in reach");
 
 /*
- * Compares the pixels of `row` with the pixels below them and with their right neighbours, in `cells` cells. Bit i of
- * below[c] or right[c] is set if pixel OST_CELL_WIDTH * c + i and this neighbour form an edge. Also reads the pixel
- * after the last cell.
+ * Compares each pixel of `row`, in `cells` cells, with the pixel below it and with its right neighbour. Sets bit i of
+ * below[c] or right[c] if pixel OST_CELL_WIDTH * c + i and this neighbour form an edge. Also reads the pixel after the
+ * last cell.
  */
 typedef void ost_antialias_find(const uint32_t *row, const uint32_t *next, int cells, uint16_t *below, uint16_t *right);
 ost_antialias_find ost_antialias_find_scalar, ost_antialias_find_avx2;
 
 /* The sides between the pixels of a picture. */
 typedef struct ost_antialias {
-    /* owned; one word for each row of a cell; a word of zeros precedes and follows each row of the picture, and rows of
-       zeros precede and follow the picture */
+    /* owned; one word per row of a cell; zero words precede and follow each row of the picture, and zero rows
+       precede and follow the picture */
     uint16_t *below, *right;
     uint8_t share[OST_ANTIALIAS_RUN + 1][OST_ANTIALIAS_RUN + 1]; /* the results of share_of */
     int words, width, height;
@@ -60,15 +60,15 @@ bool ost_antialias_init(ost_antialias *a, int width, int height, ost_isa isa);
 void ost_antialias_free(ost_antialias *a); /* accepts zero-initialized memory */
 
 /*
- * Finds the edges in the given cells of row `row`. Rows of colours begin at multiples of `stride`, which is a multiple
- * of OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of cells.
+ * Finds the edges in the given cells of row `row`. Rows of colours are `stride` pixels apart, a multiple of
+ * OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of cells.
  */
 void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int stride, const ost_cells *cells, int row);
 /* Removes all edges in the given cells of row `row`. */
 void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row);
 /*
- * Writes the smoothed colours of the given cells of row `row` to `to`. The edges in reach of these cells must have been
- * found in the same colours.
+ * Writes the smoothed colours of the given cells of row `row` to `to`. All edges in reach of these cells must have been
+ * found before, from the same colours.
  */
 void ost_antialias_smooth(const ost_antialias *a, const uint32_t *colour, uint32_t *to, int stride,
                           const ost_cells *cells, int row);

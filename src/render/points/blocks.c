@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Maximum distance of the eye in voxels. Up to this distance, floats distinguish the squared distances of adjacent
-   voxels near the eye's axis. */
+/* Maximum distance of the eye, in voxels. Up to this distance, the squared distances of adjacent voxels near the
+   view axis differ as floats. */
 static const float FARTHEST = 32768.0f;
 
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
@@ -20,7 +20,7 @@ ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_
     return OST_OK;
 }
 
-/* Computes the half-open range of the pixels 0 .. count - 1 that the interval from p - h to p + h intersects. */
+/* Computes the half-open range of pixels in 0 .. count - 1 that intersect the interval [p - h, p + h]. */
 static void range(float p, float h, int count, int *from, int *to)
 {
     *from = p - h > 0 ? (int)(p - h) : 0;
@@ -28,13 +28,13 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Treats the cube as one large voxel. The slopes are derived in splat_scalar.c. The range is extended by one pixel on
- * each side because of rounding.
+ * Treats the cube as one large voxel (the slopes are derived in splat_scalar.c), and extends the range by one pixel on
+ * each side to allow for rounding.
  */
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
     const ost_eye *e = &s->eye;
-    const float half = (float)side; /* `side` is not halved, because `reach` is half the width of a voxel */
+    const float half = (float)side; /* the full side, because s->reach is half the width of a voxel */
     const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))
@@ -58,8 +58,8 @@ bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_e
 }
 
 /*
- * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. The vector `base` points from the
- * eye to the block's voxel (0, 0, 0).
+ * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. `base` is the vector from the eye
+ * to the block's voxel (0, 0, 0).
  */
 static uint64_t nearest_key(const float base[3])
 {

@@ -6,7 +6,7 @@
 #include "core/rotation.h"
 #include "core/vector.h"
 
-/* Distance of the near plane in voxels, smaller than any detail of the bone. */
+/* Distance of the near plane in voxels; smaller than any detail of the bone. */
 static const float NEAR = 0.25f;
 
 ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
@@ -37,8 +37,8 @@ static matrix matrix_of(const ost_pose *pose)
     return out;
 }
 
-/* Returns an eye. `at` is the position of the eye in the grid's frame in picometres. The matrix `r` rotates the
-   camera's frame to the grid's frame. */
+/* Returns an eye at the position `at`, in picometres in the grid's frame. The matrix `r` rotates the camera's frame
+   to the grid's frame. */
 static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
 {
     const double s = (double)grid->spacing.x;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Contains the loops from voxels to cells of 2^3 voxels, in plain C. The same source is compiled for every instruction
+ * The loops that compute cells of 2^3 voxels from voxels, in plain C. The source is compiled once for each instruction
  * set, and the compiler vectorizes it.
  */
 #ifndef OST_RENDER_CELL_LOOPS_H

@@ -54,7 +54,7 @@ void ost_cells_join(const ost_cells *c, const ost_cells *other)
         c->bit[i] |= other->bit[i];
 }
 
-/* Adds the left and right neighbours of a row's cells. */
+/* Adds the left and right neighbours of the cells in a row. */
 static void grow_row(const ost_cells *c, uint64_t *row)
 {
     uint64_t before = 0;

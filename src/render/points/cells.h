@@ -25,16 +25,16 @@ typedef struct ost_cells {
 
 /* Creates an empty set for a picture of up to 8192 x 8192 pixels. Returns false if memory is exhausted. */
 bool ost_cells_init(ost_cells *cells, int width, int height);
-/* Frees the memory. Accepts zero-initialized cells. */
+/* Frees the memory. Accepts a zero-initialized set. */
 void ost_cells_free(ost_cells *cells);
 
 void ost_cells_clear(const ost_cells *cells);
 void ost_cells_fill(const ost_cells *cells);
 /* Adds all cells that contain a pixel with x0 <= x < x1 and y0 <= y < y1. Pixels outside the picture are ignored. */
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
-/* Adds the cells of another set. Both sets must be for pictures of the same size. */
+/* Adds the cells of another set, which must be for a picture of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
-/* Adds the cells that are up to `across` columns and `down` rows away from a cell of the set. */
+/* Adds all cells within `across` columns and `down` rows of a cell of the set. */
 void ost_cells_grow(const ost_cells *cells, int across, int down);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
@@ -43,8 +43,8 @@ static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)
 }
 
 /*
- * Finds the next run of cells in a row. Sets *from and *to to the half-open range of the run. Returns false if there is
- * no further run. On entry, *to must be 0 or the end of the previous run.
+ * Finds the next run of cells in a row, and sets *from and *to to its half-open range. Returns false if there is none.
+ * On entry, *to must be 0 or the end of the previous run.
  */
 static inline bool ost_cells_run(const ost_cells *cells, int row, int *from, int *to)
 {
@@ -56,7 +56,7 @@ typedef struct ost_cells_box {
     int x0, x1, y0, y1;
 } ost_cells_box;
 
-/* Returns the pixels of the cells from <= c < to of a row that are in the picture. */
+/* Returns the rectangle of the cells from <= c < to of a row, clipped to the picture. */
 static inline ost_cells_box ost_cells_box_of(const ost_cells *cells, int row, int from, int to)
 {
     ost_cells_box b = {from * OST_CELL_WIDTH, to * OST_CELL_WIDTH, row * OST_CELL_HEIGHT, (row + 1) * OST_CELL_HEIGHT};

@@ -27,7 +27,7 @@ ost_status ost_clip_make(const ost_geometry *g, const double at_mm[3], const dou
     return OST_OK;
 }
 
-/* Returns a word in which bit x is set if n * x <= remainder. */
+/* Returns a word in which bit x is 1 if n * x <= remainder. */
 static uint32_t row_mask(int64_t n, int64_t remainder)
 {
     if (n == 0)

@@ -17,7 +17,7 @@ ost_surface_block *ost_surface_block_at(const ost_surface *s, int32_t x, int32_t
     return slot < 0 ? NULL : s->slot[slot];
 }
 
-typedef const uint32_t *nearby[3][3][3]; /* words of 27 blocks, indexed by z, y, x */
+typedef const uint32_t *nearby[3][3][3]; /* words of the block and its 26 neighbours, indexed by [z][y][x] */
 
 static bool find_neighbours(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, nearby near)
 {
@@ -69,8 +69,8 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
 
 /* ----------------------------------------------------------------- changes */
 
-/* Processes one of the 27 blocks. Adds the rows in which the block has a set bit within `reach` of the middle block.
-   The parameter at[] is the position of the block relative to the middle block, -1 .. 1 on each axis. */
+/* Adds the changes in one of the 27 blocks: sets the bits of the rows in which this block has a set bit within
+   `reach` of the middle block. at[] is the position of the block relative to the middle block, -1 to 1 on each axis. */
 static void add_changes(const uint32_t *words, const int at[3], int reach, uint64_t rows[OST_SEEN])
 {
     const uint32_t all = UINT32_MAX, seen = at[0] < 0 ? all << (SIDE - reach) : at[0] > 0 ? all >> (SIDE - reach) : all;
@@ -98,7 +98,7 @@ bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *bl
     for (int i = 0; i < 27; i++)
         if (near[i / 9][i / 3 % 3][i % 3] != nothing)
             add_changes(near[i / 9][i / 3 % 3][i % 3], (const int[]){i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}, reach, rows);
-    /* The previous steps have widened the rows by `done`, so a step of at most 2 done + 1 leaves no gap. */
+    /* The rows have been widened by `done` so far, so a step of at most 2 done + 1 leaves no gap. */
     for (int done = 0, step; done < reach; done += step) {
         uint64_t was[OST_SEEN];
         step = reach - done < 2 * done + 1 ? reach - done : 2 * done + 1;

@@ -134,7 +134,7 @@ ost_status ost_frame_store(ost_frame *frame, ost_error *err)
 
 ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
 {
-    /* one more element, because antialiasing reads one pixel after the last one */
+    /* one extra element, because antialiasing reads one pixel beyond the end */
     const size_t count = (size_t)frame->planes.stride * (size_t)frame->height + 1;
     uint32_t *colour = plane_alloc(count, sizeof *colour);
     if (!colour || !ost_antialias_init(&frame->antialias, frame->width, frame->height, isa) ||
@@ -148,7 +148,9 @@ ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err)
     return OST_OK;
 }
 
-/* Computes the smoothed colours of the frame from the drawn colours, in the cells of frame->smoothed. */
+/*
+ * Smooths the edges of the drawn colours in the cells of frame->smoothed, and writes the result to the frame's colours.
+ */
 static void smooth_edges(ost_frame *frame)
 {
     const uint32_t *from = frame->drawn.colour;
@@ -223,12 +225,11 @@ static void find_cells(ost_frame_layer *layer)
 }
 
 /*
- * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible
- * if the ray begins inside a voxel, or if the ray has passed through a voxel that the near plane
- * removes. Along the forward axis, the middle of a removed voxel is at most near + sqrt(3) from the
- * eye, and its corners are at most near + 2 sqrt(3) from the eye. Along a ray, the distance is up
- * to c times greater, where c = 1 / cosine of the angle between the forward axis and the ray to the
- * frame's corner.
+ * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible only if the ray begins
+ * inside a voxel, or passes through a voxel that is not drawn because of the near plane. Along the forward axis, the
+ * centre of such a voxel is at most near + sqrt(3) from the eye, and its corners at most near + 2 sqrt(3). Along a ray,
+ * the distance is up to c times greater, where 1 / c is the cosine of the angle between the forward axis and the ray to
+ * the frame's corner.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -245,7 +246,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_empty(surface, lo, hi);
 }
 
-/* Computes the light. Returns true if the light equals that of the previous frame. */
+/* Computes the light of a layer. Returns true if it equals that of the previous frame. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -283,7 +284,7 @@ static ost_status prepare(ost_frame *frame, const ost_frame_thing *thing, int nu
     return OST_OK;
 }
 
-/* Prepares the objects. An object that is drawn as voxels becomes a layer, and any other object becomes triangles. */
+/* Prepares the objects: each becomes a layer of voxels or, if it has a smooth mesh, a set of triangles. */
 static ost_status prepare_all(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err)
 {
     const ost_pm spacing = things[0].surface->geometry.spacing.x;
@@ -316,7 +317,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     ost_status status = prepare_all(frame, things, count, err);
     if (status != OST_OK) {
         for (int i = 0; i < frame->layers; i++)
-            /* the current contents of the surfaces were not drawn, so the next frame can reuse nothing */
+            /* the surfaces have changed but were not drawn, so the next frame must not reuse anything */
             frame->layer[i].surface = NULL;
         return status;
     }
@@ -324,8 +325,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        /* With one thread, the list of a block is computed when the first band draws the block. Therefore no lists are
-           computed for hidden blocks. */
+        /* With one thread, the list of a block is instead computed when the first band draws the block, so that
+           hidden blocks need no list. */
         for (int l = 0; l < frame->layers && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)
@@ -333,7 +334,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
             ost_frame_draw_band(frame, i, base);
     }
     if (frame->antialias.below) {
-        /* the cells that were drawn in this frame, restored, or changed on the sheet of the previous frame */
+        /* cells that were drawn or restored in this frame, or drawn over in the previous one */
         ost_cells_clear(&frame->smoothed);
         ost_cells_join(&frame->smoothed, &frame->stale);
         ost_cells_join(&frame->smoothed, &frame->over);

@@ -1,29 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a frame. Surfaces are drawn into planes as a camera sees them (splat.h). The frame's colours are computed from
- * the planes.
+ * Draws a frame. Surfaces are drawn into planes of pixels (splat.h), from which the colours are computed.
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * Every further object, such as a tool with differently oriented voxels, is drawn in the same way into
- * separate planes of a band. Each pixel then shows the nearest object. A tool whose mesh is known is drawn as a
- * smooth mesh instead (triangles.h), over the voxels.
+ * Each further object, such as a tool with differently oriented voxels, is drawn in the same way into separate planes
+ * of the band, which are then merged so that each pixel shows the nearest object. A tool whose mesh is known is instead
+ * drawn as a smooth mesh (triangles.h) after all voxels.
  *
- * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the
- * farthest key of each tile of 8 x 8 pixels is stored. A tile's farthest key is recomputed only if it is
- * needed and the tile has changed since the last computation. This optimization does not change the picture.
+ * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the farthest key of
+ * each tile of 8 x 8 pixels is cached, and recomputed only when it is needed and the tile has changed. This does not
+ * change the picture.
  *
- * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not
- * change:
+ * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not change:
  *
  *   blocks whose lists changed --old and new compared entry by entry--> voxels that differ
  *        --cells that these may cover--> drawn again, in the planes of the first object alone
  *   those cells, and cells that other layers covered --copied from these planes--> the frame, and
  *   over it the other layers
  *
- * The picture is bit-identical to one that is drawn completely. In a cell that no changed voxel can
- * cover, the nearest voxel is the same as before. Ties between equal distances are broken by the
- * voxel's number, which has the same order as the voxels' positions.
+ * The picture is bit-identical to one that is drawn completely. In a cell that no changed voxel can cover, the nearest
+ * voxel is the same as before. Ties between equal distances are broken by the voxel's number, which has the same order
+ * as the voxels' positions.
  *
  * After a call of ost_frame_antialias, the colours of the objects are drawn into a separate plane. The colours of the
  * frame, with smooth edges (antialias.h), are computed from this plane, but only where something may have changed.
@@ -43,12 +41,11 @@
 #include "render/points/triangles.h"
 
 enum {
-    /* number of rows that a thread draws at a time; with 1280 pixels per row, the keys of these rows fit into a
-       second-level cache */
+    /* number of rows that a thread draws at a time; at 1280 pixels per row, their keys fit into a second-level cache */
     OST_BAND = 64,
 };
 
-/* The farthest key of a tile. While `stale` is true, `farthest` is only an upper bound of this key. */
+/* The farthest key of a tile. If `stale` is true, `farthest` is only an upper bound. */
 typedef struct ost_frame_tile {
     uint64_t farthest;
     bool stale;
@@ -57,9 +54,9 @@ typedef struct ost_frame_tile {
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
                "cells are whole tiles");
 
-/* A thread's scratch for drawing a band, small enough to stay in a cache between bands and layers. */
+/* Scratch of a thread for drawing a band; small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
-    /* owned; planes for the current layer; the first layer uses only the keys of these planes */
+    /* owned; planes for the current layer; for the first layer, only the keys are used */
     ost_planes over;
     ost_frame_tile *tiles;  /* owned; each row has tiles_across tiles */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
@@ -68,15 +65,13 @@ typedef struct ost_frame_bench {
 /* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was computed */
-    /* `count` is the number of entries, and `capacity` is the number of entries for which memory is reserved */
+    /* number of entries, and number of entries for which memory is reserved */
     uint32_t count, capacity;
-    /*
-     * index at which memory for the block's next list is reserved; the current list begins at the index visible.begin
-     */
+    /* index of the memory reserved for the next list of the block; the current list begins at visible.begin */
     uint32_t visible_first;
     int32_t at[3];          /* position of the block, in blocks */
-    bool listed;            /* set if the list exists; if not set, no voxel of the block is drawn */
-    /* set if the block was in the view frustum in the last frame, even if other blocks hid it */
+    bool listed;            /* true if the list exists; if false, no voxel of the block is drawn */
+    /* true if the block was in the view frustum in the last frame, even if it was hidden */
     bool there;
 } ost_frame_list;
 
@@ -88,46 +83,40 @@ typedef struct ost_frame_layer {
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; one for each slot */
-    /*
-     * `slots` is the number of slots in the last frame; `slot_capacity` is the capacity of the arrays indexed by slot
-     */
+    /* number of slots in the last frame, and capacity of the arrays indexed by slot */
     int32_t slots, slot_capacity;
     float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
     ost_splat_eye eye;
     ost_light light;
-    float scale;            /* side of this layer's voxels in units of the first object's voxels */
-    /* set if the eye is inside or close to the object, so that faces between two active voxels may be visible */
+    float scale;            /* edge length of this layer's voxels, in voxels of the first object */
+    /* true if the eye is inside or so close to the object that faces between two active voxels may be visible */
     bool within;
-    /* set if frames are stored and neither the eye nor the light has changed since the previous frame */
+    /* true if frames are stored and the eye and the light are the same as in the previous frame */
     bool same;
     int y0, y1;             /* half-open range of rows that the layer may cover */
-    ost_cells cells;        /* set of cells that the layer may cover */
+    ost_cells cells;        /* cells that the layer may cover */
 } ost_frame_layer;
 
 enum { OST_FRAME_LAYERS = 4 };
 
 typedef struct ost_frame {
     int width, height;
-    /* owned; planes of the frame; they contain keys only after ost_frame_store_keys */
+    /* owned; planes of the frame; without keys unless ost_frame_store_keys was called */
     ost_planes planes;
-    /* the planes into which objects are drawn: the same as `planes`, except that after ost_frame_antialias `colour` is
-       a separate, owned array */
+    /* planes that objects are drawn into: the same as `planes`, except that `colour` is a separate, owned array
+       after ost_frame_antialias */
     ost_planes drawn;
-    ost_antialias antialias; /* owned; has no memory before ost_frame_antialias */
+    ost_antialias antialias; /* owned; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
-    /* owned; planes that contain only the first layer, without keys; NULL before the first call of ost_frame_store */
+    /* owned; planes with only the first layer, without keys; NULL before ost_frame_store */
     ost_planes stored;
-    bool is_stored;         /* set if `stored` contains the first layer of the last frame */
+    bool is_stored;         /* true if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that are redrawn in this frame */
-    /* cells that are copied from `stored`, because they are redrawn or because other layers covered them in the
-       previous frame */
+    /* cells to copy from `stored`, because they are redrawn or were covered by other layers in the previous frame */
     ost_cells stale;
-    /*
-     * cells whose colours may differ from those in `stored`; code that draws on the frame's sheet adds cells to this
-     * set
-     */
+    /* cells whose colours may differ from `stored`; code that draws on the frame's sheet adds cells to this set */
     ost_cells over;
-    /* cells whose smooth colours were computed in this frame; has no memory before ost_frame_antialias */
+    /* cells whose smooth colours were computed in this frame; empty before ost_frame_antialias */
     ost_cells smoothed;
     ost_frame_bench *bench; /* owned; one scratch per thread */
     int tiles_across;
@@ -139,45 +128,45 @@ typedef struct ost_frame {
     int band;               /* number of rows that a thread draws at a time, a multiple of OST_TILE */
     ost_frame_layer layer[OST_FRAME_LAYERS];
     int layers;             /* number of layers in the last frame */
-    ost_triangles smooth[OST_FRAME_LAYERS]; /* the objects of this frame that are drawn as smooth meshes */
+    ost_triangles smooth[OST_FRAME_LAYERS]; /* objects of this frame that are drawn as smooth meshes */
     int smooth_count;
     ost_style style;
     ost_directions *directions; /* owned */
 } ost_frame;
 
-/* An object in front of the camera. */
+/* An object to draw. */
 typedef struct ost_frame_thing {
     const ost_surface *surface;
-    /* eye in the object's voxel coordinates; must have the picture size of the frame */
+    /* eye in voxel coordinates of the object; its picture size must be that of the frame */
     ost_eye eye;
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; NULL means that every voxel has the paint of the object */
-    /* borrowed; if not NULL, this mesh is drawn instead of the surface's voxels; must be NULL for the first object */
+    const uint32_t *palette; /* borrowed; NULL if all voxels have the object's own paint */
+    /* borrowed; smooth mesh to draw instead of the surface's voxels, or NULL; must be NULL for the first object */
     const ost_smooth_mesh *mesh;
 } ost_frame_thing;
 
-/* Allocates a frame. If `threads` is 0, all processors are used. */
+/* Allocates a frame. 0 threads means one thread per processor. */
 ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style style, ost_isa isa, int threads,
                           ost_error *err);
 /* Frees the frame's memory. Accepts a zero-initialized frame. */
 void ost_frame_free(ost_frame *frame);
 
-/* Enables keys for later frames. The planes then contain the keys of the first layer, which identify the voxel of each
-   pixel. */
+/* Enables keys for later frames. The planes then also contain the keys of the first layer, which identify the voxel
+   at each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
-/* Enables partial redrawing. In later frames, only the parts that differ from the previous frame are drawn. If few
-   blocks change from frame to frame, this saves time. */
+/* Enables partial redrawing: later frames draw only the parts that differ from the previous frame, which saves time
+   if few blocks change between frames. */
 ost_status ost_frame_store(ost_frame *frame, ost_error *err);
 /*
- * Enables antialiasing of later frames with OST_STYLE_SMOOTH. In OST_STYLE_FACES, whose faces have edges everywhere,
- * pixels remain as they are drawn. Must be called before the first frame is drawn.
+ * Enables antialiasing of later frames with OST_STYLE_SMOOTH. Frames with OST_STYLE_FACES are not smoothed, because
+ * they have edges everywhere. Must be called before the first frame is drawn.
  */
 ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err);
-/* Records that another renderer has overwritten all pixels of frame->drawn, so that no part of the last frame is
-   reused. Smooths the edges if antialiasing is enabled. */
+/* Must be called after another renderer has overwritten all pixels of frame->drawn. The next frame then reuses
+   nothing. Smooths the edges if antialiasing is enabled. */
 void ost_frame_overwritten(ost_frame *frame);
-/* Adds the cells in which the frame may differ from the previous frame, including what was drawn on its sheet. */
+/* Adds to `cells` the cells in which the frame may differ from the previous frame, including drawings on its sheet. */
 void ost_frame_changed(const ost_frame *frame, const ost_cells *cells);
 /* Returns the frame's colours as a sheet to draw on. */
 ost_sheet ost_frame_sheet(const ost_frame *frame);
@@ -188,21 +177,18 @@ ost_sheet ost_frame_sheet(const ost_frame *frame);
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame that any renderer has drawn. The weight of the object is `share` / 256 where the
- * object is in front of other objects, and half of that elsewhere. Only colours change. The parameter `spacing` is the
- * voxel spacing of the first object, which is the unit of depth.
+ * Blends one more object over a frame, whichever renderer has drawn it. The object's weight is `share` / 256 where it
+ * is in front of other objects, and half of that elsewhere. Only colours change. `spacing` is the voxel spacing of the
+ * first object, which is the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
                                 ost_error *err);
 /* Draws a frame that contains only the bone. */
 ost_status ost_frame_draw(ost_frame *frame, const ost_surface *surface, const ost_eye *eye, ost_error *err);
 
-/* Copies the colours of the last frame to the picture. The picture must have the frame's size. */
+/* Copies the colours of the last frame to a picture of the frame's size. */
 void ost_frame_copy(const ost_frame *frame, ost_picture *picture);
-/*
- * Copies colours to the picture. The colours have the format of a frame, with red in the lowest byte and `stride`
- * pixels per row.
- */
+/* Copies colours in the format of a frame (red in the lowest byte, `stride` pixels per row) to the picture. */
 void ost_colours_copy(const uint32_t *colours, int stride, ost_picture *picture);
 
 #endif

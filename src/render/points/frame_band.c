@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws a band of a frame: draws the blocks that are not hidden into planes, and merges the layers' planes. */
+/* Draws a band of a frame: draws the blocks that are not hidden into planes, and merges the planes of the layers. */
 #include "core/bits_run.h"
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
 #include <string.h>
 
-/* A band of the rows y0 <= y < y1, and the scratch of the thread that draws the band. */
+/* The band of rows y0 <= y < y1, and the scratch of the thread that draws it. */
 typedef struct band {
     int y0, y1;
     ost_frame_bench *bench;
 } band;
 
-/* The half-open range of a band's tiles that a block may cover. The first row of tiles in the band has the number 0. */
+/* The half-open range of tiles that a block may cover in a band. Tile rows are counted from the top of the band. */
 typedef struct tile_range {
     int x0, x1, y0, y1;
 } tile_range;
@@ -25,7 +25,7 @@ static tile_range tiles_of(const ost_frame_block *b, const band *at)
                         (end - at->y0 + OST_TILE - 1) / OST_TILE};
 }
 
-/* Returns true if all tiles of the range are covered by voxels nearer than `key`. */
+/* Returns true if all tiles of the range are completely covered by voxels nearer than `key`. */
 static bool hidden(const ost_frame *f, const band *at, const ost_planes *planes, tile_range r, uint64_t key)
 {
     for (int y = r.y0; y < r.y1; y++)
@@ -58,8 +58,7 @@ typedef struct cell_row {
     int words, y0, y1; /* pixel rows y0 <= y < y1 that the row of cells contains */
 } cell_row;
 
-/* Returns cells of a row. If `without` is false, these are the cells that are in both `a` and `b`. If `without` is
-   true, these are the cells that are in `a` but not in `b`. */
+/* Returns the cells of a row that are in both `a` and `b` or, if `without` is true, in `a` but not in `b`. */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
@@ -69,8 +68,8 @@ static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, con
     return row;
 }
 
-/* Finds the next run of consecutive cells in a row. Sets *from and *to to the half-open range of the run's pixel
-   columns. On entry, *to must be 0 or the end of the previous run. */
+/* Finds the next run of cells in a row, and sets *from and *to to its half-open range of pixel columns. Returns
+   false if there is none. On entry, *to must be 0 or the end of the previous run. */
 static bool next_run(const cell_row *row, int *from, int *to)
 {
     int a, b = *to / OST_CELL_WIDTH;
@@ -80,7 +79,10 @@ static bool next_run(const cell_row *row, int *from, int *to)
     return found;
 }
 
-/* Clears the keys of the pixels to be redrawn, and marks all other tiles as complete. Returns the extent to draw. */
+/*
+ * Clears the keys of the pixels to be redrawn, and marks all other tiles as completely covered. Returns the extent to
+ * draw.
+ */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)
 {
@@ -129,7 +131,7 @@ static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const o
     }
 }
 
-/* Fills the cells that the first layer cannot cover with background. */
+/* Fills the cells that the first layer cannot cover with the background. */
 static void blank(const ost_frame *f, const band *at, const ost_planes *planes)
 {
     for (int y = at->y0; y < at->y1; y += OST_CELL_HEIGHT) {
@@ -165,13 +167,13 @@ static uint32_t mixed(uint32_t under, uint32_t over, uint32_t share)
            (((under & 0xff00) * complement + (over & 0xff00) * share) >> 8 & 0xff00);
 }
 
-/* Returns true if the ghost's planes show the layer at the pixel (x, y). */
+/* Returns true if the ghost's planes show the ghost at the pixel (x, y). */
 static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, int y)
 {
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
 }
 
-/* Blends a ghost with its outline into the columns first to end - 1 of row y. Only colours change. */
+/* Blends a ghost with its outline into the columns `first` to `end` - 1 of row y. Only colours change. */
 static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
 {
     enum { LINE = 100 };
@@ -199,7 +201,7 @@ void ost_frame_merge_ghost_row(const ost_frame *f, const ost_frame_layer *layer,
         merge_ghost(f, layer, ghost, y, from, to);
 }
 
-/* Returns the band with the given number. Planes without keys get the keys of the thread's scratch. */
+/* Returns the band with the given number. If `planes` has no keys, the keys of the thread's scratch are used. */
 static band band_of(const ost_frame *f, int number, ost_planes *planes)
 {
     const int y0 = number * f->band;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the lists of a layer. The list of a block contains the voxels that have a face toward the eye. This file
-   also manages the memory of the lists, and finds the differences from the previous frame. */
+/* Computes the lists of a layer: for each block, the voxels with a face toward the eye. Also manages the memory of
+   the lists, and finds their differences from the previous frame. */
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"
 
@@ -53,7 +53,7 @@ static ost_status make_slots(ost_frame_layer *layer, ost_error *err)
 }
 
 /*
- * Returns the capacity for `count` entries. The capacity is one eighth more for growth, rounded up to a multiple of
+ * Returns the capacity to reserve for `count` entries: one eighth more for growth, rounded up to a multiple of
  * OST_LANES.
  */
 static uint32_t padded(uint32_t count)
@@ -61,7 +61,7 @@ static uint32_t padded(uint32_t count)
     return (count + count / 8 + OST_LANES - 1) / OST_LANES * OST_LANES;
 }
 
-/* Reallocates the memory of all lists. The contents of the lists are lost. */
+/* Reallocates the memory of all lists. Their contents are lost. */
 static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
 {
     const ost_surface *s = layer->surface;
@@ -86,7 +86,7 @@ static ost_status make_lists(ost_frame_layer *layer, ost_error *err)
     return out_of_memory(layer, err);
 }
 
-/* Assigns positions in memory to the lists of all blocks. Returns false if the capacity is not sufficient. */
+/* Assigns memory to the lists of all blocks. Returns false if the capacity is not sufficient. */
 static bool place_lists(ost_frame_layer *layer)
 {
     const ost_surface *s = layer->surface;
@@ -153,8 +153,7 @@ void ost_layer_make_list(const ost_frame *frame, const ost_frame_layer *layer, i
     list->listed = true;
 }
 
-/* The parts of a block whose appearance has changed. A part is a cube of PART voxels per side, represented by one
-   bit. */
+/* The set of the parts of a block whose appearance has changed. A part is a cube of PART voxels per side. */
 enum { PART = 4, PARTS = OST_BLOCK / PART };
 
 typedef struct parts {
@@ -166,8 +165,7 @@ static void differs(parts *p, uint32_t id)
     p->bit[(id >> 10 & 31) / PART] |= UINT64_C(1) << ((id & 31) / PART + PARTS * ((id >> 5 & 31) / PART));
 }
 
-/* Recomputes the list of a block, and marks the parts of the block in which the old and the new list differ. Both
-   lists are sorted. */
+/* Recomputes the list of a block, and marks the parts in which it differs from the old list. Both lists are sorted. */
 static void choose_again(const ost_frame *frame, const ost_frame_layer *layer, int32_t slot, ost_frame_lists *old,
                          parts *out)
 {
@@ -208,9 +206,8 @@ static void add_parts(const ost_cells *cells, const ost_frame_layer *layer, int3
 }
 
 /*
- * Sets frame->part to the cells that changed blocks may cover before or after the change. A hidden block has no list
- * and adds no cells. This is correct, because the voxels that hid the block either still hide it or have changed; in
- * the second case, frame->part contains their cells.
+ * Sets frame->part to the cells that changed blocks may cover, before or after the change. A hidden block without a
+ * list adds no cells: the voxels that hid it either still hide it, or have changed and thus add their own cells.
  */
 static void find_part(ost_frame *frame, const ost_frame_layer *layer)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Declarations shared by the three files that draw a frame:
+ * Declarations shared by the files that draw a frame:
  *
  *   frame.c        memory, objects, teams of threads
  *   frame_list.c   which voxels of a block have a face toward the eye, and where the lists have changed
@@ -15,7 +15,7 @@
 #include <omp.h>
 #endif
 
-/* A thread's scratch for computing a list, including a copy of the previous list. */
+/* Scratch of a thread for computing a list; includes space for a copy of the previous list. */
 typedef struct ost_frame_lists {
     ost_chosen chosen;
     uint32_t tint[OST_BLOCK_POINTS + OST_LANES];
@@ -37,8 +37,7 @@ static inline int ost_frame_thread(void)
 
 /*
  * Reserves memory for the lists of layer->surface, and sets layer->slots to the surface's number of slots. Sets
- * layer->same to false if the reallocation discarded lists, or if the existing lists belong to blocks at different
- * positions.
+ * layer->same to false if lists were discarded, or if the existing lists belong to blocks at other positions.
  */
 ost_status ost_layer_reserve(ost_frame_layer *layer, ost_error *err);
 void ost_layer_free(ost_frame_layer *layer);
@@ -52,15 +51,15 @@ void ost_layer_drop_lists(const ost_frame_layer *layer);
  * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the cells that must be
  * copied from the stored planes. Returns the planes to draw into. The stored planes are filled only in the second of
  * two consecutive frames with the same eye and light, so they cost no time while the eye moves. If the frame has keys,
- * all cells are drawn: a key contains the number of a voxel in its list, and a change to a list also changes the
- * numbers of voxels that did not change.
+ * all cells are drawn, because a key contains the index of a voxel in its list, and a changed list may shift the
+ * indices of unchanged voxels.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. The planes `base` contain only the first layer. If frames are not stored, `base` is
-   &f->drawn. */
+/* Draws a band of all layers. `base` is the planes that receive only the first layer; if frames are not stored, it
+   is &f->drawn. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);

@@ -6,8 +6,7 @@
 
 #include "render/points/surface.h"
 
-/* Computes a unit vector from components along the picture's directions. The components are r to the right, u up, and f
-   into the picture. */
+/* Computes the unit vector with the direction r * right + u * up + f * forward, relative to the picture. */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
     float square = 0;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Represents directions in fourteen bits: the octahedron |x| + |y| + |z| = 1 is unfolded into a
- * square of 128 x 128 cells (Cigolle et al. 2014). A direction is within two degrees of the middle
- * of its cell.
+ * Encodes directions in fourteen bits: the octahedron |x| + |y| + |z| = 1 is unfolded into a square of 128 x 128 cells
+ * (Cigolle et al. 2014). A direction is within two degrees of the middle of its cell.
  *
  *      upper half: u = x, v = y             the lower half's corners are
  *      lower half: u = (1 - |y|) sign x     folded outwards
@@ -16,8 +15,8 @@
 
 enum { OST_OCTAHEDRAL_SIDE = 128, OST_OCTAHEDRAL_COUNT = 128 * 128 };
 
-/* Returns the number of the cell that contains the direction v. The vector v may have any length. For a zero vector,
-   returns the cell of +z. */
+/* Returns the cell that contains the direction of v, a vector of any length. Returns the cell of +z for a zero
+   vector. */
 static inline uint32_t ost_octahedral_of(const float v[3])
 {
     const float sum = (fabsf(v[0]) + fabsf(v[1])) + fabsf(v[2]);
@@ -39,7 +38,7 @@ static inline uint32_t ost_octahedral_of(const float v[3])
     return cell[0] | cell[1] * OST_OCTAHEDRAL_SIDE;
 }
 
-/* Computes the unit vector at the middle of a cell. */
+/* Computes the unit vector at the centre of a cell. */
 static inline void ost_octahedral_vector(uint32_t cell, float v[3])
 {
     const float u = ((float)(cell % OST_OCTAHEDRAL_SIDE) + 0.5f) / (OST_OCTAHEDRAL_SIDE / 2) - 1;

@@ -5,9 +5,8 @@
  *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
  *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
- * The scale ranges from light to dark, through yellow, green, blue and violet, so that its order can
- * also be recognized by colour-blind viewers and in black-and-white print. Tissues differ in
- * lightness as well as in hue.
+ * The scale runs from light to dark, through yellow, green, blue and violet, so that its order is also recognizable to
+ * colour-blind viewers and in black-and-white print. Tissues differ in both lightness and hue.
  */
 #ifndef OST_RENDER_PALETTE_H
 #define OST_RENDER_PALETTE_H
@@ -20,7 +19,7 @@ typedef enum ost_colouring {
     OST_COLOUR_DEPTH,
     OST_COLOUR_DENSITY,
     OST_COLOUR_COUNT, /* number of values that a user can select */
-    /* the uncut bone contains OST_LABEL_DENSITY + label instead of densities */
+    /* colours by label; the uncut bone contains OST_LABEL_DENSITY + label in place of densities */
     OST_COLOUR_LABEL = OST_COLOUR_COUNT
 } ost_colouring;
 
@@ -29,11 +28,11 @@ enum {
     /* first colour with lighting */
     OST_PAINT_LIT = 1,
     OST_PAINT_FLAT = 128,
-    OST_SCALE = 127,        /* number of steps of a scale, numbered 0 .. 126 */
+    OST_SCALE = 127,        /* number of steps of a scale, which are numbered from 0 */
 };
 
-/* A tissue of the bone, determined by density and position. The first three tissues are the default
-   density classes, from soft to hard. */
+/* A tissue of the bone, determined by density and position. The first three are the default density classes, from
+   soft to hard. */
 typedef enum ost_tissue {
     OST_TISSUE_CARTILAGE,
     OST_TISSUE_CANCELLOUS,
@@ -45,26 +44,25 @@ extern const char *const ost_tissue_names[OST_TISSUES];
 extern const uint32_t ost_tissue_colours[OST_TISSUES]; /* 0xBBGGRR */
 
 /*
- * Labels of the parts of a CT. Label 0 is a part that was omitted or cut away. Labels 1 to OST_LABELS - 2 have colours
- * of their own, and all other labels share the last colour. The colours differ for every type of colour blindness
- * (Okabe and Ito 2008), on bone as well as on black.
+ * Labels of the parts of a CT. Label 0 is a part that was omitted or cut away. Labels 1 to OST_LABELS - 2 have their
+ * own colours, and all further labels share the last colour. The colours are distinguishable with every type of colour
+ * blindness (Okabe and Ito 2008), on bone and on black.
  */
 enum { OST_LABELS = 7, OST_LABEL_DENSITY = 1000 };
 extern const uint32_t ost_label_colours[OST_LABELS]; /* 0xBBGGRR */
-/* Returns the colour of a label, which must not be negative. */
+/* Returns the colour of a label, which must be at least 0. */
 uint32_t ost_label_colour(int label);
 
-/* Densities in HU that the CT's window shows as black and as white. They are also the ends of the density scale. */
+/* Densities, in HU, that the CT window shows as black and as white; also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* ost_scale_colour returns the colour of a step of the scale. ost_window_grey returns the colour of a step of the grey
-   window. A step is 0 .. 126. */
+/* ost_scale_colour and ost_window_grey return the colour of a step, 0 to 126, of the scale and of the grey window. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
 /* Returns the step, 0 .. 126, for a density in HU. */
 int ost_window_step(int density);
 
-/* Fills the palette of a colouring. Colour 0 is not used, because paint number 0 means the object's own colour. */
+/* Fills the palette of a colouring. Entry 0 is unused, because paint 0 is the object's own colour. */
 void ost_palette_make(ost_colouring colouring, uint32_t palette[OST_PAINTS]);
 
 #endif

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between two frames, a tool removes a few dozen voxels of a block and none of the neighbouring blocks. A shade depends
- * only on voxels at most OST_SHADING_REACH away, so the shades of most rows of points do not change:
+ * Between two frames, a tool typically removes a few dozen voxels of one block. A shade depends only on voxels at most
+ * OST_SHADING_REACH away, so the shades of most rows of points remain valid:
  *
  *   bits shown --faces--> rows whose list changed --------.
  *   bits that changed --> rows within reach --------------+--> stale rows --shade--> shades
  *   previous shades ------------------------ other rows --'                        '--> contact
  *
- * The shades of a row are computed together. The contact paint also changes with time, not only
- * where bone is removed, so it is applied to all points in every update.
+ * All shades of a row are computed together. The contact paint also changes with time, so it is applied to all points
+ * in every update.
  */
 #include "render/points/renew.h"
 
@@ -56,7 +56,7 @@ static bool same_points(const ost_surface_block *b, const uint32_t *points, cons
     return true;
 }
 
-/* Finds the rows whose points or shades may have changed. Returns false if there are no such rows. */
+/* Finds the rows whose points or shades may have changed. Returns false if there are none. */
 static bool find_changed(const ost_surface *s, const ost_surface_block *b, const uint32_t *points,
                          ost_shading_scratch *k)
 {
@@ -124,8 +124,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* The version of the last list. A renderer identifies its copy of a list by the version, because another surface could
-   reuse the address of a block. */
+/* The most recent version number. A renderer identifies its copy of a list by its version, because the address of a
+   block may be reused by another surface. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,
@@ -175,8 +175,7 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_changed(surface, b, points, k))
         status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        /* copy_shading must follow the computation of the stale rows, which may overwrite words after the ends of these
-           rows */
+        /* must follow the computation of the stale rows, which may overwrite words after the ends of these rows */
         copy_shading(b, k);
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);

@@ -6,15 +6,15 @@
 #include "core/isa.h"
 #include "render/points/surface.h"
 
-/* Selects the loops for an instruction set. By default, the best instruction set that OSTEON_ISA allows is used. */
+/* Selects the loops for an instruction set. Defaults to the best one that OSTEON_ISA allows. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of all blocks in which cells may have changed. Must be called before the first call of
-   ost_surface_renew, because updating a block reads the cells of the block's neighbours. */
+/* Recomputes the cells of all blocks in which they may have changed. Must precede the first call of
+   ost_surface_renew, which reads the cells of neighbouring blocks. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
-/* Updates a block that is marked as dirty. Does not clear the block's record of changes, because the block's neighbours
-   read it. */
+/* Updates a block that is marked as dirty. Leaves the block's record of changes in place, because the updates of its
+   neighbours read it. */
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err);
 
 #endif

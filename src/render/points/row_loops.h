@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Contains the loops of rows.h over complete rows, in plain C. The same source is compiled for every instruction set,
- * and the compiler vectorizes it over rows.
+ * The loops of rows.h over complete rows, in plain C. The source is compiled once for each instruction set, and the
+ * compiler vectorizes it over rows.
  */
 #ifndef OST_RENDER_ROW_LOOPS_H
 #define OST_RENDER_ROW_LOOPS_H
@@ -16,8 +16,8 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the distance of the next shift when bits are spread by OR with shifted copies. Earlier shifts have spread the
- * bits by `covered`. A shift by at most 2 covered + 1 leaves no gap between the copies.
+ * Returns the distance of the next shift when bits are spread over `reach` by OR with shifted copies. The bits are
+ * spread by `covered` so far, so a shift by at most 2 covered + 1 leaves no gap between the copies.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -73,7 +73,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* For each of the six faces, computes the voxels of a row whose neighbour across this face has a set bit. */
+/* For each of the six faces, computes the voxels of a row whose neighbour at this face is set. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const int row = y + OST_BLOCK * z;

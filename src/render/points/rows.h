@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Processes rows of bits of a block and of its neighbours. Lists (extract.c) and shades (shading.c)
- * are computed from the results. Each row is stored in one integer.
+ * Processes rows of voxels of a block and its neighbours, one bit per voxel and one integer per row. Lists (extract.c)
+ * and shades (shading.c) are computed from the results.
  *
  *   words of a block, of six neighbours --faces--> six words for each row: exposed faces
  *                                       --points--> surface points
@@ -14,28 +14,28 @@
 #include "render/points/surface.h"
 
 enum {
-    /* number of rows along y, and number of slices along z, on which the shades of a block may depend */
+    /* number of rows along y, and of slices along z, on which the shades of a block may depend */
     OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH,
     OST_RIM = OST_BLOCK + 2,
-    /* number of words after the last point that a kernel may overwrite */
+    /* number of words that a kernel may overwrite after the last point */
     OST_POINT_SLACK = 16,
 };
 
-/* Rows of voxels, one word per row, indexed by [z][y]. Both indices are counted from -OST_SHADING_REACH. The bits of a
-   word are x = -16 .. 47. */
+/* Rows of voxels, one word per row, indexed by [z][y] with both indices counted from -OST_SHADING_REACH. The bits of
+   a word are the voxels x = -16 .. 47. */
 typedef struct ost_rows {
     uint64_t row[OST_SEEN][OST_SEEN];
 } ost_rows;
 
-/* The words of a block and of one row on each side of it, indexed by [z + 1][y + 1]. The arrays `left` and `right`
-   contain the words of the two neighbours along x. */
+/* The words of a block and of one row on each side of it, indexed by [z + 1][y + 1]. `left` and `right` are the
+   words of the two neighbours along x. */
 typedef struct ost_rim {
     uint32_t row[OST_RIM][OST_RIM];
     const uint32_t *left, *right;
 } ost_rim;
 
 typedef struct ost_faces {
-    /* face[f] has a set bit for each voxel whose face f (ost_face) is exposed */
+    /* face[f]: one bit per voxel, 1 if its face f (ost_face) is exposed */
     uint32_t face[6][OST_BLOCK_ROWS];
     uint32_t any[OST_BLOCK_ROWS];
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of each row's first point */
@@ -44,14 +44,13 @@ typedef struct ost_faces {
 typedef struct ost_row_kernels {
     /* Computes out[i]: bits 16 .. 31 of left[i], then all bits of own[i], then bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
-    /* Sets all voxels whose distance to a set voxel is at most `reach` along each axis. Afterwards, the outermost
+    /* Sets all voxels within `reach`, along each axis, of a set voxel. `other` is scratch. Afterwards, the outermost
        `reach` rows, slices and bits are undefined. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* For each row, finds the voxels that have an exposed face and whose neighbour across this face has a set bit in
-       the rim. */
+    /* For each row, finds the voxels with an exposed face whose neighbour across this face is set in `rim`. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
-    /* Writes the points in ascending order of rows. The number of points is faces->begin[OST_BLOCK_ROWS]. */
+    /* Writes the points in ascending order of rows. There are faces->begin[OST_BLOCK_ROWS] points. */
     void (*points)(const ost_faces *faces, uint32_t *points);
 } ost_row_kernels;
 

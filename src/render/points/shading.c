@@ -1,25 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The smoothing is a sum over nine neighbours on each axis (smooth.h). It is computed slice by
- * slice, so that all data stays in the first-level cache:
+ * The smoothing is a weighted sum over nine neighbours on each axis (smooth.h). It is computed slice by slice, so that
+ * all data stay in the first-level cache:
  *
- *            z, y: -5 .. 36      x: -8 .. 39; the first and last few serve only as neighbours
+ *            z, y: -5 .. 36      x: -8 .. 39; the first and last few are only neighbours
  *   bone    [42][42][48]   0 .. 63
  *     y     [42][34][48]   0 .. 63 * 25
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded
  *     x     [34][34][34]   0 .. 2461 * 25 = 61525
  *
- * Only the rows on which stale points depend are computed. The wide field is computed in the same
- * way for cells of 2^3 voxels, from -5 to 20, and then interpolated to voxels with the weights 3 :
- * 1 (smooth.c). A block stores its cells, so they need not be computed again when a neighbour is
- * shaded.
+ * Only the rows on which stale points depend are computed. The wide field is computed in the same way for cells of 2^3
+ * voxels, from -5 to 20, and then interpolated to voxels with the weights 3 : 1 (smooth.c). A block keeps its cells for
+ * the shading of its neighbours.
  *
  *    reach in voxels: 1 for the slope, 2 for the interpolation between cells, 8 for four cells of the sum
  *
- * Without a CT, a voxel contains either 0 % or 100 % bone. With a CT, a bone voxel
- * contains 25 % to 100 % bone, depending on its density: a voxel at the border that is half filled with
- * bone has half the density. Within three voxels of a cut, a bone voxel is always treated as 100 % bone,
- * because inside the bone, the density does not indicate the amount of bone.
+ * Without a CT, a voxel contains either 0 % or 100 % bone. With a CT, a bone voxel contains 25 % to 100 % bone,
+ * depending on its density, because a border voxel that is half filled with bone has half the density. Within three
+ * voxels of a cut, a bone voxel always counts as 100 % bone, because inside the bone, the density does not indicate the
+ * amount of bone.
  */
 #include "render/points/shading.h"
 
@@ -37,7 +36,7 @@ enum {
     LINE = OST_FIELD_LINE, LEFT = 8, /* the first entry of a line is at x = -LEFT */
     NINE = 9, THREE = 3,
     CELLS = OST_CELLS,
-    ROWS_BEFORE = OST_SHADING_REACH, /* index of the block's row 0 in ost_rows */
+    ROWS_BEFORE = OST_SHADING_REACH, /* index in ost_rows of row 0 of the block */
 };
 
 _Static_assert((int)OST_WIDE_REACH + (int)NEAR == (int)OST_SHADING_REACH, "blocks so far from a change are made anew");
@@ -49,8 +48,7 @@ static const uint32_t *recent_of(const ost_surface_block *b) { return b->recent;
 
 /* ------------------------------------------------------------------- field */
 
-/* Computes k->near, the voxels near removed voxels. Returns false and leaves k->near undefined if no voxel was
-   removed. */
+/* Computes k->near, the voxels near removed voxels. Returns false, with k->near undefined, if no voxel was removed. */
 static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k)
 {
     uint64_t any = 0;
@@ -64,8 +62,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns the LINE voxels of a row from index `first` on. The row has `size` voxels. Values beyond the row are never
-   used, because there is no bone beyond the row. */
+/* Returns LINE voxels of a row of `size` voxels, starting at index `first`. Elements outside the row have an
+   arbitrary value, which is never used because there is no bone outside the row. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -76,9 +74,8 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
 }
 
 /*
- * Computes the amounts of bone in the rows first to last of slice z. Rows and slices are counted
- * from -REACH. Densities are read only if they are needed, because the rows are far apart in
- * memory.
+ * Computes the amounts of bone in the rows `first` to `last` of slice z, counted from -REACH. Densities are read only
+ * where they are needed, because their rows are far apart in memory.
  */
 static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
                     int first, int last, uint16_t (*out)[LINE])
@@ -136,7 +133,7 @@ void ost_surface_measure(const ost_surface *s, ost_surface_block *b, ost_shading
     b->unmeasured = false;
 }
 
-/* The cells of 27 blocks, indexed by z, y, x. */
+/* The cells of the block and its 26 neighbours, indexed by [z][y][x]. */
 typedef const uint8_t *cells_about[3][3][3];
 
 static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_about out)
@@ -149,8 +146,8 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Finds the rows of cells from which the needed rows of the wide field are interpolated. For each needed row, these are
-   the two adjacent rows of cells. */
+/* Finds the rows of cells from which the needed rows of the wide field are interpolated: the two nearest ones, on
+   each axis, for each needed row. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -162,8 +159,8 @@ static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER
         }
 }
 
-/* Finds the rows of the field that are needed for the stale rows of the block. Row y of slice z is
-   bit y + 1 of needed[z + 1]. */
+/* Finds the rows of the field on which the stale rows of the block depend. Row y of slice z is bit y + 1 of needed[z
+   + 1]. */
 static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 {
     memset(needed, 0, INNER * sizeof *needed);
@@ -176,8 +173,8 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 }
 
 /*
- * Stores the range of the sums along y that slice z of the bone must provide for the field in *first and *last. Slices
- * and rows of the bone are counted from -REACH; sum i begins at row i.
+ * Finds the first and the last sum along y that slice z of the bone must provide for the field. Slices and rows of the
+ * bone are counted from -REACH; sum i covers the rows from i on.
  */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
@@ -218,9 +215,8 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 }
 
 /*
- * Computes slice z of the wide field. *made is the number of slices of cells that have been
- * processed, and *smoothed the number of slices of the field of cells. Both numbers include slices
- * that were skipped because they are not needed.
+ * Computes slice z of the wide field. *made counts the slices of cells processed so far, and *smoothed the slices of
+ * the field of cells. Both counts include skipped slices, which are not needed.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)
@@ -238,7 +234,7 @@ static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64
     k->smooth.finer(both, z % 2, needed[z], &k->wide[z % THREE]);
 }
 
-/* Computes the shades of those points of slice z that are in stale rows. */
+/* Computes the shades of the points of slice z that are in stale rows. */
 static void select_slices(const uint32_t *points, ost_shading_scratch *k, int z)
 {
     const ost_field_slice *const fine[3] = {&k->field[z % THREE], &k->field[(z + 1) % THREE],
@@ -258,8 +254,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
     /*
-     * `made`, cells_made and cells_smoothed are indices of slices: all slices below them that are needed have been
-     * computed.
+     * numbers of slices that have been computed or skipped so far: of the bone's sums, of cells, and of the field of
+     * cells
      */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
@@ -284,7 +280,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels with an exposed face beyond which there is a voxel of the set that `which` returns. */
+/* Finds the voxels with an exposed face at which the neighbour is in the set that `which` returns. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {
@@ -316,13 +312,13 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
     if (s->any_recent && find_beyond(s, b, recent_of, k, recent))
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] |= recent[row];
-    if (s->clipped) /* the clip plane removes no bone, so a voxel that it exposes does not count as in contact */
+    if (s->clipped) /* the clip plane removes no bone, so voxels that it exposes are not in contact */
         for (int row = 0; row < OST_BLOCK_ROWS; row++)
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes k->bared, the voxels exposed by a tool. If a voxel next to one of the block's points was removed, also
-   computes the depths of the block. */
+/* Computes k->bared, the voxels exposed by a tool. Also computes the depths of the block if a removed voxel is
+   adjacent to one of its points. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

@@ -6,10 +6,9 @@
  *                          '--> means of 2^3 voxels --smoothed by 9^3 cells--> wide field --slopes.h--> normal,
  *   bits now, bits before, densities (uncut.h) --> paint                                               openness
  *
- * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis. For a voxel whose upper side lies in a
- * plane surface, the field is therefore 0.6 of its maximum. The wide field yields the smooth surface, without
- * the steps of voxels and slices; the fine field yields the edges. All computations use integers, except for
- * the last step (slopes.h).
+ * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis, so the field of a surface voxel of a plane is 0.6
+ * of its maximum. The wide field yields the smooth surface, without the steps of voxels and slices; the fine field
+ * yields the edges. All computations use integers, except for the last step (slopes.h).
  */
 #ifndef OST_RENDER_SHADING_H
 #define OST_RENDER_SHADING_H
@@ -22,30 +21,27 @@ typedef struct ost_shading_scratch {
     ost_row_kernels rows;
     ost_smooth_kernels smooth;
     ost_faces faces;             /* exposed faces of the block's shown voxels */
-    uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed; row (y, z) is bit y of word z */
+    uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed; row (y, z) is bit y of stale[z] */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    /* `cap` contains the voxels exposed by the clip plane, `bared` the voxels exposed by a tool, and `contact` the
-       voxels next to which bone was just removed */
+    /* voxels exposed by the clip plane (`cap`) or by a tool (`bared`), and voxels next to which bone was just
+       removed (`contact`) */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    /*
-     * `occupied` contains the active voxels, `near` the voxels near removed voxels; `other` is scratch for the `spread`
-     * function
-     */
+    /* active voxels (`occupied`) and voxels near removed voxels (`near`); `other` is scratch for spreading */
     ost_rows occupied, near, other;
-    /* scratch for one slice including the neighbours' voxels, or for two slices without them */
+    /* scratch for one slice with the neighbours' voxels, or for two slices without them */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
-    /* in y[], slice z has the index z % 9; in field[], slice z has the index z % 3 */
+    /* ring buffers of slices: slice z is y[z % 9] and field[z % 3] */
     ost_field_slice y[9], field[3];
     uint16_t cells[OST_CELLS + 10 + 2][OST_FIELD_LINE];  /* a slice */
     ost_field_slice cells_y[9], cells_field[3], wide[3];
 } ost_shading_scratch;
 
-/* Recomputes the block's cells near changed voxels. Must be called for all blocks before the first block is shaded. */
+/* Recomputes the block's cells near changed voxels. Must have been called for all blocks before any block is shaded. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
-/* Computes the shades of all points in stale rows and writes them to the scratch. On entry, the scratch must contain
-   the faces of the block. */
+/* Computes the shades of all points in stale rows into the scratch, which must already contain the faces of the
+   block. */
 ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
                              ost_shading_scratch *scratch, ost_error *err);
 /* Computes scratch->cap and scratch->contact for all rows of the block. */

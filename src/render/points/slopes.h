@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Computes shades from fields. The slopes are read point by point and then converted to shades, sixteen points at a
- * time if the registers are wide enough. The arithmetic uses floats. The operations have a fixed order, and each one is
- * rounded separately:
+ * time if the registers are wide enough. Float operations have a fixed order, and each is rounded separately:
  *
  *   fine, wide slope --their angle--> share t of the wide one
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
  *   fine, wide value --> openness by the fine one, by both --t--> openness
  *
- * The value of a field depends both on a voxel's distance from the smooth surface and on its
- * openness. Let f be the value of the fine field and w the value of the wide field. Across a plane,
- * w rises half as fast as f, so 2 * w - f does not depend on the voxel's distance. The difference 2 * w
- * - f is half of the maximum on a plane, less on an edge, and more in a hollow.
+ * The value of a field depends on both a voxel's distance from the smooth surface and its openness. Let f be the value
+ * of the fine field and w that of the wide field. Across a plane, w rises half as fast as f, so 2 w - f is independent
+ * of the voxel's distance: it is half of the maximum on a plane, less on an edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H
@@ -20,25 +18,24 @@
 #include "render/points/smooth.h"
 
 enum {
-    /* index of the bit of a row at which a line begins: bit 0 of a row is at x = -16, and a line begins at x = -8 */
+    /* bit of a row word at which a line begins: bit 0 is x = -16, and a line begins at x = -8 */
     OST_LINE_SHIFT = 8,
-    /* the first entry of a field row is the sum for x = -1; this sum begins at entry 3 of a line (x = -5) */
+    /* offset in a line of the sum for x = -1, the first entry of a field row: its nine voxels begin at x = -5 */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
-    /* openness of a plane (PLANE), minimum openness (LEAST), and the rates at which openness falls in a pit (PIT) and
-       rises on an edge (EDGE) */
+    /* openness of a plane, minimum openness, and rates at which openness falls in a pit and rises on an edge */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* divisor of the wide field's values */
-    OST_WIDE_LEAST = 120, /* the slope of the wide field is ignored if it is below this value */
-    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* difference between OST_FIELD_FLAT and half of OST_FIELD_FULL */
+    OST_WIDE_LEAST = 120, /* a wide slope below this length is ignored */
+    OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* OST_FIELD_FLAT minus half of OST_FIELD_FULL */
 };
 /*
- * Let c be the cosine of the angle between the slopes of the fine and the wide field. If c is at least OST_AGREE_LEAST,
- * the slope of the wide field is used. Its weight rises with c, and is 1 from OST_AGREE_LEAST + 1 / OST_AGREE_STEEP on.
+ * Let c be the cosine of the angle between the fine and the wide slope. The weight of the wide slope is 0 up to c =
+ * OST_AGREE_LEAST, then rises linearly with steepness OST_AGREE_STEEP, and is at most 1.
  */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
-/* Returns the openness for a value of the field, which is between 0 and slightly more than OST_FIELD_FULL. */
+/* Returns the openness for a value of the field, which is from 0 to slightly more than OST_FIELD_FULL. */
 static inline int ost_openness(int field)
 {
     const int beyond = field - OST_FIELD_FLAT;
@@ -46,8 +43,7 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Data of up to OST_SLOPES points: the slopes of the fine and the wide field along each axis, the values of both
-   fields, and the exposed faces. */
+/* Data of up to OST_SLOPES points: fine and wide slope along each axis, values of the two fields, and exposed faces. */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
 } ost_slopes;
@@ -71,8 +67,8 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* Adds the contribution of the exposed faces to a slope. Without this contribution, the slope would be zero in the
-   middle of a plate that is one voxel thick. */
+/* Adds the contribution of the exposed faces to a slope, which would otherwise be zero in the middle of a plate that
+   is one voxel thick. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {
     return slope + OST_FIELD_BY_FACES * ((faces >> (2 * axis + 1) & 1) - (faces >> (2 * axis) & 1));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic of the field, which is a smoothed amount of bone, and of the shades that are
- * computed from it (shading.c).
+ * The arithmetic of the field (the smoothed amount of bone) and of the shades that are computed from it (shading.c).
  *
  *   rows of bits, densities --bits, densities--> slice of bone, [42][48]
  *   slice of bone --down--> sums along y, [34][48]
@@ -12,10 +11,9 @@
  *
  *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
- * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic uses 16-bit words: final sums are below 2^16,
- * and intermediate overflow does no harm, because the arithmetic is modulo 2^16. Therefore all variants
- * compute the same words. The scalar variant adds weighted words. The other variants add a difference to
- * obtain the next sum, and add in[i + 10] - 2 in[i + 5] + in[i] to obtain the next difference.
+ * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic is modulo 2^16: final sums are below 2^16, so intermediate
+ * overflow does no harm, and all variants compute the same words. The scalar variant adds weighted words. The other
+ * variants add a difference to obtain the next sum, and in[i + 10] - 2 in[i + 5] + in[i] to obtain the next difference.
  */
 #ifndef OST_RENDER_SMOOTH_H
 #define OST_RENDER_SMOOTH_H
@@ -24,35 +22,35 @@
 #include "render/points/surface.h"
 
 enum {
-    /* distance in voxels up to which the field's gradient depends on bone: 4 for the sum and 1 for the gradient */
+    /* reach, in voxels, of the field's gradient: 4 for the sum and 1 for the gradient */
     OST_FIELD_REACH = 5,
-    OST_WIDE_REACH = 11,   /* distance in voxels up to which the wide field's gradient depends on bone */
-    /* distance from a cut, in voxels, up to which every bone voxel is treated as 100 % bone, whatever its density */
+    OST_WIDE_REACH = 11,   /* reach, in voxels, of the wide field's gradient */
+    /* distance from a cut, in voxels, up to which bone voxels count as 100 % bone, whatever their density */
     OST_NEAR_REACH = 3,
     OST_FIELD_LINE = 48,   /* number of voxels in a line, which begins at x = -8 */
-    /* number of rows in a slice of bone, and number of slices */
+    /* number of rows in a slice of bone, and of slices */
     OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH,
-    /* number of rows of a sum: the block's rows and one more on each side */
+    /* number of rows of sums: those of the block and one more on each side */
     OST_FIELD_ROWS = OST_BLOCK + 2,
     OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
     OST_FIELD_LEAST = 15,  /* minimum value of a bone voxel */
-    /* density in HU from which a voxel is 100 % bone: OST_FIELD_LEAST + 768 / 16 = OST_FIELD_ALL */
+    /* minimum value of a voxel that is bone */
     OST_FIELD_DENSE = 768,
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */
     OST_FIELD_BY_FACES = 160, /* amount by which an exposed face increases a slope */
     OST_CELLS = OST_BLOCK / 2, /* number of cells per side of a block */
-    OST_SHADING_SLACK = 16, /* number of words after the last shade that a kernel may overwrite */
+    OST_SHADING_SLACK = 16, /* number of words that a kernel may overwrite after the last shade */
 };
 
 typedef uint16_t ost_field_slice[OST_FIELD_ROWS][OST_FIELD_LINE];
 
 typedef struct ost_smooth_kernels {
-    /* Writes OST_FIELD_ALL for each set bit and 0 for each other bit, for x = -8 .. 39 of count rows (rows.h). */
+    /* Writes OST_FIELD_ALL for each set bit and 0 for each clear bit, for x = -8 .. 39 of `count` rows (rows.h). */
     void (*bits)(const uint64_t *rows, int count, uint16_t (*out)[OST_FIELD_LINE]);
-    /* Writes the values of one row, computed from the densities. A bone voxel near a cut is treated as 100 % bone. */
+    /* Computes the values of one row from the densities. A bone voxel near a cut counts as 100 % bone. */
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
-    /* Computes sums along y for count rows i: out[i] = 1 * in[i] + 2 * in[i + 1] + ... + 1 * in[i + 8]. */
+    /* Computes sums along y for `count` rows i: out[i] = 1 * in[i] + 2 * in[i + 1] + ... + 1 * in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
     /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is the sum at x = i - 1.
        Entries from OST_FIELD_ROWS on are undefined. */
@@ -60,15 +58,13 @@ typedef struct ost_smooth_kernels {
     /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Converts `count` rows of cells to lines. A line consists of cells of three neighbouring blocks and begins at x =
-       -8, like a line of voxels. */
+    /* Converts `count` rows of cells of three adjacent blocks to lines, which begin at x = -8 like lines of voxels. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
-    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set. At least one bit must
-       be set. If `odd` is true, the slice is nearer to the second slice of cells; if `odd` is false, the slice is
-       nearer to the first. */
+    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set; at least one must
+       be. The slice is nearer to the second slice of cells if `odd` is true, otherwise nearer to the first. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
-    /* Computes the shades of the points of one slice. fine[1] is the field in this slice. */
+    /* Computes the shades of the points of one slice. fine[1] and wide[1] are the fields in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],
                    const ost_field_slice *const wide[3], uint32_t *shades);
 } ost_smooth_kernels;

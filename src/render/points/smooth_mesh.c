@@ -10,21 +10,21 @@
 
 /* Cosine of 40 degrees. */
 #define CREASE 0.76604444311897803
-/* maximum number of triangles at a vertex; if there are more, every corner has the normal of its own triangle, which
-   limits the time */
+/* maximum number of triangles at a vertex for averaging normals; beyond it, corners get the normal of their own
+   triangle, which limits the time */
 enum { MEETING_MAX = 1024 };
 #define UNUSED UINT32_MAX
 
 /* The normals of a part's triangles, and the triangles that meet at each position. */
 typedef struct part {
     const ost_mesh *mesh;
-    double (*normal)[3]; /* owned; unit vectors; 0 for a triangle without area */
+    double (*normal)[3]; /* owned; unit normals; 0 for a triangle without area */
     double *area;        /* owned; twice the area */
-    /* owned; number of the position of each vertex; vertices with equal positions have the same number */
+    /* owned; number of each vertex's position; vertices at the same position share a number */
     uint32_t *place;
-    uint32_t *first;     /* owned; entries first[p] to first[p + 1] - 1 of `meets` are the triangles at position p */
+    uint32_t *first;     /* owned; the triangles at position p are meets[first[p]] to meets[first[p + 1] - 1] */
     uint32_t *meets;     /* owned */
-    uint32_t *number;    /* owned; number of each position in the surface, or UNUSED */
+    uint32_t *number;    /* owned; for each position, its number in the surface, or UNUSED */
 } part;
 
 static void part_free(part *p)
@@ -48,7 +48,7 @@ static int by_position(const void *a, const void *b)
     return x.x != y.x ? (x.x > y.x) - (x.x < y.x) : x.y != y.y ? (x.y > y.y) - (x.y < y.y) : (x.z > y.z) - (x.z < y.z);
 }
 
-/* Numbers the positions of the vertices. Returns false if there is not enough memory. */
+/* Numbers the positions of the vertices. Returns false if memory is exhausted. */
 static bool number_positions(part *p)
 {
     const size_t count = p->mesh->vertex_count;
@@ -79,7 +79,7 @@ static void list_meetings(part *p)
     for (size_t t = m->triangle_count; t-- > 0;)
         for (int c = 0; c < 3; c++)
             p->meets[--p->first[p->place[m->triangles[t][c]] + 1]] = (uint32_t)t;
-    /* Entry p + 1 now contains the beginning of the list of position p. */
+    /* Now first[p + 1] is the beginning of the list of position p. */
     memmove(p->first, p->first + 1, m->vertex_count * sizeof *p->first);
     p->first[m->vertex_count] = (uint32_t)(3 * m->triangle_count);
 }
@@ -124,7 +124,7 @@ static ost_status part_make(const ost_mesh *mesh, part *p, ost_error *err)
     return OST_OK;
 }
 
-/* Computes the normal of a triangle at one of its vertices. */
+/* Computes the normal of a triangle at one of its corners. */
 static void corner_normal(const part *p, size_t triangle, uint32_t vertex, float out[3])
 {
     const double *own = p->normal[triangle];
@@ -144,7 +144,7 @@ static void corner_normal(const part *p, size_t triangle, uint32_t vertex, float
         out[a] = (float)sum[a];
 }
 
-/* Returns the number of the position of a vertex in the surface. Appends the position when it is first used. */
+/* Returns the number, in the surface, of a vertex's position. Appends the position on first use. */
 static uint32_t position_of(const part *p, uint32_t vertex, const ost_tool_geometry *grid, ost_smooth_mesh *out)
 {
     const ost_pm3 *v = &p->mesh->vertices[vertex];
@@ -183,7 +183,7 @@ static uint64_t hash_of(const ost_smooth_mesh *mesh)
     uint64_t h = UINT64_C(0xcbf29ce484222325);
     const unsigned char *bytes = (const unsigned char *)mesh->triangle;
     for (size_t i = 0; i < mesh->count * sizeof *mesh->triangle; i += sizeof(uint64_t)) {
-        uint64_t word; /* a triangle has 72 bytes, which are a multiple of the size of a word */
+        uint64_t word; /* a triangle has 72 bytes, a multiple of the word size */
         memcpy(&word, bytes + i, sizeof word);
         h = (h ^ word) * UINT64_C(0x100000001b3);
         h ^= h >> 32;

@@ -4,18 +4,18 @@
  *
  *   meshes of the tool's parts --faces at each vertex--> normals --tool's grid--> corners in voxels
  *
- * The normal of a triangle's corner is the mean of the normals of the triangles that meet at this vertex, weighted by
- * area. Only triangles whose normals are within 40 degrees of the normal of the corner's own triangle count, so the rim
- * of a cylinder remains sharp. Normals are computed in doubles, only by additions, multiplications, divisions and
- * square roots. They are therefore bit-identical on all machines.
+ * The normal at a triangle's corner is the area-weighted mean of the normals of the triangles that meet at this vertex.
+ * Only normals within 40 degrees of the triangle's own normal count, so the rim of a cylinder remains sharp. Normals
+ * are computed in doubles with only additions, multiplications, divisions and square roots, so they are bit-identical
+ * on all machines.
  */
 #ifndef OST_RENDER_SMOOTH_MESH_H
 #define OST_RENDER_SMOOTH_MESH_H
 
 #include <osteon/mesh.h>
 
-/* maximum number of triangles; for a larger mesh, drawing would take too much of a frame's time, so the tool's voxels
-   are drawn instead */
+/* maximum number of triangles; a tool with a larger mesh is drawn as voxels, because drawing the mesh would take too
+   much of a frame's time */
 enum { OST_SMOOTH_TRIANGLES_MAX = 1 << 17 };
 
 typedef struct ost_smooth_corner {
@@ -31,13 +31,13 @@ _Static_assert(sizeof(ost_smooth_triangle) == 72, "18 floats without padding");
 typedef struct ost_smooth_mesh {
     ost_smooth_triangle *triangle; /* owned */
     size_t count;
-    /* owned; the distinct positions of the corners, and the indices of the three positions of each triangle; a position
-       is projected only once for all triangles that meet there */
+    /* owned; distinct positions of the corners, and the three position indices of each triangle, so that each
+       position is projected only once */
     float (*position)[3];
     size_t positions;
     uint32_t (*place)[3];
-    bool closed; /* true if no triangle can be seen from behind by an eye outside the mesh */
-    uint64_t hash; /* hash of the triangles, with which a renderer recognizes a mesh that it has already uploaded */
+    bool closed; /* true if an eye outside the mesh cannot see the back of any triangle */
+    uint64_t hash; /* hash of the triangles, by which a renderer recognizes a mesh that is already uploaded */
 } ost_smooth_mesh;
 
 /*

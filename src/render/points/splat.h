@@ -1,26 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loops of a frame: they draw surface points into pixels, and compute faces for pixels.
+ * The inner loops of a frame, which draw surface points into pixels and compute the visible face of each pixel.
  *
  *   points of a block --facing--> a list of those that have a face toward the eye
  *          --splat--> the nearest voxel of each pixel: its distance, its number in the list
  *          --resolve--> the face by which the pixel's ray enters, its depth and its colour
  *
- * All floats are IEEE single. Each operation is rounded once, in the order of splat_scalar.c, and
- * no operations are fused, so all variants are bit-identical. A pixel belongs to one band, and a
- * band draws blocks in a fixed order, so the result does not depend on the number of threads.
+ * All floats are IEEE single. Each operation is rounded once, in the order of splat_scalar.c, and no operations are
+ * fused, so all variants are bit-identical. A pixel belongs to one band, and a band draws blocks in a fixed order, so
+ * the result does not depend on the number of threads.
  *
- * For each pixel, one word is stored: the key. The upper half is the squared distance from the eye
- * to the voxel's centre, as the bits of a float. The lower half is the voxel's number: its block's
- * slot << 15 | its index in that block's list. The least key is stored, so the result depends
- * neither on the order of the voxels nor on the positions of the lists. On a regular grid, this
- * distance orders voxels along every ray: if a ray passes from voxel A to its neighbour across +x,
- * then d_x > 0, and the ray passes the shared face at x = A_x + 1/2, so (A - E)_x + 1/2 > 0, and
- * the squared distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The
- * same is true for all axes.
+ * For each pixel, one word is stored: the key. The upper half is the squared distance from the eye to the voxel's
+ * centre, as the bits of a float. The lower half is the voxel's number: its block's slot << 15 | its index in that
+ * block's list. The smallest key of a pixel is kept, so the result depends neither on the order of the voxels nor on
+ * the positions of the lists. On a regular grid, the distance of centres orders voxels along every ray: if a ray passes
+ * from voxel A to its neighbour across +x, then d_x > 0, and the ray passes the shared face at x = A_x + 1/2, so (A -
+ * E)_x + 1/2 > 0, and the squared distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The
+ * same applies to all axes.
  *
- * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all
- * lists together have fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
+ * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all lists together have
+ * fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.
  */
 #ifndef OST_RENDER_SPLAT_H
 #define OST_RENDER_SPLAT_H
@@ -32,22 +31,21 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* Every byte of the key of a pixel without a voxel has this value. Interpreted as a distance, such a key is greater
-   than all others. */
+/* Value of every byte of the key of a pixel without a voxel. Such a key, read as a distance, is greater than all
+   others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
 
 /*
- * Planes of pixels. Rows begin at multiples of `stride`, which is a multiple of OST_LANES. The
- * planes are 64-byte aligned. To fit into a cache, planes may be limited to a band of the frame:
- * the first row of the planes is row `top` of the frame, and the first row of the keys is row
- * `key_top`.
+ * Planes of pixels. Rows begin at multiples of `stride`, which is a multiple of OST_LANES. The planes are 64-byte
+ * aligned. To fit into a cache, planes may cover only a band of the frame: their first row is row `top` of the frame,
+ * and the first row of the keys is row `key_top`.
  */
 typedef struct ost_planes {
-    /* squared distance << 32 | number of the voxel; valid only for pixels to which something may have been drawn */
+    /* squared distance << 32 | number of the voxel; valid only for pixels that may have been drawn to */
     uint64_t *key;
-    float *depth;     /* depth along the forward axis, in voxels; valid for pixels with a face */
+    float *depth;     /* depth along the forward axis, in voxels; valid only for pixels with a face */
     uint8_t *face;    /* a value of ost_face; OST_NO_FACE if the pixel shows no voxel */
     uint32_t *colour; /* 0xBBGGRR */
     int stride;
@@ -70,14 +68,14 @@ typedef struct ost_splat_eye {
     /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u * axis[1] + v * axis[2] */
     float axis[3][3];
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
-    float reach[3];       /* half the width of a voxel along each of the directions right, up and forward */
+    float reach[3];       /* half the width of a voxel along right, up and forward */
 } ost_splat_eye;
 
-/* Half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between neighbours. */
+/* Half of a voxel's side, and a slightly greater value that avoids gaps between neighbours due to rounding. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
-/* If the distance between the eye and a voxel's centre along an axis is at most OST_FACE_HALF, the rays to the voxel
-   may run in both directions of this axis. */
+/* If an eye is within OST_FACE_HALF of a voxel's centre along an axis, the rays to this voxel may run in both
+   directions of the axis. */
 #define OST_FACE_HALF 0.501f
 
 /* A range of pixels: x0 <= x < x1 and y0 <= y < y1. */
@@ -89,60 +87,54 @@ typedef struct ost_extent {
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* The points of a block that have a face toward the eye. Each thread that computes lists uses one such struct as
-   scratch. */
+/* The points of a block that have a face toward the eye. Used as scratch, one struct per thread that computes lists. */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
-    /* axis of the exposed face that is turned to the eye; OST_SEVERAL if there are several such faces */
+    /* axis of the exposed face that is turned to the eye; OST_SEVERAL if there is more than one */
     uint8_t only[OST_BLOCK_POINTS + OST_LANES];
 } ost_chosen;
 
 /* The lists of voxels that have a face toward the eye, with their colours. */
 typedef struct ost_visible {
-    /* owned by the frame; an entry is tint << 32 | id, so that a single load reads both values; the tint is the voxel's
-       colour in full light */
+    /* owned by the frame; tint << 32 | id, so that one load reads both; the tint is the voxel's colour in full light */
     uint64_t *seen;
-    uint8_t *only;              /* owned by the frame; the values of ost_chosen.only */
+    uint8_t *only;              /* owned by the frame; as ost_chosen.only */
     /*
-     * The pixels that each group of OST_LANES entries covers, as computed by ost_extent_word. Before a thread has drawn
-     * the group, the value is OST_EXTENT_UNKNOWN. Every thread computes the same value, so threads need not wait for
-     * each other.
+     * Pixels that each group of OST_LANES entries covers (ost_extent_word), or OST_EXTENT_UNKNOWN until a thread has
+     * drawn the group. All threads would store the same value, so they need no synchronisation.
      */
     _Atomic uint64_t *extent;
-    /* owned by the frame; for each slot, the index at which the list of the slot's block begins */
+    /* owned by the frame; for each slot, the index at which its block's list begins */
     uint32_t *begin;
-    /* element 4 * slot + a is component a of the vector from the eye to the block's voxel (0, 0, 0) */
+    /* element 4 * slot + a is component a of the vector from the eye to voxel (0, 0, 0) of the slot's block */
     const float *bases;
-    uint32_t light[8];          /* light on each face, in units of 1/256, at most 256 */
+    uint32_t light[8];          /* light on each face in 256ths, at most 256 */
     uint32_t background;
 } ost_visible;
 
 typedef struct ost_splat_kernels {
     /*
-     * Selects the points that have a face toward the eye. The order of the points does not change. turned[a][i]
-     * contains the faces perpendicular to axis a that are turned to the eye at coordinate i, as bits of ost_face.
-     * Returns the number of selected points.
+     * Selects the points that have a face toward the eye, and returns their number. Preserves their order. turned[a][i]
+     * is the set of faces perpendicular to axis a, as bits of ost_face, that are turned to the eye at coordinate i.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
     /*
-     * Draws a block's list into the keys of the pixels in `part`. May also write keys outside `part` in the same rows,
-     * which are not used.
+     * Draws a block's list into the keys of the pixels in `part`. May also overwrite keys outside `part` in the same
+     * rows, which callers must not use.
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
-    /* Computes face, depth and colour of the pixels x0 <= x < x1 of a row. The parameters x0 and x1 must be multiples
-       of OST_LANES. */
+    /* Computes face, depth and colour of the pixels x0 <= x < x1 of a row. x0 and x1 must be multiples of OST_LANES. */
     void (*resolve)(const ost_splat_eye *eye, const ost_visible *visible, const ost_planes *planes, int y, int x0,
                     int x1);
-    /* Returns the greatest key in up to OST_TILE rows from row y on and OST_TILE columns from column x on. The
-       parameter x must be a multiple of OST_TILE. */
+    /* Returns the greatest key in the tile of up to OST_TILE rows and OST_TILE columns that begins at (x, y). x must
+       be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if this pixel is nearer than the pixel of `to`.
-     * At equal depth, the pixel of `to` remains. Depths of `from` are first multiplied by `scale`. Keys do not change.
-     * For each group of OST_LANES pixels that begins at x, sets bit x / OST_LANES of `taken` if at least one pixel was
-     * copied.
+     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if it is nearer; at equal depth, the pixel of
+     * `to` remains. Depths of `from` are first multiplied by `scale`. Keys are not copied. Sets bit x / OST_LANES of
+     * `taken` if a pixel of the group of OST_LANES pixels that begins at x was copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;
@@ -162,7 +154,7 @@ ost_splat_kernels ost_splat_kernels_of(ost_isa isa);
     void ost_merge_##SET(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1,             \
                          uint64_t *taken);
 OST_SPLAT_DECLARE(scalar)
-OST_SPLAT_DECLARE(avx2) /* for AVX2, `facing` is the scalar function */
+OST_SPLAT_DECLARE(avx2) /* `facing` is the scalar function even for AVX2 */
 OST_SPLAT_DECLARE(avx512)
 
 static inline uint64_t ost_key(float distance, uint32_t number)
@@ -182,21 +174,20 @@ static inline uint32_t ost_number(uint32_t slot, uint32_t local)
     return slot << OST_LOCAL_BITS | local;
 }
 
-/* Returns the index of the list entry whose voxel has the given number. */
+/* Returns the index of the list entry with the given voxel number. */
 static inline uint32_t ost_visible_index(const ost_visible *visible, uint32_t number)
 {
     return visible->begin[number >> OST_LOCAL_BITS] + (number & ((1u << OST_LOCAL_BITS) - 1));
 }
 
-/* Returns the extent as one word. 16 bits per coordinate are sufficient, because frames have at
-   most 2^13 pixels per side. */
+/* Packs an extent into one word. 16 bits per coordinate suffice, because frames have at most 2^13 pixels per side. */
 static inline uint64_t ost_extent_word(int x0, int x1, int y0, int y1)
 {
     return (uint64_t)(uint32_t)x0 << 48 | (uint64_t)(uint32_t)x1 << 32 | (uint64_t)(uint32_t)y0 << 16 |
            (uint64_t)(uint32_t)y1;
 }
 
-/* Returns true if `word` is not OST_EXTENT_UNKNOWN and its extent has no pixels in common with `part`. */
+/* Returns true if `word` is known (not OST_EXTENT_UNKNOWN) and its extent does not overlap `part`. */
 static inline bool ost_extent_misses(uint64_t word, const ost_extent *part)
 {
     return word != OST_EXTENT_UNKNOWN && ((int)(word >> 16 & 0xffff) >= part->y1 || (int)(word & 0xffff) <= part->y0 ||

@@ -11,24 +11,22 @@
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
  *                            h half a side: the line along d meets the cube about o
  *
- * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these
- * signs s, the test consists of six inequalities that are linear in the pixel's position, one for
- * each edge of the outline:
+ * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these signs s, the test
+ * consists of six inequalities that are linear in the pixel's position, one for each edge of the outline:
  *
  *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
  * On an axis with |o_a| <= h, the code tests both signs, and a pixel is covered if one of the two tests passes. A wrong
  * sign can only make a test stricter, because s d <= |d|.
  *
- * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that face. A ray that enters
- * by another face turned to the eye comes from the neighbour at that face. This neighbour or a voxel in front of it is
- * nearer. If the eye is so close that this is not true, frame.c draws the entire voxel. The rectangle is then that of
- * the face. Two of the edges of face a are borders of the face that lie within the voxel's outline. Let j be the other
- * axis in an edge's sum. Each of these two edges is obtained from one of the two edges that contain h s_j d_j, by
- * reversing the sign of this term.
+ * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that face: a ray that enters
+ * through another face turned to the eye comes from the neighbour at that face, and this neighbour or a voxel in front
+ * of it is nearer. If the eye is too close for this to hold, frame.c draws the entire voxel. The rectangle is then that
+ * of the face. Two edges of face a lie inside the voxel's outline. Each of them is obtained from an outline edge with a
+ * sum over a and another axis j, by reversing the sign of its term h s_j d_j.
  *
- * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can
- * be treated as a ray.
+ * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can be treated as a
+ * ray.
  */
 #include "core/conditions.h"
 #include "render/points/splat.h"
@@ -67,7 +65,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* pixels, including x1 and y1 */
+    int x0, x1, y0, y1; /* first and last column, first and last row, inclusive */
 } rectangle;
 
 static int within(float v, int lo, int hi)
@@ -77,7 +75,7 @@ static int within(float v, int lo, int hi)
     return (int)v;
 }
 
-/* Returns half of the sum of |axis[a] - t forward[a]| over the axes a. The term of the axis `only` is omitted. */
+/* Returns half of the sum over the axes a of |axis[a] - t forward[a]|, without the term of the axis `only`. */
 static float spread(const float axis[3], float t, const float forward[3], unsigned only)
 {
     float part[3];
@@ -86,8 +84,7 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* Computes the pixels that a voxel may cover. If only one face is drawn, these are the pixels that the face may cover.
-   Returns false if there are no such pixels. */
+/* Computes the pixels that a voxel, or its only face to draw, may cover. Returns false if there are none. */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -115,20 +112,20 @@ static void cross(const float a[3], const float b[3], float out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* An edge of the outline. The value a + v * c + u * b is positive inside the outline. */
+/* An edge of the outline: a + u * b + v * c is positive inside the outline. */
 typedef struct edge {
     float a, b, c;
 } edge;
 
 /*
  * Computes the edges of a voxel's outline. Bit a of `negative` is set if rays run in the negative direction of axis a.
- * The parameter `only` is the axis of the face if only one face is drawn, and OST_SEVERAL if several faces are drawn.
+ * `only` is the axis of the only face to draw, or OST_SEVERAL.
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
     /*
-     * i = 0, 1, 2 selects the vector v = focal * forward, right or up. n[i] is the cross product o x v. m[i] is
-     * v * OST_HALF_WIDE, with the opposite sign on each axis in `negative`.
+     * i = 0, 1, 2 stands for the vector v = focal * forward, right or up. n[i] is the cross product o x v, and m[i] is
+     * v * OST_HALF_WIDE with the sign reversed on the axes in `negative`.
      */
     float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
@@ -204,7 +201,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Draws the entries `from` to `to` - 1 of a list, which share one extent word. Returns this extent word. */
+/* Draws the entries `from` to `to` - 1 of a list, which have a common extent word. Returns this word. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
                            uint32_t to, const ost_planes *planes, const ost_extent *part)
 {
@@ -242,9 +239,9 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 }
 
 /*
- * Returns the face through which the ray enters the cube. The plane of this face is the last of the three near planes
- * that the ray crosses. The ray crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. The code compares products
- * to find the maximum of the three values, so that only one division is needed.
+ * Returns the face through which the ray enters the cube: of the three near planes, the one that the ray crosses last.
+ * It crosses the near plane of axis a at (|o_a| - 1/2) / |d_a|. Products are compared instead of these quotients, so
+ * that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

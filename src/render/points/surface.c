@@ -58,8 +58,8 @@ static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
     return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
 }
 
-/* Returns true if no voxel of the block from lo to hi is shown. The positions lo and hi are relative to the block and
-   may lie outside the block. */
+/* Returns true if none of the block's voxels from `lo` to `hi` is shown. `lo` and `hi` are relative to the block and
+   may lie outside it. */
 static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
@@ -136,8 +136,7 @@ static ost_status new_block(ost_surface *s, const int32_t at[3], ost_surface_blo
     return remember(s, b, err);
 }
 
-/* Computes the smallest box that contains all differing bits, in coordinates within the block. Returns false if no bits
-   differ. */
+/* Computes the bounding box of all differing bits, in coordinates within the block. Returns false if no bits differ. */
 static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int hi[3])
 {
     uint32_t x = 0, y = 0, z = 0;
@@ -155,7 +154,7 @@ static bool changed_box(const uint32_t *was, const uint32_t *is, int lo[3], int 
     return x != 0;
 }
 
-/* The data of a block that a change in another block may affect. */
+/* The kinds of data of a block that depend on voxels of other blocks. */
 typedef enum sees { SEES_SHADES, SEES_POINTS, SEES_CELLS, SEES_UNCUT } sees;
 
 /* Marks the blocks within `reach` voxels of the changed box, including the changed block itself. */
@@ -219,7 +218,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        /* after this call, removals of the block's voxels are recorded */
+        /* from now on, removals of the block's voxels are recorded */
         mark(surface, at, first, last, 1, SEES_UNCUT);
     }
     if (status == OST_OK)
@@ -287,8 +286,7 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* Fresh voxels and recent voxels have the same shade. Therefore a shade changes only where the two sets
-           differ. */
+        /* Fresh and recent voxels are shaded alike, so a shade changes only where the two sets differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);
@@ -299,7 +297,7 @@ void ost_surface_age(ost_surface *surface)
     surface->any_fresh = false;
 }
 
-/* Sets a chunk of 16^3 voxels, which is one eighth of a block. A word contains two rows. */
+/* Sets a chunk of 16^3 voxels, an eighth of a block. Each of its words contains two rows. */
 static ost_status set_eighth(ost_surface *surface, const int32_t at[3], const uint32_t *words, ost_error *err)
 {
     enum { HALF = SIDE / 2 };
@@ -355,8 +353,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
             status = ost_surface_renew(surface, i, err);
         surface->points += surface->slot[i]->count;
     }
-    /* these fields are cleared after all blocks are updated, because updating a block reads the fields of its
-       neighbours */
+    /* cleared only after all blocks are updated, because updating a block reads these fields of its neighbours */
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
         free(surface->slot[i]->changed);
         surface->slot[i]->changed = NULL;
@@ -366,7 +363,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 
 /* ------------------------------------------------------------ from volumes */
 
-/* Returns the active voxels among the first `count` voxels of a row, one bit for each; `count` must be at most 32. */
+/* Returns one bit for each of the first `count` voxels of a row, 1 if the voxel is active; `count` is at most 32. */
 static uint32_t row_word(const int16_t *voxels, int count, int32_t threshold)
 {
     uint32_t word = 0;

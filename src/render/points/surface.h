@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone in the form that a renderer draws: blocks of 32^3 voxels as bits, and for each block a
- * list of its surface voxels.
+ * The bone as renderers draw it: blocks of 32^3 voxels as bits, and for each block a list of its surface voxels.
  *
  *   occupancy words, a row of 32 voxels each --ost_surface_set--> block, dirty
  *   dirty blocks and their six neighbours --ost_surface_update--> surface points
  *
- * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. Only surface
- * voxels can be visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk
- * size.
+ * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. Only surface voxels can be
+ * visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk size.
  *
  * A surface point consists of two words, one for its position and one for its appearance:
  *
@@ -22,8 +20,7 @@
  *
  * A face of a voxel is exposed if the neighbour at this face is not shown.
  *
- * Normal and openness are computed from the bits (shading.h), so a cut is drawn as smoothly as the
- * uncut surface.
+ * Normal and openness are computed from the bits (shading.h), so a cut is drawn as smoothly as the uncut surface.
  *
  *   occupied: all active voxels --clip plane (clip.h)--> occupancy: those that are shown and listed
  *
@@ -41,41 +38,41 @@ enum {
     /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 * z */
     OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
-    /* maximum number of blocks with a slot; the slot in an id has 17 bits, and one of the values means "none" */
+    /* maximum number of blocks with a slot; a slot in an id has 17 bits, of which one value means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    /* maximum distance, in voxels, between a point and a voxel on which the point's shade depends (renew.c) */
+    /* reach of a shade, in voxels: the shade of a point does not depend on voxels farther away (renew.c) */
     OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
 
 typedef struct ost_surface_block {
     int32_t at[3];             /* in blocks */
-    /* set if the next update must process the block; the following fields state the reason */
+    /* true if the next update must process the block; the next three fields state why */
     bool dirty;
-    bool unlisted;             /* set if the block's list of points may have changed */
-    bool remade;               /* set if all shades of the block may have changed */
-    bool unmeasured;           /* set if the block's cells may have changed */
-    bool contact;              /* set if at least one shade of the block has OST_SHADE_CONTACT */
-    /* version of the lists of points and shades, unique within the process; 0 before the first list */
+    bool unlisted;             /* true if the block's list of points may have changed */
+    bool remade;               /* true if all shades of the block may have changed */
+    bool unmeasured;           /* true if the block's cells may have changed */
+    bool contact;              /* true if at least one shade of the block has OST_SHADE_CONTACT */
+    /* version of the points and shades, unique within the process; 0 before the first list */
     uint64_t version;
-    uint64_t listed;           /* value of `version` when the list of points last changed */
-    uint32_t occupancy[OST_BLOCK_ROWS]; /* bits of the active voxels that are shown */
+    uint64_t listed;           /* `version` when the list of points last changed */
+    uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
-    /* owned; voxels of `occupied` that changed since the last update; NULL if no voxel changed */
+    /* owned; voxels of `occupied` that changed since the last update; NULL if none */
     uint32_t *changed;
-    uint32_t *before;          /* owned; bits of the uncut bone's voxels; NULL if the surface has no reference */
-    /* owned; `fresh` contains the voxels removed since the last call of ost_surface_age, and `recent` those removed
-       between the last two calls; NULL if there are no such voxels */
+    uint32_t *before;          /* owned; voxels of the uncut bone; NULL if the surface has no reference */
+    /* owned; voxels removed since the last call of ost_surface_age (`fresh`), and between the last two calls
+       (`recent`); NULL if none */
     uint32_t *fresh, *recent;
-    uint16_t *depth;           /* owned; squared distances (uncut.h); NULL until a depth is needed for the first time */
-    /* `count` is the number of points, and `capacity` the number of points for which memory is allocated */
+    uint16_t *depth;           /* owned; squared depths (uncut.h); NULL until needed */
+    /* number of points, and number of points for which memory is allocated */
     uint32_t count, capacity;
-    /* amount of bone in each cell, which is a cube of 2^3 voxels (shading.h); x is the fastest index */
+    /* amount of bone in each cell of 2^3 voxels (shading.h); x runs fastest */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
-    uint32_t *points, *shades; /* owned; `count` surface points, in ascending order of rows */
+    uint32_t *points, *shades; /* owned; `count` points and their looks, in ascending order of rows */
     uint16_t begin[OST_BLOCK_ROWS + 1]; /* index of the first point of each row */
 } ost_surface_block;
 
@@ -87,22 +84,19 @@ typedef struct ost_clip {
 
 typedef struct ost_surface {
     ost_geometry geometry;     /* geometry of the bone; the spacing is equal on all axes */
-    int32_t blocks[3];         /* number of blocks along each axis; the last blocks may lie partly outside the grid */
-    /* owned; slot of each block of the grid; -1 if the block has never contained an active voxel */
+    int32_t blocks[3];         /* number of blocks along each axis; the last block may extend beyond the grid */
+    /* owned; slot of each block in the grid; -1 if the block has never contained an active voxel */
     int32_t *slot_of;
     ost_surface_block **slot;  /* owned; `used` entries */
     int32_t used, capacity;
-    uint64_t points;           /* total number of points of all blocks; valid after an update */
-    /*
-     * owned; `renewed` contains the slots whose lists the last update changed, and `renewals` is the number of these
-     * slots
-     */
+    uint64_t points;           /* number of points of all blocks; valid after an update */
+    /* owned; number and list of the slots whose points or shades the last update changed */
     int32_t renewals, *renewed;
     struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is unknown */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
-    bool clipped;              /* set if a clip plane is in use */
-    bool shows_contact;        /* set if removed voxels are recorded in `fresh` */
+    bool clipped;              /* true if `clip` is in use */
+    bool shows_contact;        /* true if removed voxels are recorded in `fresh` */
     bool any_fresh, any_recent;
     struct ost_shading_scratch *scratch; /* owned */
 } ost_surface;
@@ -113,15 +107,14 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
 void ost_surface_free(ost_surface *surface);
 
 /*
- * Replaces the active voxels of the block at[] (in blocks). Bits outside the grid must be 0.
- * Returns OST_ERR_RANGE if there are more than OST_BLOCKS_MAX blocks.
+ * Replaces the active voxels of the block at[] (in blocks). Bits outside the grid must be 0. Returns OST_ERR_RANGE if
+ * this would need more than OST_BLOCKS_MAX slots.
  */
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Replaces the active voxels of a chunk of n^3 voxels. The position at[] is in chunks, and n is 16, 32 or 64. Bit v %
- * 32 of word v / 32 is voxel v = x + n * (y + n * z). Allocates no memory for blocks that never contained an active
- * voxel.
+ * Replaces the active voxels of the chunk of n^3 voxels at[] (in chunks), where n is 16, 32 or 64. Voxel v = x + n * (y
+ * + n * z) is bit v % 32 of word v / 32. Allocates no memory for blocks that have never contained an active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
@@ -129,14 +122,13 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * ost_surface_set_uncut sets the uncut bone. The uncut bone is borrowed and must have the same grid.
- * ost_surface_set_colouring sets the colouring. If the uncut bone or the colouring changes, the next update recomputes
- * all shades.
+ * Set the uncut bone, which is borrowed and must have the same grid, and the colouring. A change makes the next update
+ * recompute all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
-/* Starts a new interval for highlighting removed voxels. Fresh voxels become recent, and recent voxels are no longer
-   highlighted. If shows_contact is not set, the call has no effect. */
+/* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent voxels are no longer
+   highlighted. No-op if shows_contact is false. */
 void ost_surface_age(ost_surface *surface);
 
 /*
@@ -144,7 +136,7 @@ void ost_surface_age(ost_surface *surface);
  */
 ost_status ost_surface_update(ost_surface *surface, ost_error *err);
 
-/* Returns true if none of the voxels lo to hi (inclusive) is shown. Voxels outside the grid are not shown. */
+/* Returns true if none of the voxels `lo` to `hi` (inclusive) is shown. Voxels outside the grid count as not shown. */
 bool ost_surface_is_empty(const ost_surface *surface, const int32_t lo[3], const int32_t hi[3]);
 
 #endif

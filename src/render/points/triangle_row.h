@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The inner loop of triangles.c with the compiler's vectors: eight pixels at a time in x86/triangles_avx2.c, four
- * elsewhere. Every float operation is rounded once and in the same order, so both are bit-identical. Lanes outside the
- * span compute values that are not stored.
+ * The inner loop of triangles.c, written with the compiler's vector types: eight pixels at a time in
+ * x86/triangles_avx2.c, four elsewhere. The variants are bit-identical, because each float operation is rounded once
+ * and their order is fixed. Lanes outside the span compute values that are not stored.
  */
 #ifndef OST_RENDER_TRIANGLE_ROW_H
 #define OST_RENDER_TRIANGLE_ROW_H
@@ -23,7 +23,7 @@ enum { OST_ROW_LANES = 4 };
 _Static_assert((int)OST_LANES % (int)OST_ROW_LANES == 0, "the lanes from a multiple of their number on are in one row");
 
 typedef float ost_row_floats __attribute__((vector_size(4 * OST_ROW_LANES)));
-typedef int32_t ost_row_ints __attribute__((vector_size(4 * OST_ROW_LANES))); /* a mask has 0 or -1 in each lane */
+typedef int32_t ost_row_ints __attribute__((vector_size(4 * OST_ROW_LANES))); /* masks have 0 or -1 in each lane */
 typedef uint8_t ost_row_bytes __attribute__((vector_size(OST_ROW_LANES)));
 
 static inline ost_row_floats ost_row_choose(ost_row_ints mask, ost_row_floats a, ost_row_floats b)
@@ -42,15 +42,15 @@ static inline ost_row_ints ost_row_least(ost_row_ints v, int32_t most)
     return (v & low) | (most & ~low);
 }
 
-/* Returns a value that is linear in the picture from its values at the corners. */
+/* Interpolates a value that is linear in the picture from its values at the corners. */
 static inline ost_row_floats ost_row_linear(float at_0, float at_1, float at_2, ost_row_floats b, ost_row_floats c)
 {
     return (at_0 + b * (at_1 - at_0)) + c * (at_2 - at_0);
 }
 
 /*
- * Returns 1 / sqrt(v) to about 2^-22, for 1e-30 <= v <= 1e30. The first estimate is within 3.5 % (Lomont 2003), and
- * each step doubles the number of its exact bits.
+ * Returns 1 / sqrt(v), with a relative error of about 2^-22, for 1e-30 <= v <= 1e30. The first estimate is within 3.5 %
+ * (Lomont 2003), and each step doubles the number of correct bits.
  */
 static inline ost_row_floats ost_row_inverse_root(ost_row_floats v)
 {
@@ -70,7 +70,7 @@ static inline ost_row_ints ost_row_channel(uint32_t full, ost_row_ints bright, o
     return ost_row_least((bright * (int32_t)full >> 8) + gloss, 255);
 }
 
-/* Computes the colours from the normals, which may have any length, by the formulas of light.c. */
+/* Computes colours from normals of any length, by the formulas of light.c. */
 static inline ost_row_ints ost_row_light(const ost_triangles *t, ost_row_floats n[3])
 {
     const ost_lamps *l = &t->lamps;
@@ -112,7 +112,7 @@ static inline bool ost_row_any(ost_row_ints mask)
     return any != 0;
 }
 
-/* These functions use intrinsics, because compilers convert between masks of bytes and of ints lane by lane. */
+/* Intrinsics are used here, because compilers convert between byte masks and int masks lane by lane. */
 #ifdef __AVX2__
 static inline ost_row_ints ost_row_without_face(ost_row_bytes faces)
 {
@@ -136,15 +136,15 @@ static inline ost_row_bytes ost_row_byte_mask(ost_row_ints mask)
 }
 #endif
 
-/* The pixels from <= x < to of a row. At `from`, the weights of corners 1 and 2 are b and c. From pixel to pixel, they
-   change by b_step and c_step. */
+/* The pixels from <= x < to of a row. b and c are the weights of corners 1 and 2 at `from`; b_step and c_step are
+   their changes from pixel to pixel. */
 typedef struct ost_row_span {
     int from, to;
     float b, b_step, c, c_step;
 } ost_row_span;
 
-/* Draws the part of a span that lies in one vector of pixels. The vector begins at column x of the picture and at index
-   `at` of the planes. Returns true if a pixel has changed. */
+/* Draws the part of a span in one vector of pixels, which begins at column x of the picture and at index `at` of the
+   planes. Returns true if a pixel has changed. */
 static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle *f, const ost_row_span *s, int x,
                                 const ost_planes *planes, size_t at)
 {
@@ -155,7 +155,7 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
     memcpy(&faces, planes->face + at, sizeof faces);
     const ost_row_ints number = ost_row_numbers(x - s->from),
                        inside = (number >= 0) & (number < s->to - s->from);
-    /* lanes outside the span get the values of corner 0 */
+    /* lanes outside the span use the weights of corner 0 */
     const ost_row_floats along = __builtin_convertvector(number & inside, ost_row_floats);
     const ost_row_floats b = (ost_row_floats)((ost_row_ints)(s->b + along * s->b_step) & inside),
                          c = (ost_row_floats)((ost_row_ints)(s->c + along * s->c_step) & inside);
@@ -176,16 +176,15 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
 }
 
 /*
- * A linear function of the position that belongs to one side of a triangle. Its value is 0 on the side and positive
- * inside the triangle. At every pixel, the sum of the values of the three sides is twice the triangle's area. Values
- * are below 2^60.
+ * The edge function of a side of a triangle: linear in the position, 0 on the side, and positive inside the triangle.
+ * The sum of all three edge functions is twice the triangle's area at every pixel. Values are below 2^60.
  */
 typedef struct ost_row_side {
-    int64_t value;        /* value at the middle of the triangle's first pixel in a row */
+    int64_t value;        /* value at the centre of the triangle's first pixel column in the row */
     int64_t across, down; /* change from pixel to pixel, and from row to row */
 } ost_row_side;
 
-/* Returns the function of the side opposite to corner `opposite`, for row y. */
+/* Returns the edge function, in row y, of the side opposite to corner `opposite`. */
 static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int opposite, int y)
 {
     const int a = (opposite + 1) % 3, b = (opposite + 2) % 3;
@@ -196,17 +195,16 @@ static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int oppos
 }
 
 /*
- * Returns floor(a / b) for a >= 0 and b > 0. A division of doubles is faster, and its result is correct for a < 2^52:
- * if a / b is not an integer, it is at least 1 / b away from every integer, and the rounding error is less than a / b
- * 2^-53 < 1 / b.
+ * Returns floor(a / b) for a >= 0 and b > 0. Division of doubles is faster and correct for a < 2^52: if a / b is not an
+ * integer, it is at least 1 / b away from every integer, and the rounding error is below (a / b) 2^-53 < 1 / b.
  */
 static inline int64_t ost_row_quotient(int64_t a, int64_t b)
 {
     return a < INT64_C(1) << 52 ? (int64_t)((double)a / (double)b) : a / b;
 }
 
-/* Reduces a half-open range of pixels to those on the inner side. Pixels are counted from the triangle's first
-   pixel. */
+/* Restricts a half-open range of pixels to the inner side of a side. Pixels are counted from the triangle's first
+   column. */
 static inline void ost_row_narrow(const ost_row_side *s, int *from, int *to)
 {
     if (s->value < 0) {

@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A pixel has PARTS parts per side. Coordinates are limited to 2^20 pixels, so a product of two differences is below
-   2^60. */
+/* Coordinates are in PARTS of a pixel and limited to 2^20 pixels, so a product of two differences is below 2^60. */
 enum { PARTS = OST_PIXEL_PARTS, COORDINATE_MAX = 1 << 28, CORNERS_MAX = 4 };
 
 /* A corner of a triangle, with its normal in the frame of the mesh. */
@@ -48,7 +47,7 @@ static ost_flat_corner corner_of(const ost_eye *eye, const float at[3])
     return out;
 }
 
-/* Returns the point at which the line from a to b passes the near plane. */
+/* Returns the intersection of the line from a to b with the near plane. */
 static corner between(const corner *a, const corner *b, const ost_eye *eye)
 {
     const float share = (eye->near - a->flat.at[2]) / (b->flat.at[2] - a->flat.at[2]);
@@ -62,8 +61,7 @@ static corner between(const corner *a, const corner *b, const ost_eye *eye)
     return out;
 }
 
-/* Clips a triangle to the space beyond the near plane. Returns the number of corners of the remaining part: 0, 3 or
-   4. */
+/* Clips a triangle to the space beyond the near plane. Returns the number of corners of the rest: 0, 3 or 4. */
 static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
 {
     int n = 0;
@@ -78,22 +76,22 @@ static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
     return n;
 }
 
-/* Finds the half-open range of pixels whose middles lie between the least and the greatest of three coordinates, which
-   are in 256ths of a pixel. The range lies within 0 to `size`. */
+/* Finds the half-open range of pixels, within 0 to `size`, whose centres lie between the least and the greatest of
+   three coordinates in 256ths of a pixel. */
 static void middles(int32_t a, int32_t b, int32_t c, int size, int *from, int *to)
 {
     const int32_t least = a < b ? a < c ? a : c : b < c ? b : c, most = a > b ? a > c ? a : c : b > c ? b : c;
     /*
-     * `first` is the first pixel whose middle is not below `least`, and `end` is the first pixel whose middle is above
-     * `most`. The shifts round down, also for negative numbers. Coordinates are at most 2^28.
+     * `first` is the first pixel whose centre is at or above `least`, and `end` is the first pixel whose centre is
+     * above `most`. The shifts round down, even for negative numbers. Coordinates are at most 2^28.
      */
     const int first = (least + PARTS / 2 - 1) >> 8, end = (most + PARTS / 2) >> 8;
     *from = first > 0 ? first < size ? first : size : 0;
     *to = end < size ? end > 0 ? end : 0 : size;
 }
 
-/* Adds a triangle that lies beyond the near plane. A triangle is omitted if it covers no pixel, or if the mesh is
-   closed and the triangle faces away from the eye. */
+/* Adds a triangle that lies beyond the near plane, unless it covers no pixel, or the mesh is closed and the triangle
+   faces away from the eye. */
 static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *const c[3], const float *const normal[3],
                 bool closed)
 {
@@ -101,8 +99,8 @@ static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *con
     const int64_t area = (int64_t)(c[1]->x - c[0]->x) * (c[2]->y - c[0]->y) -
                          (int64_t)(c[2]->x - c[0]->x) * (c[1]->y - c[0]->y);
     /*
-     * From outside, the corners appear counter-clockwise. Because y points down, the area of such a triangle is
-     * negative.
+     * Seen from outside, the corners are counter-clockwise, so the area is negative in the picture, where y points
+     * down.
      */
     const bool front = area < 0;
     if (area == 0 || (closed && !front))
@@ -112,7 +110,7 @@ static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *con
     if (f->pixels.x0 >= f->pixels.x1 || f->pixels.y0 >= f->pixels.y1)
         return;
     for (int i = 0; i < 3; i++) {
-        const int from = front ? (3 - i) % 3 : i; /* two corners are exchanged so that the area is positive */
+        const int from = front ? (3 - i) % 3 : i; /* exchanges two corners so that the area is positive */
         f->x[i] = c[from]->x;
         f->y[i] = c[from]->y;
         f->inverse[i] = c[from]->inverse;

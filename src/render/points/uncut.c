@@ -89,8 +89,8 @@ void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate. A voxel is in the plate if it is close to the face, and if there
- * is no bone at distances from PLATE_MM to PLATE_CLEAR_MM outward of it.
+ * Returns true if a voxel is in the subchondral plate, that is, close to the face and without bone at distances from
+ * PLATE_MM to PLATE_CLEAR_MM outward of it.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -115,7 +115,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if a voxel whose density d satisfies from <= d < to is at most two steps away along one of the axes. */
+/* Returns true if a voxel with a density in [from, to) is one or two steps away along one of the axes. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {
@@ -129,10 +129,10 @@ static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 }
 
 /*
- * Returns the tissue of a voxel by its density class, with two corrections for the partial volume
- * effect. First, a voxel of medium density between hard bone and a soft voxel or air is treated as
- * the edge of hard bone, not as cancellous bone. Second, if the position of the face is given, a
- * voxel with the density of cartilage is treated as cartilage only at the face.
+ * Returns the tissue of a voxel by its density class, with two corrections for the partial volume effect. First, a
+ * voxel of medium density between hard bone and a soft voxel or air is treated as the edge of hard bone, not as
+ * cancellous bone. Second, if the position of the face is known, a voxel with the density of cartilage counts as
+ * cartilage only at the face.
  */
 static uint32_t tissue_at(const ost_uncut *g, const int32_t at[3], int density)
 {
@@ -151,7 +151,7 @@ uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, co
     switch (colouring) {
     case OST_COLOUR_CLASS: return OST_PAINT_LIT + tissue_at(reference, at, density);
     case OST_COLOUR_DEPTH: return reference->level[depth];
-    /* dense voxels are drawn in light colours */
+    /* the scale runs from light to dark, so it is reversed to make dense voxels light */
     case OST_COLOUR_DENSITY: return (uint32_t)(OST_PAINT_LIT + OST_SCALE - 1 - ost_window_step(density));
     case OST_COLOUR_LABEL:
         return OST_PAINT_LIT + (uint32_t)(density < OST_LABEL_DENSITY + OST_LABELS ? density - OST_LABEL_DENSITY
@@ -201,8 +201,8 @@ static void mark_bone(const ost_uncut *g, uint8_t *mark)
 }
 
 /*
- * Marks all cells without bone from which a path through such cells leads to the border of the grid. The cells with
- * bone are marked, and no others. Returns false if memory is exhausted.
+ * Marks as outside all cells without bone that are connected to the border of the grid through such cells. On entry,
+ * only the cells with bone are marked. Returns false if memory is exhausted.
  */
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {
@@ -244,8 +244,7 @@ static bool flood(const ost_uncut *g, uint8_t *mark)
     return stack != NULL;
 }
 
-/* Marks the neighbours of marked cells in a line. The line has `size` cells, which are `step`
-   elements apart in memory. */
+/* Marks the neighbours of marked cells in a line of `size` cells, which are `step` elements apart in memory. */
 static void widen(uint8_t *mark, int64_t begin, int64_t step, int32_t size)
 {
     uint8_t before = 0;
@@ -289,7 +288,7 @@ static ost_status find_outside(ost_uncut *g, ost_error *err)
 enum { WIDE = 3 * SIDE, FAR = OST_DEPTH_FAR };
 
 typedef struct distances {
-    uint32_t outside[3][3][3][ROWS]; /* words of 27 blocks, indexed by z, y, x */
+    uint32_t outside[3][3][3][ROWS]; /* words of the block and its 26 neighbours, indexed by [z][y][x] */
     int16_t x[WIDE][WIDE][SIDE], y[WIDE][SIDE][SIDE];
 } distances;
 
@@ -314,8 +313,8 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
         }
 }
 
-/* Computes, for each voxel of a row, the squared distance to the nearest set bit in three words.
-   The result is at most FAR. */
+/* Computes, for each voxel of a row, the squared distance along the row to the nearest set bit of three adjacent
+   words, at most FAR. */
 static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
 {
     int since = left ? __builtin_clz(left) : SIDE;
@@ -331,8 +330,8 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* For each i, computes the minimum of line[i + k * count] + k^2 over all |k| < 32. Each line has `count` elements, and
-   the lines follow one another in memory. */
+/* For each i, computes the minimum over |k| < 32 of line[i + k * count] + k^2. Lines of `count` elements are
+   adjacent in memory. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {
     for (int i = 0; i < count; i++)

@@ -6,17 +6,14 @@
 
 OST_ROWS_DEFINE(avx2)
 
-/*
- * Returns the positions of the set bits of an 8-bit number, in ascending order. Each position takes three bits of the
- * result, that is, one octal digit.
- */
+/* Returns the positions of the set bits of an 8-bit number in ascending order, as octal digits (three bits each). */
 static inline uint32_t order_of(uint32_t bits)
 {
     static const uint16_t four[16] = {0, 00, 01, 010, 02, 020, 021, 0210, 03, 030, 031, 0310, 032, 0320, 0321, 03210};
     return four[bits & 15] | (four[bits >> 4] | 04444u) << (3 * _mm_popcnt_u32(bits & 15));
 }
 
-/* Processes eight voxels, which are a quarter of a row. Packs the voxels that have an exposed face. */
+/* Processes eight voxels, a quarter of a row. Packs those that have an exposed face. */
 static inline uint32_t *quarter(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const uint32_t any = faces->any[row] >> shift & 255;

@@ -6,7 +6,7 @@
 
 OST_ROWS_DEFINE(avx512)
 
-/* Processes sixteen voxels, which are half of a row. Packs the voxels that have an exposed face. */
+/* Processes sixteen voxels, half of a row. Packs those that have an exposed face. */
 static inline uint32_t *half_row(const ost_faces *faces, uint32_t row, int shift, uint32_t *points)
 {
     const __mmask16 any = (__mmask16)(faces->any[row] >> shift);
@@ -17,7 +17,7 @@ static inline uint32_t *half_row(const ost_faces *faces, uint32_t row, int shift
     for (int f = 0; f < 6; f++)
         v = _mm512_mask_or_epi32(v, (__mmask16)(faces->face[f][row] >> shift), v,
                                  _mm512_set1_epi32(1 << (OST_FACES_SHIFT + f)));
-    /* compressing in a register is faster than compressing directly to memory */
+    /* compressing in a register is faster than a compressing store */
     _mm512_storeu_si512(points, _mm512_maskz_compress_epi32(any, v));
     return points + _mm_popcnt_u32(any);
 }

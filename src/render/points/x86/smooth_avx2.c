@@ -23,7 +23,7 @@ static inline __m256i plus(__m256i a, __m256i b)
     return _mm256_add_epi16(a, b);
 }
 
-/* Expands the bits of a row to lanes. If a bit is set, all bits of its lane are ones; if not, they are zeros. */
+/* Expands each bit of a row to a lane of all ones or all zeros. */
 static inline __m256i lanes_of(uint64_t row)
 {
     const __m256i bit = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384,
@@ -53,8 +53,8 @@ void ost_field_densities_avx2(uint64_t row, uint64_t near, const int16_t density
 }
 
 /*
- * Sums nine values with the weights 1 2 3 4 5 4 3 2 1. The sum is computed as (one + three + five) + 2 (two + three) +
- * 4 (four + five).
+ * Sums nine values with the weights 1 2 3 4 5 4 3 2 1, as (one + three + five) + 2 (two + three) + 4 (four + five),
+ * where `one` is the sum of the values with weight 1, and so on.
  */
 #define SUM(AT)                                                                                                        \
     const __m256i one = plus(load(AT(0)), load(AT(8))), two = plus(load(AT(1)), load(AT(7)));                          \
@@ -149,7 +149,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The following functions use the same method as x86/smooth_avx512.c, where the reasons are described. */
+/* The following functions use the methods of x86/smooth_avx512.c, which explains them. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)
@@ -208,7 +208,7 @@ static inline __m256i cell(__m256 p)
                             all(OST_OCTAHEDRAL_SIDE - 1));
 }
 
-/* blendv selects by the sign of v[2]. This is correct, because v[2] is never -0. */
+/* blendv selects by the sign bit of v[2], which is correct because v[2] is never -0. */
 static inline __m256i octahedral(const __m256 v[3])
 {
     const __m256 sum = _mm256_add_ps(_mm256_add_ps(abs_of(v[0]), abs_of(v[1])), abs_of(v[2])),

@@ -44,8 +44,8 @@ void ost_field_densities_avx512(uint64_t row, uint64_t near, const int16_t densi
     }
 }
 
-/* Sums nine values with the weights 1 2 3 4 5 4 3 2 1. The sum is computed as (one + three + five)
-   + 2 (two + three) + 4 (four + five). */
+/* Sums nine values with the weights 1 2 3 4 5 4 3 2 1, as (one + three + five) + 2 (two + three) + 4 (four + five),
+   where `one` is the sum of the values with weight 1, and so on. */
 #define SUM(TYPE, PREFIX, LOAD, AT)                                                                                    \
     const TYPE one = PREFIX##_add_epi16(LOAD(AT(0)), LOAD(AT(8))), two = PREFIX##_add_epi16(LOAD(AT(1)), LOAD(AT(7))); \
     const TYPE three = PREFIX##_add_epi16(LOAD(AT(2)), LOAD(AT(6))),                                                   \
@@ -162,7 +162,7 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
-/* Returns 1 - |aside| with the sign of the parameter `sign`. This parameter is never -0. */
+/* Returns 1 - |aside| with the sign of `sign`, which must not be -0. */
 static inline __m512 folded(__m512 aside, __m512 sign)
 {
     const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(aside));
@@ -177,9 +177,8 @@ static inline __m512i cell(__m512 p)
 }
 
 /*
- * Returns the octahedral cell of each direction v. A component v[a] is the sum of the components of the fine and the
- * wide slope, each multiplied by its weight. The component is never -0. The sum of the magnitudes of the three
- * components is 0 or at least 1.
+ * Returns the octahedral cell of each direction v, a weighted sum of the fine and the wide slope. Its components are
+ * never -0, and the sum of their magnitudes is 0 or at least 1.
  */
 static inline __m512i octahedral(const __m512 v[3])
 {
@@ -193,8 +192,8 @@ static inline __m512i octahedral(const __m512 v[3])
 }
 
 /*
- * Divides numbers of magnitude below 2^26 by OST_FIELD_FULL and rounds toward zero, as in C. The float quotient has an
- * error of less than 1. The remainder is used to correct this error.
+ * Divides numbers of magnitude below 2^26 by OST_FIELD_FULL, rounding toward zero as in C. The error of the float
+ * quotient is below 1, and is corrected by means of the remainder.
  */
 static inline __m512i by_full(__m512i v)
 {

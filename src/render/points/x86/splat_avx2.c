@@ -33,8 +33,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes
-   single[a], the term of axis a is omitted. */
+/* Returns, in each lane, half of the sum over the axes a of |axis[a] - t forward[a]|, without the terms of those
+   axes a for which the lane of single[a] is set. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
@@ -101,7 +101,7 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
 
 /*
  * Computes the edges of eight voxels' outlines. The sign bit of negative[a] is set if rays run in the negative
- * direction of axis a. All bits of single[a] are set if the only face to draw is on axis a.
+ * direction of axis a. single[a] has all bits set if the only face to draw is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3],
                             eight *out)
@@ -115,8 +115,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
     /*
-     * The values 0, 1 and 2 of i select the vectors focal * forward, right and up. From these vectors, the coefficients
-     * a, b and c of an edge are computed.
+     * i = 0, 1, 2 stands for the vector focal * forward, right or up, which yields the coefficient a, b or c of an
+     * edge.
      */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
@@ -142,8 +142,8 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* The function `across` returns the horizontal distances of the pixels' middles from the middle of the frame, and the
-   function `upward` the vertical distances. */
+/* Return the distances of pixel centres from the forward axis in the picture, to the right (`across`) and up
+   (`upward`). */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -159,8 +159,8 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most
-   SMALL x SMALL pixels. A pixel is stored as index << 3 | lane. */
+/* Draws the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. First lists the covered pixels as
+   index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
@@ -215,8 +215,8 @@ static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
     _mm256_maskstore_epi64((long long *)row, _mm256_and_si256(mask, _mm256_cmpgt_epi64(was, key)), key);
 }
 
-/* Fills a larger rectangle, eight pixels of a row at a time. The keys may be compared as signed
-   words, because their sign bit is 0. */
+/* Fills a larger rectangle, eight pixels of a row at a time. The sign bit of keys is 0, so they may be compared as
+   signed words. */
 static inline void fill(const ost_splat_eye *s, const eight *r, int k, const ost_planes *planes)
 {
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), key = _mm256_set1_epi64x((long long)r->key[k]);
@@ -272,8 +272,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Redraws the voxels close to the eye whose rays run in both directions of an axis. Each iteration handles one further
-   combination of signs. */
+/* Redraws voxels so close to the eye that their rays run in both directions of an axis: one iteration for each
+   further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {
@@ -317,7 +317,7 @@ static inline void widen(const eight *r, unsigned live, ost_extent *e)
     }
 }
 
-/* Draws up to eight entries of a list, from `offset` on. Extends *extent to contain the rectangles of these entries. */
+/* Draws up to eight entries of a list, from `offset` on. Extends *extent to contain their rectangles. */
 static inline void splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t offset,
                               int count, const ost_planes *planes, const ost_extent *part, ost_extent *extent)
 {
@@ -378,7 +378,7 @@ static inline __m256i lit(__m256i colour, __m256i light)
     return _mm256_or_si256(a, b);
 }
 
-/* For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the index of the voxel in the
+/* For each pixel, computes the vector from the eye to the block of the pixel's voxel, and the voxel's index in the
    lists. */
 static inline __m256i lookup(const ost_visible *visible, __m256i number, __m256i any, lanes3 *o)
 {
@@ -418,7 +418,7 @@ static inline lanes3 places(lanes3 o, __m256i id)
     return o;
 }
 
-/* Computes the face through which each pixel's ray enters, and the depth. */
+/* Computes the face through which each pixel's ray enters the voxel, and the depth there. */
 static inline __m256i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that are small on the
- * screen are then tested sixteen at a time, pixel by pixel of their rectangles. The covered pixels
- * are stored in a list, and their keys are updated one by one. Loading a single word that was just
- * stored causes no stall, whereas overlapping register-wide accesses do. For larger voxels, sixteen
- * pixels are filled at a time, in one row or in two.
+ * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that appear small are then tested sixteen
+ * at a time, pixel by pixel of their rectangles. The covered pixels are collected in a list, and their keys are updated
+ * one by one, because loading a single word that was just stored causes no stall, whereas overlapping register-wide
+ * accesses do. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -29,8 +28,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes
-   single[a], the term of axis a is omitted. */
+/* Returns, in each lane, half of the sum over the axes a of |axis[a] - t forward[a]|, without the terms of those
+   axes a for which the lane of single[a] is set. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
@@ -56,7 +55,7 @@ static inline lanes down(lanes v)
     return _mm512_roundscale_ps(v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
 }
 
-/* Looks up bytes in a table of 32 bytes, which is stored in both halves of `table`. */
+/* Looks up bytes in a table of 32 bytes. `table` contains this table twice, once in each half. */
 static inline __m512i turned_at(__m512i table, __m512i index)
 {
     return _mm512_permutexvar_epi32(_mm512_and_si512(index, _mm512_set1_epi32(15)), table);
@@ -101,10 +100,7 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-/*
- * SMALL is the maximum width and height of a small rectangle in pixels. TALL is the number of rows whose edges are
- * computed at the same time.
- */
+/* Maximum width and height of a small rectangle in pixels, and number of rows whose edges are computed at once. */
 enum { SMALL = 4, TALL = 16 };
 
 typedef struct sixteen {
@@ -128,8 +124,8 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
     /*
-     * The values 0, 1 and 2 of i select the vectors focal * forward, right and up. From these vectors, the coefficients
-     * a, b and c of an edge are computed.
+     * i = 0, 1, 2 stands for the vector focal * forward, right or up, which yields the coefficient a, b or c of an
+     * edge.
      */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
@@ -159,8 +155,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* The function `across` returns the horizontal distances of the pixels' middles from the middle of the frame, and the
-   function `upward` the vertical distances. */
+/* Return the distances of pixel centres from the forward axis in the picture, to the right (`across`) and up
+   (`upward`). */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -172,8 +168,8 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Finds the pixels covered by the voxels in `which`. The rectangles of these voxels have at most SMALL x SMALL pixels.
- * A pixel is stored as index << 4 | lane, which fits 32 bits, because frames have at most 2^26 pixels.
+ * Draws the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. First lists the covered pixels as
+ * index << 4 | lane, which fits into 32 bits because frames have at most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
                                                  const ost_planes *planes)
@@ -354,8 +350,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Draws again the voxels close to the eye for which the rays of different pixels have different signs along an axis.
-   Each iteration handles one further combination of signs. */
+/* Redraws voxels so close to the eye that their rays run in both directions of an axis: one iteration for each
+   further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
@@ -450,8 +446,8 @@ static inline __m512i lit(__m512i colour, __m512i light)
 }
 
 /*
- * For the voxel of each pixel, computes the vector from the eye to the voxel's block, and the index of the voxel in the
- * lists. The voxels in a register belong to few blocks, so both values are computed block by block.
+ * For each pixel, computes the vector from the eye to the block of the pixel's voxel, and the voxel's index in the
+ * lists. Works block by block, because the voxels in a register belong to few blocks.
  */
 static inline __m512i lookup(const ost_visible *visible, __m512i number, __mmask16 any, lanes3 *o)
 {
@@ -496,7 +492,7 @@ static inline lanes3 places(lanes3 o, __m512i id)
     return o;
 }
 
-/* Computes the face through which each pixel's ray enters, and the depth. */
+/* Computes the face through which each pixel's ray enters the voxel, and the depth there. */
 static inline __m512i enter(const ost_splat_eye *eye, lanes3 o, lanes u, float v, lanes *depth)
 {
     lanes near[3], d[3];
@@ -538,8 +534,8 @@ void ost_resolve_avx512(const ost_splat_eye *eye, const ost_visible *visible, co
             const lanes u = across(eye, _mm512_add_epi32(_mm512_set1_epi32(x), step));
             lanes3 o;
             const __m512i index = lookup(visible, _mm512_permutex2var_epi32(low, even, high), any, &o);
-            /* Single loads are faster than a gather. The asm statement prevents the compiler from
-               extracting the indices from the register a second time. */
+            /* Single loads are faster than a gather. The asm statement keeps the compiler from extracting the
+               indices from the register a second time. */
             _Alignas(64) uint32_t at_list[OST_LANES];
             _mm512_store_si512(at_list, _mm512_maskz_mov_epi32(any, index));
             __asm__("" : "+m"(at_list));
