@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Implements the functions of headset.h in a build without OpenXR or OpenGL, in which there is no headset. */
+/* Implements the functions of headset.h in a build without OpenXR or OpenGL, in which a headset is never available. */
 #include "headset/headset.h"
 
 ost_status ost_headset_open(ost_headset **out, ost_error *err)

@@ -9,7 +9,7 @@ typedef struct frame {
     headset_swapchain *swapchain; /* swapchain of the eye that is being drawn */
     XrTime time;
     XrCompositionLayerProjectionView views[EYES];
-    bool shown;                   /* true if both eyes were drawn, so that the frame can be shown */
+    bool shown;                   /* true if both eyes have been drawn, so that the frame can be shown */
 } frame;
 
 static ost_status begin_here(void *user, ost_error *err)
@@ -53,7 +53,7 @@ static ost_status release_here(void *user, ost_error *err)
                          err);
 }
 
-/* Draws one eye into its swapchain. Returns OST_ERR_RANGE if the eye cannot be drawn from its position. */
+/* Draws one eye into its swapchain. Returns OST_ERR_RANGE if the eye's position is out of range. */
 static ost_status draw_eye(frame *f, int number, const XrView *view, const ost_headset_calls *calls, ost_error *err)
 {
     ost_headset *h = f->h;
@@ -117,9 +117,9 @@ static ost_status draw_eyes(frame *f, const ost_headset_calls *calls, ost_error 
 }
 
 /*
- * Counts the display periods since the previous frame in which no new frame was shown. If frames take too long, a
- * runtime may request them at a lower rate and then reports a longer period. Therefore the shortest reported period is
- * used as that of the display.
+ * Counts the display periods without a new frame since the previous frame. If frames take too long, some runtimes
+ * request them at a lower rate and report a longer period, so the shortest period reported so far is taken as the
+ * display's.
  */
 static void count_frame(ost_headset *h, const XrFrameState *state)
 {

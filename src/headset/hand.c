@@ -3,9 +3,10 @@
 
 #include <stdio.h>
 
-/* For one type of controller, the input that triggers each action. The paths are relative to the path of the hand. */
+/* A type of controller, and its inputs. */
 typedef struct profile {
-    const char *path, *button[HAND_BUTTONS]; /* input paths; button[i] is NULL if the controller has no such button */
+    /* path of the profile, and for each button the path of its input relative to the hand; NULL if there is none */
+    const char *path, *button[HAND_BUTTONS];
 } profile;
 
 static const profile profiles[] = {
@@ -37,8 +38,8 @@ static XrResult make_action(headset_actions *a, XrActionType type, const char *n
     return xrCreateAction(a->set, &what, out);
 }
 
-/* The result is not checked, because a runtime may not support a profile. If it supports none of the profiles, the hand
-   is never tracked. */
+/* Suggests the bindings of a profile. Failure is ignored, because a runtime need not support every profile; if it
+   supports none of them, the hand is never tracked. */
 static void suggest(const ost_headset *h, const profile *p, const char *hand)
 {
     XrActionSuggestedBinding binding[1 + HAND_BUTTONS] = {{h->actions.grip, path_of(h, hand, "/input/grip/pose")}};

@@ -5,9 +5,9 @@
  *   runtime --views--> draw (called once per eye) --ost_gl_copy--> swapchain --> runtime --> display
  *      '------controller--> hand (called once per frame)
  *
- * The runtime uses the renderer's OpenGL context. This requires the extensions XR_KHR_opengl_enable and
- * XR_MNDX_egl_enable, which Monado supports. All poses are in the room's frame (room.h). Only one thread at a time may
- * call these functions.
+ * The runtime uses the renderer's OpenGL context, which requires the extensions XR_KHR_opengl_enable and
+ * XR_MNDX_egl_enable; Monado supports both. All poses are in the room's frame (room.h). The functions must not be
+ * called by several threads at once.
  */
 #ifndef OST_HEADSET_H
 #define OST_HEADSET_H
@@ -31,46 +31,46 @@ typedef struct ost_headset_view {
 
 enum { OST_HEADSET_TRIGGER = 1, OST_HEADSET_MENU = 2, OST_HEADSET_SQUEEZE = 4 };
 typedef struct ost_headset_hand {
-    bool tracked;       /* if false, the other fields are zero */
+    bool tracked;       /* if false, all other fields are 0 */
     double at[3], q[4]; /* pose of the grip: position in metres, and unit quaternion w x y z */
     uint32_t buttons;   /* bit mask of the pressed buttons (OST_HEADSET_*) */
 } ost_headset_hand;
 
 typedef struct ost_headset_calls {
-    /* Draws an eye into the renderer's picture. If it returns OST_ERR_RANGE, nothing is shown in this frame. */
+    /* Draws an eye into the renderer's picture. If it returns OST_ERR_RANGE, the frame is not shown. */
     ost_status (*draw)(void *user, const ost_headset_view *view, ost_error *err);
     void (*hand)(void *user, const ost_headset_hand *hand);
     void *user;
 } ost_headset_calls;
 
 typedef struct ost_headset_counts {
-    uint64_t frames;      /* number of frames that the runtime requested */
+    uint64_t frames;      /* number of frames requested by the runtime */
     uint64_t drawn;       /* number of frames in which both eyes were drawn and shown */
-    uint64_t missed;      /* number of periods of the display without a new frame */
-    uint64_t untracked;   /* number of frames for which the runtime had no pose of the head */
-    double display_hz;    /* maximum rate that the runtime reported; 0 before the first frame */
+    uint64_t missed;      /* number of display periods without a new frame */
+    uint64_t untracked;   /* number of frames without a pose of the head */
+    double display_hz;    /* maximum display rate, in Hz, reported by the runtime; 0 before the first frame */
 } ost_headset_counts;
 
 /*
- * Finds the runtime and the headset, without starting a session. Returns OST_ERR_UNAVAILABLE if a component is missing;
- * err names the component and what to install.
+ * Finds the runtime and the headset, without starting a session. Returns OST_ERR_UNAVAILABLE, with a message that names
+ * what is missing and what to install, if a component is missing.
  */
 ost_status ost_headset_open(ost_headset **out, ost_error *err);
 /*
- * Begins a session, which shows the renderer's pictures. The picture of an eye has width x height pixels; if width is
- * 0, it has the size that the runtime recommends. `left` selects the controller of the left hand. `gl` is borrowed
- * until ost_headset_end is called.
+ * Begins a session, which shows the renderer's pictures. The picture of an eye has width x height pixels; width 0 means
+ * the size recommended by the runtime. `left` selects the controller of the left hand. `gl` is borrowed until
+ * ost_headset_end.
  */
 ost_status ost_headset_begin(ost_headset *headset, ost_gl *gl, int width, int height, bool left, ost_error *err);
 ost_headset_info ost_headset_info_get(const ost_headset *headset);
 /*
- * Runs one frame at the runtime's rate, or waits 10 ms if the runtime requests no frames. Sets *ended when the runtime
+ * Runs one frame at the runtime's pace, or waits 10 ms if the runtime requests no frames. Sets *ended when the runtime
  * ends the session. Returns OST_ERR_UNAVAILABLE if the runtime fails.
  */
 ost_status ost_headset_frame(ost_headset *headset, const ost_headset_calls *calls, bool *ended, ost_error *err);
 ost_headset_counts ost_headset_counts_get(const ost_headset *headset);
-/* Ends the session. Waits at most a second for the runtime. */
+/* Ends the session. Waits up to one second for the runtime. */
 void ost_headset_end(ost_headset *headset);
-void ost_headset_close(ost_headset *headset); /* also ends the session; NULL is allowed */
+void ost_headset_close(ost_headset *headset); /* ends the session if there is one; NULL is allowed */
 
 #endif

@@ -7,7 +7,7 @@ static const double ANGLE_MAX = 1.4835298641951802; /* 85 degrees */
 
 static bool is_usable(double angle)
 {
-    return fabs(angle) <= ANGLE_MAX; /* the result is false if the angle is not a number */
+    return fabs(angle) <= ANGLE_MAX; /* false for NaN */
 }
 
 bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_headset_projection *out)
@@ -16,7 +16,7 @@ bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_
         !(fov->right > fov->left) || !(fov->up > fov->down))
         return false;
     const double left = tan(fov->left), right = tan(fov->right), up = tan(fov->up), down = tan(fov->down);
-    /* The focal length is rounded down, so that the picture covers the angles. */
+    /* The focal length is rounded down, so that the picture covers the requested angles. */
     const double milli = floor(1000 * fmin(width / (right - left), height / (up - down)));
     if (!(milli >= 1000 && milli <= 1e8))
         return false;

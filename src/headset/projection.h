@@ -2,7 +2,7 @@
 /*
  * Computes the camera of one eye of a headset.
  *
- *   The picture of an eye is not symmetric: the forward axis does not pass through its centre.
+ *   The picture of an eye is asymmetric: the forward axis does not pass through its centre.
  *
  *        left   axis  right             tan(angle) = pixels from the axis / focal length
  *      |--------|-----------|
@@ -13,22 +13,21 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Angles of the picture's edges from the forward axis, in radians; right and up are positive. */
+/* Angles from the forward axis to the picture's edges, in radians; positive to the right and up. */
 typedef struct ost_headset_fov {
     double left, right, up, down;
 } ost_headset_fov;
 
 typedef struct ost_headset_projection {
     int32_t focal_milli;  /* focal length in thousandths of a pixel */
-    double middle[2];     /* position of the axis, in pixels from the left and top edges */
-    ost_headset_fov fov;  /* angles of the edges of the picture; they include the requested angles */
+    double middle[2];     /* position of the forward axis in the picture, in pixels from the left and top edges */
+    ost_headset_fov fov;  /* angles of the picture's edges, which cover at least the requested angles */
 } ost_headset_projection;
 
 /*
- * Computes the projection of a picture of width x height pixels that covers the requested angles. Pixels are square: if
- * the picture is wider or higher than the angles require, it extends equally on both sides. Returns false if an angle
- * is not a number or not within 85 degrees, if right <= left or up <= down, or if the focal length is less than a
- * pixel.
+ * Computes the projection of a picture of width x height pixels that covers the requested angles. Pixels are square, so
+ * if the picture is wider or higher than the angles require, it covers more, equally on both sides. Returns false if an
+ * angle is NaN or not within 85 degrees, if right <= left or up <= down, or if the focal length is less than a pixel.
  */
 bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_headset_projection *out);
 

@@ -32,7 +32,8 @@ ost_status ost_room_pose(const ost_room *room, const double at_m[3], const doubl
     for (int a = 0; a < 3; a++)
         at[a] = room->at[a] + 1000 * turned[1 + a];
     product(r, q, both);
-    /* A runtime computes in floats, but the length of a pose's quaternion must be closer to 1, so it is normalized. */
+    /* Runtimes compute in floats, which is not accurate enough for the quaternion of a pose, so it is normalized
+     * here. */
     for (int i = 0; i < 4; i++)
         length += both[i] * both[i];
     length = sqrt(length);

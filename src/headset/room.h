@@ -15,15 +15,18 @@
 #define OST_ROOM_AHEAD_M 0.5
 
 typedef struct ost_room {
-    double at[3]; /* position of the view's target in the bone's frame, in mm */
+    double at[3]; /* target of the view, in the bone's frame, in mm */
     double q[4];  /* rotation from the room's axes to the bone's axes, as a quaternion w x y z */
 } ost_room;
 
-/* Creates a room. right, up and back are orthogonal unit vectors in the bone's frame, in a right-handed order. */
+/*
+ * Creates a room. `right`, `up` and `back` are the axes of the view in the bone's frame: orthogonal unit vectors,
+ * right-handed.
+ */
 ost_room ost_room_make(const double at_mm[3], const double right[3], const double up[3], const double back[3]);
 /*
- * Converts a pose in the room, in metres with a unit quaternion w x y z, to a pose in the bone's frame. Returns
- * OST_ERR_RANGE if a number is NaN or the position is more than 8 m from the bone's origin.
+ * Converts a pose in the room (metres, unit quaternion w x y z) to a pose in the bone's frame. Returns OST_ERR_RANGE if
+ * a number is NaN or the position is more than 8 m from the bone's origin.
  */
 ost_status ost_room_pose(const ost_room *room, const double at_m[3], const double q[4], ost_pose *out, ost_error *err);
 

@@ -97,8 +97,7 @@ ost_status ost_headset_open(ost_headset **out, ost_error *err)
     ost_headset *h = calloc(1, sizeof *h);
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a headset");
-    /* By default, the loader prints several lines for each failure. They are suppressed, because the returned error
-       contains the reason. */
+    /* Suppresses the several lines that the loader prints for each failure; the returned error contains the reason. */
     setenv("XR_LOADER_DEBUG", "none", 0);
     ost_status status = check_extensions(err);
     if (status == OST_OK)
@@ -135,7 +134,10 @@ ost_headset_counts ost_headset_counts_get(const ost_headset *h)
 
 /* ------------------------------------------------------------------ session */
 
-/* The picture contains display values, which a texture in sRGB shows unchanged. */
+/*
+ * Chooses the format of the swapchains: sRGB, or RGBA8 if there is none. The picture contains display values, which are
+ * copied unchanged and which an sRGB texture shows correctly.
+ */
 static ost_status choose_format(const ost_headset *h, int64_t *out, ost_error *err)
 {
     int64_t formats[FORMATS_MAX];
@@ -175,7 +177,7 @@ static ost_status make_swapchain(ost_headset *h, headset_swapchain *s, int64_t f
     return headset_check(h, r, "makes the images of an eye", err);
 }
 
-/* Runs on the thread of the OpenGL context. */
+/* Called on the thread of the OpenGL context. */
 static ost_status make_session(void *user, ost_error *err)
 {
     ost_headset *h = user;
@@ -195,7 +197,7 @@ static ost_status make_session(void *user, ost_error *err)
     int64_t format;
     XrResult r = xrGetInstanceProcAddr(h->instance, "xrGetOpenGLGraphicsRequirementsKHR",
                                        (PFN_xrVoidFunction *)&requirements);
-    /* OpenXR requires this call before a session is created. The next call refuses a context that is too old. */
+    /* OpenXR requires this call before a session is created. xrCreateSession then refuses a context that is too old. */
     if (XR_SUCCEEDED(r))
         r = requirements(h->instance, h->system, &needed);
     if (XR_SUCCEEDED(r))
@@ -252,7 +254,7 @@ ost_status headset_poll(ost_headset *h, ost_error *err)
     return headset_check(h, r, "reports its state", err);
 }
 
-/* Runs on the thread of the OpenGL context. Destroying a session also destroys its swapchains and spaces. */
+/* Called on the thread of the OpenGL context. Destroying a session also destroys its swapchains and spaces. */
 static ost_status destroy_session(void *user, ost_error *err)
 {
     ost_headset *h = user;

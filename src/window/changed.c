@@ -5,13 +5,13 @@
 
 #include "core/bits_run.h"
 
-/* SLACK is the number of unchanged pixels that a box may include if this avoids a further box. */
+/* Maximum number of unchanged pixels that a box may include to avoid a further box. */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
 
 typedef struct range {
-    int begin, end; /* the range is empty unless begin < end */
+    int begin, end; /* half-open range; empty unless begin < end */
 } range;
 
 static uint32_t turned(uint32_t v)
@@ -20,9 +20,8 @@ static uint32_t turned(uint32_t v)
 }
 
 /*
- * Copies the pixels from begin, a multiple of RUN, to end. Extends *r to include the pixels that
- * differ. All pixels are written, and no branch depends on a comparison, so that memory latency
- * does not stall the loop.
+ * Copies the pixels from `begin`, a multiple of RUN, to `end`, and extends *r to include those that differ. Writes all
+ * pixels and does not branch on comparisons, so that memory latency does not stall the loop.
  */
 static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int ahead_from, int ahead_to, range *r)
 {

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Copies a picture to memory that contains the previous picture, and finds boxes around the pixels
- * that differ.
+ * Copies a picture over the previous one in memory, and finds boxes around the pixels that differ.
  *
  *   picture --red and blue swapped--> equal to the stored pixels? --no--> shared memory, boxes --> X server
  *
- * From frame to frame, only a small part of a picture changes, usually the tool and its
- * surroundings. Only cells that may have changed are compared. A comparison costs as much as a
- * write. The cost of later steps, such as the server's copy, is proportional to the size of the
- * boxes.
+ * Usually only a small part of a picture changes from frame to frame: the tool and its surroundings. Only cells that
+ * may have changed are compared. A comparison costs as much as a write, but later steps, such as the server's copy,
+ * take time in proportion to the size of the boxes.
  */
 #ifndef OST_WINDOW_CHANGED_H
 #define OST_WINDOW_CHANGED_H
@@ -24,9 +22,9 @@ typedef struct ost_changed_box {
 } ost_changed_box;
 
 /*
- * Copies the picture and returns the number of boxes. The boxes do not overlap. The array `shared` contains pixels
- * 0x00RRGGBB, in rows of the picture's width. If `shared` does not contain the previous picture, the caller sets
- * `everything`, and all pixels are written.
+ * Copies the picture and returns the number of boxes, which do not overlap. `shared` receives pixels 0x00RRGGBB in rows
+ * of the picture's width. If `shared` does not contain the previous picture, `everything` must be true, so that all
+ * pixels are written.
  */
 int ost_changed_copy(const ost_window_picture *picture, bool everything, uint32_t *shared,
                      ost_changed_box box[OST_CHANGED_BOXES]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements GLFW's callbacks, which queue the user's input and store the window's state. Querying
- * GLFW for the state in every frame would cost a round trip to the X server.
+ * GLFW's callbacks, which queue the user's input and cache the window's state. Querying GLFW for the state in every
+ * frame would cost a round trip to the X server.
  */
 #include "core/clock.h"
 #include "window/glfw_window.h"
@@ -58,7 +58,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
     ost_window *w = glfwGetWindowUserPointer(handle);
     (void)scancode;
     w->mods = mods_of(mods);
-    /* GLFW reports a modifier key with the modifiers that were active before the key was pressed or released. */
+    /* For a modifier key, GLFW reports the modifiers that were active before the key was pressed or released. */
     if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT)
         w->mods = action == GLFW_RELEASE ? w->mods & ~(unsigned)OST_WINDOW_SHIFT : w->mods | OST_WINDOW_SHIFT;
     if (key == GLFW_KEY_LEFT_CONTROL || key == GLFW_KEY_RIGHT_CONTROL)
@@ -76,7 +76,7 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
                .kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
-/* Limits the picture's size to the maximum of OpenGL and of the renderer. The aspect ratio does not change. */
+/* Limits the picture's size to the maximum of both OpenGL and the renderer, preserving the aspect ratio. */
 static void picture_size(const ost_window *w, int *width, int *height)
 {
     const int most = w->side < OST_WINDOW_SIDE ? w->side : OST_WINDOW_SIDE;
@@ -91,10 +91,7 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/*
- * Converts the pointer's position to pixels, because on some systems the coordinates of a window differ from the pixels
- * of the window's framebuffer.
- */
+/* Converts the pointer's position to framebuffer pixels, which on some systems differ from window coordinates. */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
@@ -107,7 +104,7 @@ static void on_move(GLFWwindow *handle, double x, double y)
 static void on_wheel(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);
-    /* Some systems report a horizontal wheel while Shift is pressed. */
+    /* Some systems report the wheel as horizontal while Shift is pressed. */
     add(w, (ost_window_event){.kind = OST_WINDOW_WHEEL, .y = y != 0 ? y : x, .mods = w->mods});
 }
 
@@ -153,7 +150,7 @@ static void on_damage(GLFWwindow *handle)
     w->hidden = false;
 }
 
-/* Queries whether the window is hidden, because not every system reports this. */
+/* Queries whether the window is hidden, because some systems do not report it. */
 static void check_display(ost_window *w)
 {
     const int64_t now = ost_clock_ns();

@@ -11,7 +11,7 @@
 #include "window/changed.h"
 #include "window/x11.h"
 
-/* constants from the binary interfaces of libX11 and libxcb */
+/* constants of the binary interfaces of libX11 and libxcb */
 
 enum { Z_PIXMAP = 2, TRUE_COLOR = 4, VISUAL_ID_MASK = 1 };
 
@@ -19,7 +19,7 @@ typedef struct xcb_cookie {
     unsigned sequence;
 } xcb_cookie;
 
-/* This struct has the layout of XVisualInfo. */
+/* Must have the layout of XVisualInfo. */
 typedef struct visual_info {
     void *visual;
     unsigned long id;
@@ -28,7 +28,7 @@ typedef struct visual_info {
     int colormap_size, bits_per_rgb;
 } visual_info;
 
-/* This struct has the layout of the first fields of xcb_get_window_attributes_reply_t. */
+/* Must have the layout of the first fields of xcb_get_window_attributes_reply_t. */
 typedef struct attributes {
     uint8_t type, backing_store;
     uint16_t sequence;
@@ -56,8 +56,8 @@ typedef struct calls {
 } calls;
 
 /*
- * Finds a function by name. Returns false if there is no such function. If a library is missing, its handle is NULL,
- * which is equal to RTLD_DEFAULT. dlsym then searches the program and does not find the function either.
+ * Finds a function by name. Returns false if it does not exist. The handle of a missing library is NULL, which equals
+ * RTLD_DEFAULT; dlsym then searches the program and does not find the function either.
  */
 static bool find(void *library, const char *name, void *function)
 {
@@ -76,9 +76,9 @@ struct ost_shm {
     uint8_t depth;
     uint32_t *pixels; /* owned; shared with the server */
     size_t capacity;  /* number of pixels for which memory is reserved */
-    /* size of the picture in the shared memory and in the window; 0 if the size is unknown */
+    /* size of the picture in shared memory and in the window; 0 if unknown */
     int width, height;
-    bool pending;     /* set while the last picture is being copied */
+    bool pending;     /* true while the server copies the last picture */
     xcb_cookie copied;
 };
 
@@ -101,7 +101,7 @@ static bool load(ost_shm *s)
            find(shm, "xcb_shm_put_image", &x->put);
 }
 
-/* Waits for a reply. Requests are processed in order, so a reply means that all earlier requests are complete. */
+/* Waits for a reply. Requests are processed in order, so all earlier requests are then complete. */
 static attributes *wait_for(ost_shm *s, xcb_cookie pending)
 {
     void *error = NULL;
@@ -118,8 +118,8 @@ static bool went_well(ost_shm *s, xcb_cookie checked)
 }
 
 /*
- * Returns true if pixels have eight bits per colour in the byte order of this machine, with red in the highest of the
- * three bytes. Sets s->depth.
+ * Returns true if pixels have eight bits per colour in native byte order, with red in the highest of the three bytes.
+ * Sets s->depth.
  */
 static bool learn_pixels(ost_shm *s)
 {
@@ -234,7 +234,7 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
         shm->pending = false;
         if (!a) {
             lost(shm);
-            /* this call has no effect if the loss of the server has already been recorded */
+            /* no-op if the loss of the server has already been recorded */
             ost_x11_lost(OST_X11_NO_WINDOW);
             return false;
         }
@@ -256,6 +256,6 @@ bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture)
     }
     shm->copied = shm->x.get_attributes(shm->connection, shm->window);
     shm->pending = true;
-    /* libxcb buffers requests until the program waits for a reply or the buffer is full. */
+    /* Without this flush, libxcb would keep the request until the program waits for a reply or the buffer is full. */
     return shm->x.flush(shm->connection) > 0 || lost(shm);
 }

@@ -4,9 +4,9 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software OpenGL would draw the finished picture again, pixel by pixel. On one core this takes a third of a frame's
- * time. The program is not linked with the X libraries. GLFW and the driver load these libraries, and the functions are
- * looked up by name. If a precondition is not met, OpenGL shows the picture instead.
+ * A software OpenGL would draw the finished picture again, pixel by pixel, which on one core takes a third of a frame's
+ * time. The program is not linked with the X libraries: GLFW and the driver load them, and the functions are looked up
+ * by name. If shared memory is not available, OpenGL shows the picture instead.
  *
  * All functions must be called on the window's thread.
  */
@@ -21,15 +21,15 @@
 typedef struct ost_shm ost_shm;
 
 /*
- * Opens the shared memory. Returns NULL if the window is not an X11 window, if the server runs on another machine, or
- * if the pixels of the window do not have eight bits each of red, green and blue.
+ * Opens the shared memory. Returns NULL if the window is not an X11 window, if the server is on another machine, or if
+ * the window's pixels do not have eight bits each of red, green and blue.
  */
 ost_shm *ost_shm_open(void *glfw_window);
 /* Frees `shm`, which may be NULL. The window may already be destroyed. */
 void ost_shm_close(ost_shm *shm);
 /* Marks the contents of the window as unknown, so that the next picture is copied completely. `shm` may be NULL. */
 void ost_shm_forget(ost_shm *shm);
-/* Shows the picture. Returns false on failure; all later calls then fail as well. */
+/* Shows the picture. Returns false on failure; all later calls then fail too. */
 bool ost_shm_present(ost_shm *shm, const ost_window_picture *picture);
 
 #endif

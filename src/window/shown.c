@@ -66,7 +66,7 @@ void ost_shown_free(ost_shown *shown)
 bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int width, int height, int frame_width,
                     int frame_height)
 {
-    /* Another module may have drawn with this context and changed its state. */
+    /* Another module may have changed the state of this context. */
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glDisable(GL_DEPTH_TEST);
     glActiveTexture(GL_TEXTURE0);
@@ -75,7 +75,7 @@ bool ost_shown_draw(ost_shown *shown, const uint32_t *pixels, int stride, int wi
     glPixelStorei(GL_UNPACK_ROW_LENGTH, stride);
     if (width != shown->width || height != shown->height) {
         for (int old = 0; old < 16 && glGetError() != GL_NO_ERROR; old++)
-            ; /* the number of reads is limited, because a lost context may report errors without end */
+            ; /* limited, because a lost context may report errors forever */
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
         shown->width = shown->height = 0;
         if (glGetError() != GL_NO_ERROR)

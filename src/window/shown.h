@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shows pixels in a window with the current OpenGL context, as a texture on a triangle that covers the window. */
+/* Shows pixels in a window through the current OpenGL context, as a texture on a triangle that covers the window. */
 #ifndef OST_WINDOW_SHOWN_H
 #define OST_WINDOW_SHOWN_H
 
@@ -9,7 +9,7 @@
 #include <epoxy/gl.h>
 
 typedef struct ost_shown {
-    /* `nothing` is an empty vertex array object, which a core profile requires */
+    /* `nothing` is an empty vertex array object, which the core profile requires */
     GLuint program, texture, nothing;
     int width, height;                /* size of the texture */
 } ost_shown;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Manages GLFW's window: opens it, presents pictures, and recreates it.
+ * Manages the GLFW window: opens it, presents pictures, and recreates it.
  *
- * Three events can end a window during an operation, but they must not end the program. The first is a reset of the
- * driver. All OpenGL objects must then be recreated, which with GLFW requires a new window. The other two are the loss
- * of the X server and the destruction of the window by another program (x11.h).
+ * Three events can end a window during an operation, but must not end the program: a reset of the driver, after which
+ * all OpenGL objects must be recreated, which with GLFW requires a new window; the loss of the X server; and the
+ * destruction of the window by another program (x11.h).
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,8 +52,8 @@ static bool is_set(const char *variable)
 }
 
 /*
- * Initializes GLFW if the environment names a display. Without a display, libraries such as
- * libwayland may write to standard error.
+ * Initializes GLFW, but only if the environment names a display. Without one, libraries such as libwayland may write to
+ * standard error.
  */
 static ost_status begin(ost_error *err)
 {
@@ -61,7 +61,7 @@ static ost_status begin(ost_error *err)
     if (!wayland && !is_set("DISPLAY"))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "cannot open a window: DISPLAY is not set; pass --headless to run without a window");
-#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; earlier builds support only one platform */
+#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; earlier versions are built for one platform */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
@@ -92,9 +92,8 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
 }
 
 /*
- * Creates a window whose context has the newest supported version. If the driver supports no
- * version from 3.3 on, a window without a version requirement is opened, and the error message
- * reports the version of its context.
+ * Creates a window whose context has the newest supported version from 3.3 on. If there is none, opens a window of any
+ * version, only to report its version in the error message.
  */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {
@@ -105,7 +104,7 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
         ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
                  why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
-            return OST_ERR_UNAVAILABLE; /* the window failed for a reason other than the OpenGL version */
+            return OST_ERR_UNAVAILABLE; /* the window failed for another reason than the OpenGL version */
         return too_old(w, err);
     }
     create(w, 64, 64, 0, 0);
@@ -116,7 +115,7 @@ static void learn(ost_window *w)
 {
     GLint side = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
-    w->side = side >= 1024 ? side : 1024; /* OpenGL 3.3 guarantees at least 1024, so a smaller value is ignored */
+    w->side = side >= 1024 ? side : 1024; /* OpenGL 3.3 guarantees at least 1024, so smaller values are ignored */
     w->reset_notification = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_KHR_robustness") ? BY_KHR
                      : epoxy_has_gl_extension("GL_ARB_robustness")                         ? BY_ARB
                                                                                            : NO_NOTIFICATION;
@@ -158,7 +157,7 @@ ost_status ost_window_open(const char *title, int width, int height, ost_window 
     return OST_OK;
 }
 
-/* Closes the window. If the display is gone, no function of GLFW is called. */
+/* Closes the window. Calls no GLFW function if the display is gone. */
 void ost_window_close(ost_window *window)
 {
     if (!window)
@@ -248,7 +247,7 @@ void ost_window_title(ost_window *window, const char *title)
         glfwSetWindowTitle(window->handle, window->title);
 }
 
-/* Recreates the window at the same position and size, because an OpenGL context belongs to its window. */
+/* Recreates the window at the same position and size; a new OpenGL context requires a new window. */
 static ost_status restart(ost_window *w, ost_error *err)
 {
     int x, y;
@@ -268,7 +267,7 @@ static ost_status restart(ost_window *w, ost_error *err)
     glfwDestroyWindow(w->handle);
     w->handle = NULL;
     w->shown = (ost_shown){0};
-    w->spilt = true; /* events of released keys and buttons may have been missed */
+    w->spilt = true; /* releases of keys and buttons may have been missed */
     ost_status status = make(w, width > 0 ? width : 640, height > 0 ? height : 360, err);
     if (status != OST_OK)
         return ost_fail_context(err, "the graphics driver was reset");
@@ -296,8 +295,8 @@ static bool was_reset(const ost_window *w)
 }
 
 /*
- * Presents the picture through shared memory. Returns false if OpenGL must present the picture, for
- * example because it must be scaled to a frame of another size.
+ * Presents the picture through shared memory. Returns false if OpenGL must do it, for example because the picture must
+ * be scaled to the size of the window.
  */
 static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {

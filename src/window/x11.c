@@ -8,7 +8,7 @@
 
 enum { BAD_WINDOW = 3, BAD_DRAWABLE = 9 };
 
-/* This struct has the layout of XErrorEvent, which is part of libX11's binary interface. */
+/* Must have the layout of XErrorEvent, which is part of libX11's binary interface. */
 typedef struct x11_error {
     int type;
     void *display;
@@ -35,7 +35,7 @@ static int on_error(void *display, x11_error *error)
     return 0;
 }
 
-/* Unlike libX11's own handler, prints nothing, because the caller of ost_x11_state_get reports the error. */
+/* Unlike libX11's default handler, prints nothing, because the caller of ost_x11_state_get reports the error. */
 static int on_io_error(void *display)
 {
     (void)display;
