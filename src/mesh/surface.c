@@ -5,8 +5,8 @@
 #include <string.h>
 
 /*
- * A cell is the cube between eight voxel centres. Corner c is at (c & 1, c >> 1 & 1, c >> 2). Edge e = 4 * axis + p
- * is parallel to `axis`. The two bits of p are the edge's position along the axes axis + 1 and axis + 2 (mod 3).
+ * A cell is the cube between eight voxel centres. Corner c is at (c & 1, c >> 1 & 1, c >> 2). Edge e = 4 * axis + p is
+ * parallel to `axis`; bits 0 and 1 of p are its positions along the axes axis + 1 and axis + 2 (mod 3).
  */
 enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
 
@@ -24,21 +24,21 @@ static int edge_between(int a, int b)
     abort();
 }
 
-/* The loops of the surface in a cell, for one of the 256 patterns of solid corners. */
+/* The loops of the surface in a cell, for one of the 256 sets of solid corners. */
 typedef struct pattern {
     uint8_t loop_count;
     struct {
         uint8_t length;
         /*
-         * A vertex whose fan of triangles has no diagonal in a face of the cell; -1 if there is no such vertex. With
-         * -1, the loop needs a vertex in its middle.
+         * index of a vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if there is none,
+         * in which case the loop needs an additional vertex in its middle
          */
         int8_t apex;
         uint8_t edge[LOOP_MAX];
     } loop[4];
 } pattern;
 
-/* Returns the four corners of the face (axis, side), counter-clockwise as seen from outside the cell. */
+/* Computes the four corners of the face (axis, side), counter-clockwise as seen from outside the cell. */
 static void face_corners(int axis, int side, int corner[4])
 {
     int u = (axis + 1) % 3, v = (axis + 2) % 3, base = side << axis;
@@ -48,10 +48,9 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * Computes next[e], the edge that follows e in a loop of the surface. A walk around a face, counter-clockwise as
- * seen from outside the cell, enters a run of solid corners across one edge and leaves it across another; the
- * surface connects the first edge to the second. The loops are then counter-clockwise as seen from the empty
- * region.
+ * Computes next[e], the edge that follows edge e in a loop of the surface. On a walk around a face, counter-clockwise
+ * as seen from outside the cell, each run of solid corners is entered across one edge and left across another, and the
+ * surface connects the first edge to the second. Loops are therefore counter-clockwise as seen from the empty side.
  */
 static void join_faces(int solid, int next[EDGES])
 {
@@ -70,7 +69,7 @@ static void join_faces(int solid, int next[EDGES])
     }
 }
 
-/* Returns true if two edges lie in the same face of a cell, that is, if their four ends agree in one coordinate. */
+/* Returns true if two edges lie in a common face of the cell, that is, if all four ends agree in one coordinate. */
 static bool share_face(int e, int f)
 {
     int all = edge_corner(e, 0) & edge_corner(e, 1) & edge_corner(f, 0) & edge_corner(f, 1);
@@ -114,21 +113,21 @@ static void pattern_make(int solid, pattern *p)
 /* ------------------------------------------------------------ the volume */
 
 /*
- * Cells are processed in slabs of ascending z. Vertex indices are stored for the lattice edges of two slices of
- * centres: the edges along x and y in each slice, and the edges along z between the slices.
+ * Processes cells in slabs of ascending z. Vertex indices are stored for the edges of two slices of voxel centres:
+ * those along x and y within each slice, and those along z between the slices.
  */
 typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
     int64_t nx, ny;          /* numbers of voxel centres along x and y, including an empty border: dims + 2 */
-    /* vertex indices of the edges along x and y: [0 lower slice, 1 upper slice][0 along x, 1 along y] */
+    /* vertex indices of the edges in the lower [0] and upper [1] slice, along x [][0] and y [][1] */
     uint32_t *slice[2][2];
     uint32_t *between;       /* vertex indices of the edges along z */
     ost_mesh mesh;
     size_t vertex_capacity, triangle_capacity;
     /* position of each vertex on its edge, from 0 (lower end) to 1; -1 for a vertex in the middle of a loop */
     float *coordinates;
-    uint8_t *along;          /* bits 0-1: axis of the edge; bit 2: set if the lower end is solid */
+    uint8_t *along;          /* axis of each vertex's edge in bits 0 and 1; bit 2 is 1 if the lower end is solid */
     pattern patterns[256];
 } builder;
 
@@ -148,7 +147,7 @@ static int density_at(const builder *b, int64_t i, int64_t j, int64_t k)
     return b->volume->voxels[i + d.x * (j + d.y * k)];
 }
 
-/* Returns the next capacity, about 1.5 times the current capacity. Arrays with a common capacity grow together. */
+/* Returns the next capacity, about 1.5 times the current one. */
 static size_t more(size_t capacity)
 {
     return capacity + capacity / 2 + 4096;
@@ -183,7 +182,7 @@ static ost_pm3 centre(const builder *b, int64_t i, int64_t j, int64_t k)
 }
 
 /*
- * Limits the position of a vertex to a minimum distance from the ends of its edge, so that no triangle is degenerate.
+ * Clamps the position of a vertex to a minimum distance from the ends of its edge, so that no triangle is degenerate.
  */
 static float clamped_off_ends(float t)
 {
@@ -202,7 +201,7 @@ static ost_status edge_vertex(builder *b, int64_t i, int64_t j, int64_t k, int a
     int low = density_at(b, i, j, k), high = density_at(b, i + (axis == 0), j + (axis == 1), k + (axis == 2));
     uint32_t v = (uint32_t)b->mesh.vertex_count++;
     b->mesh.vertices[v] = centre(b, i, j, k);
-    /* A voxel at the threshold is solid, so the border lies half a density unit below the threshold. */
+    /* A voxel at the threshold is solid, so the surface is placed half a density unit below the threshold. */
     b->coordinates[v] = clamped_off_ends(((float)b->threshold - 0.5f - (float)low) / (float)(high - low));
     b->along[v] = (uint8_t)(axis | (low >= b->threshold ? 4 : 0));
     *out = v;
@@ -231,9 +230,9 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 }
 
 /*
- * Fills a loop with triangles, either as a fan from its apex or as a fan around a vertex in its middle. The
- * position of a middle vertex depends on the final positions of the loop's vertices. Its coordinate is therefore
- * set to -1, and place_vertices finds the loop from the triangles of the middle vertex.
+ * Fills a loop with triangles: a fan from its apex or, if there is none, a fan around a vertex in its middle. The
+ * position of this middle vertex depends on the final positions of the loop's vertices, so its coordinate is set to -1,
+ * and place_vertices later finds the loop through the triangles of the middle vertex.
  */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {
@@ -274,7 +273,7 @@ static ost_status cell(builder *b, int64_t i, int64_t j, int solid, ost_error *e
     return status;
 }
 
-/* Creates the vertices on the x and y edges within slice k and stores their indices in slot. */
+/* Creates the vertices on the x and y edges within slice k and stores their indices in `slot`. */
 static ost_status slice_vertices(builder *b, int64_t k, uint32_t *slot[2], ost_error *err)
 {
     ost_status status = OST_OK;
@@ -338,9 +337,8 @@ static void position(const builder *b, uint32_t v, double out[3])
 }
 
 /*
- * Smooths the surface. In each round, the mean of a vertex's neighbours is projected onto the edge of the vertex,
- * and the vertex is moved to the projection. All vertices start in the middle of their edges. A few rounds turn the
- * steps between voxels into slopes.
+ * Smooths the surface, so that the steps between voxels become slopes. All vertices start in the middle of their edges.
+ * In each round, each vertex moves along its edge to the projection of the mean of its neighbours.
  */
 static ost_status smooth(builder *b, ost_error *err)
 {
@@ -386,8 +384,8 @@ static ost_pm nearest_pm(double mm)
 }
 
 /*
- * Computes the final positions of the vertices on edges. Then computes each middle vertex of a loop as the mean of
- * the loop's vertices.
+ * Computes the positions of the vertices on edges, and then of each vertex in the middle of a loop as the mean of the
+ * loop's vertices.
  */
 static ost_status place_vertices(builder *b, ost_error *err)
 {

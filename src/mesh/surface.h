@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the surface of the solid voxels of a volume as a closed mesh, for 3D
- * printing and for other programs.
+ * Computes the surface of the solid voxels of a volume as a closed mesh, for 3D printing and for other programs.
  *
- * The method is marching cubes, but the loops are traced instead of tabulated. Every lattice edge between a solid
- * voxel centre and an empty one has one vertex. On each face of a cell, the vertices are connected by segments so
- * that solid corners remain separate. The segments form closed loops, and each loop is filled with triangles. A
- * segment belongs to the two cells that share its face, once in each direction, so every mesh edge belongs to
- * exactly two triangles. Therefore the surface is closed for every set of voxels. All space outside the grid is
- * empty.
+ * The method is marching cubes, with loops that are traced instead of tabulated. Each lattice edge between a solid and
+ * an empty voxel centre has one vertex. On each face of a cell, segments connect the vertices so that diagonally
+ * opposite solid corners remain separate. The segments form closed loops, and each loop is filled with triangles. A
+ * segment belongs to the two cells that share its face, once in each direction, so each mesh edge belongs to exactly
+ * two triangles, and the surface is closed for every set of voxels. Space outside the grid is empty.
  *
  *     o---x---o     o solid, x vertex      two solid corners across a face:
  *     |  /    |     . empty                o--x--.
@@ -16,8 +14,8 @@
  *     | \     |                            x   / x   is cut off alone
  *     .  `x---.                            .--x--o
  *
- * A vertex always lies on its lattice edge, so its distance from the border between
- * the two voxels is at most half a voxel.
+ * A vertex always lies on its lattice edge, so its distance from the border between the two voxels is at most half a
+ * voxel.
  */
 #ifndef OST_MESH_SURFACE_H
 #define OST_MESH_SURFACE_H
@@ -26,14 +24,14 @@
 #include <osteon/mesh.h>
 
 typedef enum ost_surface_placement {
-    OST_SURFACE_DENSITY, /* places vertices where the density crosses the threshold; intended for a CT */
+    OST_SURFACE_DENSITY, /* places vertices where the density crosses the threshold, as needed for a CT */
     OST_SURFACE_SMOOTH   /* smooths the border between solid and empty voxels; intended for a bone or a tool, whose
                           * empty voxels are 0 */
 } ost_surface_placement;
 
 /*
- * Extracts the surface of the voxels at or above the threshold. Faces point outward; vertices are in the frame of the
- * volume. Returns OST_ERR_INPUT if no voxel is solid, and OST_ERR_RANGE if the surface has more than
+ * Extracts the surface of the voxels whose density is at least the threshold. Faces point outward; vertices are in the
+ * frame of the volume. Returns OST_ERR_INPUT if no voxel is solid, and OST_ERR_RANGE if the surface has more than
  * OST_MESH_TRIANGLES_MAX triangles.
  */
 ost_status ost_surface_extract(const ost_volume *volume, int32_t threshold, ost_surface_placement position,
