@@ -14,7 +14,7 @@ layout(std140) uniform Eye {
     vec4 eye_forward;
     vec4 axis_0;      /* w is the distance of the forward axis from the picture's left edge, in pixels */
     vec4 axis_1;      /* w is the distance of the forward axis from the picture's top edge, in pixels */
-    vec4 axis_2;      /* w is the distance of the near plane */
+    vec4 axis_2;      /* w is the distance of the near plane along the forward axis, in voxels */
     /* x and y are the size of the picture in pixels; z and w map a squared distance to a depth: distance^2 * z + w */
     vec4 frame;
     /*

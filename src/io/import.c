@@ -119,7 +119,7 @@ static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshol
     const ost_geometry *g = &j->result->rect;
     const double c = (double)cubic, all = ost_machine_memory();
     const double along[3] = {(double)g->spacing.x / c, (double)g->spacing.y / c, (double)g->spacing.z / c};
-    /* size in bytes of the cubic grid per voxel of the rect grid */
+    /* bytes in the cubic grid for each voxel of the rect grid */
     const double each = 2 * along[0] * along[1] * along[2];
     if (g->dims.x * along[0] > OST_DIM_MAX || g->dims.y * along[1] > OST_DIM_MAX ||
         g->dims.z * along[2] > OST_DIM_MAX || (double)ost_dims_count(g->dims) * each <= all)

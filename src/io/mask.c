@@ -55,9 +55,7 @@ static ost_status place(const char *path, const char *mask, const ost_geometry *
                     path);
 }
 
-/*
- * Replaces the label map with a label map on the grid of the CT. Voxels outside the original label map get the label 0.
- */
+/* Extends or crops the label map to the grid of the CT. Voxels outside the original label map get the label 0. */
 static ost_status move(const char *mask, const ost_geometry *g, const placed *where, ost_volume *labels, ost_error *err)
 {
     const ost_dims n = g->dims, k = labels->geometry.dims;

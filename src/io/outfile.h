@@ -73,8 +73,8 @@ const char *ost_outfile_path(const ost_outfile *file);
 int ost_outfile_descriptor(const ost_outfile *file);
 
 /*
- * Completes the file under its name and frees the outfile. If an error occurs, no file is left, and the outfile is
- * also freed.
+ * Completes the file under its final name and frees the outfile. On error, no file is left, and the outfile is freed
+ * too.
  */
 ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
 /* Removes the unfinished file and frees the outfile. `file` may be NULL. */

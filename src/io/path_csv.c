@@ -412,7 +412,7 @@ ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err)
 
 enum { NUMBER = 40 };
 
-/* Formats value / 10^places without trailing zeros. Required: 0 <= places <= 18. */
+/* Formats value / 10^places without trailing zeros. Requires 0 <= places <= 18. */
 static const char *format_scaled(int64_t value, int places, char text[NUMBER])
 {
     uint64_t remainder = value < 0 ? -(uint64_t)value : (uint64_t)value;

@@ -30,7 +30,7 @@ enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
     INT64_C(150000000)
 
 typedef struct ost_viewer {
-    ost_live_channel *live;      /* borrowed; NULL if no operation is followed */
+    ost_live_channel *live;      /* borrowed; live state of the operation that is followed; NULL if none */
     ost_surface bone;
     ost_surface tool[OST_VIEWER_TOOLS];
     ost_tool_geometry tool_grid[OST_VIEWER_TOOLS];

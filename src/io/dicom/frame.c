@@ -87,7 +87,7 @@ void ost_dicom_frame_of(const ost_dicom_record *record, ost_dicom_frame *out)
             out->bad = OST_DICOM_SPACING;
             snprintf(out->bad_value, sizeof out->bad_value, "%s", record->spacing[i]);
         }
-    /* PixelSpacing is the distance between rows, then the distance between columns. */
+    /* PixelSpacing states the distance between rows first, but spacing[0] is the distance between columns. */
     out->spacing[0] = spacing[1];
     out->spacing[1] = spacing[0];
     if (!read_decimal(record->thickness, OST_PM_PER_MM, OST_LENGTH_MAX, &out->thickness) || out->thickness < 0)

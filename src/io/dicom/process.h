@@ -49,9 +49,9 @@ typedef struct ost_dicom_process {
 ost_status ost_dicom_program(const char *input, char path[OST_DICOM_PATH_MAX], ost_error *err);
 
 /*
- * Starts a process. `request` is the descriptor of an open file at position 0. `images` is the number of images in
- * the request, which determines the limit of processor time. The function initialises *out; after a failure, *out may
- * be passed to ost_dicom_process_end.
+ * Starts a process. `request` is the descriptor of an open file at position 0. `images` is the number of images in the
+ * request, which determines the limit on processor time. *out is initialised in all cases, and may be passed to
+ * ost_dicom_process_end even after a failure.
  */
 ost_status ost_dicom_process_start(const ost_dicom_launch *launch, int request, size_t images, ost_dicom_process *out,
                                    ost_error *err);
@@ -72,7 +72,7 @@ ost_status ost_dicom_process_read(ost_dicom_process *process, const char *file, 
  */
 ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_error *err);
 
-/* Kills the process, waits for its end, and closes the pipe. */
+/* Kills the process, waits until it has exited, and closes the pipe. */
 void ost_dicom_process_end(ost_dicom_process *process);
 
 #endif

@@ -45,7 +45,7 @@ typedef struct ost_dicom_request {
     uint8_t salt[OST_DICOM_SALT];
 } ost_dicom_request;
 
-/* An image to read. The expected size of its pixels is 2 * columns * rows bytes. */
+/* An image to read. Its pixels must have 2 * columns * rows bytes. */
 typedef struct ost_dicom_image {
     uint32_t file; /* index of the path in the request */
     uint32_t frame;
@@ -53,10 +53,10 @@ typedef struct ost_dicom_image {
 } ost_dicom_image;
 
 typedef enum ost_dicom_type {
-    OST_DICOM_FRAME,  /* the payload is an ost_dicom_record; the index is the index of the path */
-    /* the payload is an ost_dicom_result as a uint32_t; the index is the index of the path or image */
+    OST_DICOM_FRAME,  /* payload: an ost_dicom_record; index: that of the path */
+    /* payload: an ost_dicom_result as a uint32_t; index: that of the path or image */
     OST_DICOM_FILE,
-    /* the payload consists of the stored pixel cells, rows * columns uint16_t; the index is the index of the image */
+    /* payload: the stored pixel cells, rows * columns uint16_t; index: that of the image */
     OST_DICOM_PIXELS,
     OST_DICOM_END,    /* no payload */
     OST_DICOM_TYPE_COUNT
@@ -91,7 +91,7 @@ enum {
     OST_DICOM_IMAGE_SIGNED = 1 << 2,
     OST_DICOM_IMAGE_COLOUR = 1 << 3,    /* the image has more than one sample per pixel, or a colour palette */
     OST_DICOM_IMAGE_FLOAT = 1 << 4,     /* the image has FloatPixelData or DoubleFloatPixelData */
-    OST_DICOM_IMAGE_LUT = 1 << 5,       /* the image has a ModalityLUTSequence, which is not a linear function */
+    OST_DICOM_IMAGE_LUT = 1 << 5,       /* the image has a ModalityLUTSequence, that is, its rescaling is not linear */
     OST_DICOM_IMAGE_PADDED = 1 << 6,    /* padding_first and padding_last are valid */
     OST_DICOM_IMAGE_NUMBERED = 1 << 7,  /* series_number is valid */
     OST_DICOM_IMAGE_ENCRYPTED = 1 << 8, /* the image has an EncryptedAttributesSequence */
@@ -110,7 +110,7 @@ typedef struct ost_dicom_record {
     uint32_t bits_allocated, bits_stored, high_bit;
     int32_t series_number;
     int32_t padding_first, padding_last; /* PixelPaddingValue and PixelPaddingRangeLimit; the smaller value is first */
-    /* identity of the patient; all bytes are 0 if the file does not state the patient */
+    /* identity of the patient; all bytes are 0 if the file does not identify the patient */
     uint8_t patient[OST_DICOM_IDENTITY];
     uint8_t study[OST_DICOM_IDENTITY];
     uint8_t reference[OST_DICOM_IDENTITY]; /* identity of the frame of reference */

@@ -13,9 +13,7 @@
  */
 bool ost_dicom_sniff(const unsigned char *head, size_t size);
 
-/*
- * Reads one series from a folder, or one file. The parameters are the same as for ost_volume_read_any (volume_read.h).
- */
+/* Reads one series from a folder, or one file. For the parameters, see ost_volume_read_any (volume_read.h). */
 ost_status ost_dicom_read(const char *path, const ost_volume_options *options, const ost_target *target,
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                           ost_error *err);

@@ -11,10 +11,7 @@
 #include "core/printable.h"
 #include "io/dicom/request.h"
 
-/*
- * Minimum number of files for which a process is started. A process starts in about 20 ms and scans about 3,000 files
- * per second.
- */
+/* Minimum number of files per process. A process takes about 20 ms to start and scans about 3,000 files per second. */
 enum { FILES_PER_PROCESS = 64 };
 
 void ost_dicom_scan_free(ost_dicom_scan *scan)
@@ -105,10 +102,7 @@ static ost_status grow(const char *path, void **items, size_t *capacity, size_t 
     return OST_OK;
 }
 
-/*
- * Finds the series of a record, and adds a new series if there is none. The series of the previous image is tried
- * first.
- */
+/* Finds the series of a record, starting with the series of the previous image. Adds a new series if there is none. */
 static ost_status find_series(ost_dicom_scan *scan, const char *file, const ost_dicom_record *record, uint32_t *out,
                               ost_error *err)
 {
@@ -172,7 +166,7 @@ ost_status ost_dicom_scan_add(ost_dicom_scan *scan, size_t file, const ost_dicom
 
 /* ------------------------------------------------------------------- scan */
 
-/* Receives the messages about the files with the indices from `first` to `end` - 1. */
+/* Receives the messages about the files `first` to `end` - 1. */
 static ost_status receive(ost_dicom_scan *scan, ost_dicom_process *process, size_t first, size_t end, ost_error *err)
 {
     size_t at = first;

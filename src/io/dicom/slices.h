@@ -18,7 +18,7 @@ typedef struct ost_dicom_slices {
     ost_dicom_images images;
     ost_dicom_table table;
     const ost_dicom_frame *frame; /* image of the slice that was read last */
-    const int16_t *current;       /* slice of the result whose rows are requested; NULL without resampling */
+    const int16_t *current;       /* slice of the result whose rows are being returned; NULL without resampling */
     size_t index;              /* number of stack slices read so far; used only for evened stacks */
     int16_t *plain;            /* owned; a slice that is not yet sheared */
     /* owned; for evened stacks, the last two slices; for stacks that are only untilted, `before` is the last slice
@@ -37,9 +37,8 @@ void ost_dicom_slices_close(ost_dicom_slices *slices);
 ost_status ost_dicom_slices_row(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
 
 /*
- * Shifts a slice of columns * rows densities by -drift. The result has sizes[0] * sizes[1] pixels, and its first
- * pixel lies `margin` pixels before the first pixel of the slice. A result pixel that does not lie between pixels of
- * the slice becomes air.
+ * Shifts a slice of columns * rows densities by -drift. The result has sizes[0] * sizes[1] pixels, and its first pixel
+ * lies `margin` pixels before the first pixel of the slice. Result pixels outside the slice become air.
  */
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to);

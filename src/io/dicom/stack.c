@@ -403,7 +403,7 @@ static void set_slice_axis(ost_dicom_stack *stack, int64_t steps)
         square += (ost_i128)normal[w] * normal[w];
         product += (ost_i128)(last->position[w] - first->position[w]) * normal[w];
     }
-    /* |product| < 3 * 2^75 and |normal| < 2^31, so the dividend is below 2^108. */
+    /* |product| < 3 * 2^75 and |normal| < 2^31, so the dividends are below 2^108. */
     for (int w = 0; w < 3; w++)
         stack->affine.column[2][w] =
             stack->untilted ? (ost_pm)ost_rhe_div128(product * normal[w], square * steps)

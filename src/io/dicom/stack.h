@@ -24,7 +24,7 @@ typedef struct ost_dicom_slice {
     size_t doubles;  /* number of further images at the same position, which directly follow the first image */
     /* distance from the first slice along the normal; 0 for the first slice, then strictly increasing */
     ost_pm along;
-    ost_pm drift[2]; /* offset from the first slice in the direction of increasing columns and of increasing rows */
+    ost_pm drift[2]; /* offset from the first slice along increasing columns and along increasing rows */
 } ost_dicom_slice;
 
 typedef struct ost_dicom_stack {

@@ -35,8 +35,8 @@ ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err)
 void ost_mesh_input_free(mesh_input *in);
 
 /*
- * The functions that check a file, one for each kind. If the file has an error, they return OST_ERR_INPUT with a line
- * number or an offset.
+ * Each function checks a file of one kind. Returns OST_ERR_INPUT, with a line number or an offset in the message, if
+ * the file has an error.
  */
 ost_status ost_mesh_check_stl_binary(mesh_input *in, ost_error *err);
 ost_status ost_mesh_check_stl_ascii(mesh_input *in, ost_error *err);

@@ -5,13 +5,12 @@
  *   load and check (mesh/input.h) -> assimp, from memory -> float32 vertices
  *   -> times the unit -> RHE to picometres -> equal vertices joined
  *
- * assimp does no post-processing, so triangles are in the file's order. Its nodes
- * are ignored too: the check has disabled everything that could move a part, so
- * every vertex is in the file's own frame (assimp would rotate a 3DS by 90 degrees
- * at its root).
+ * assimp does no post-processing, so triangles are in the file's order. The transforms of assimp's nodes are ignored,
+ * for example the rotation of a 3DS file by 90 degrees at its root. The check has disabled everything in the file that
+ * could move a part, so every vertex is in the file's own frame.
  *
- * A vertex is the exact value of assimp's float32, times the unit, RHE to
- * picometres (AR-MESH-2).
+ * A coordinate is the exact value of assimp's float32 times the unit, rounded half to even (RHE) to picometres
+ * (AR-MESH-2).
  */
 #include "io/mesh/input.h"
 

@@ -6,11 +6,10 @@
  *   osteon_KEY = VALUE       a fact (AR-FILE-8)
  *   ElementDataFile = ...    the last key: LOCAL (the data follow) or the names of files (volume/data_files.h)
  *
- * As in ITK, positions are in millimetres in LPS, TransformMatrix has the direction of each axis of the grid as a row,
- * and Offset is the centre of the first voxel. The field AnatomicalOrientation is ignored, as in ITK, because many
- * programs write it without regard to the matrix. A spacing is rounded half to even to picometres before it is
- * multiplied by a direction, and the product is rounded again. Numbers without BinaryDataByteOrderMSB are little-endian
- * on every host.
+ * As in ITK, positions are in millimetres in LPS, each row of TransformMatrix is the direction of one axis of the grid,
+ * and Offset is the centre of the first voxel. AnatomicalOrientation is ignored, as in ITK, because many programs write
+ * it without regard to the matrix. A spacing is rounded half to even to picometres before it is multiplied by a
+ * direction, and the product is rounded again. Without BinaryDataByteOrderMSB, numbers are little-endian on every host.
  */
 #ifndef OST_IO_METAIMAGE_HEADER_H
 #define OST_IO_METAIMAGE_HEADER_H

@@ -2,10 +2,9 @@
 /*
  * Interprets a NIfTI-1 or -2 header.
  *
- * libnifti swaps the bytes and names the fields. It does not check a header, so
- * every field on which it relies is checked here first. Voxels are never read
- * through it, because it would replace NaN with 0 and load the complete file into
- * memory.
+ * libnifti converts a raw header to native byte order and a struct. It does not check the header, so every field on
+ * which it relies is checked here first. Voxels are never read through libnifti, because it would replace NaN with 0
+ * and load the complete file into memory.
  *
  *   orientation   sform if its code is 1 (scanner) or 2 (aligned), otherwise
  *                 qform if its code is > 0, otherwise sform if its code is > 2,
@@ -22,8 +21,8 @@
  *   values        times slope plus intercept; a slope of 0, NaN or infinity
  *                 means none
  *
- * header.c computes the affine only with + * / and sqrt of doubles, which IEEE 754 defines exactly. header.c is
- * compiled without contraction.
+ * header.c computes the affine with only + * / and sqrt of doubles, which IEEE 754 defines exactly, and is compiled
+ * without contraction.
  */
 #ifndef OST_IO_NIFTI_HEADER_H
 #define OST_IO_NIFTI_HEADER_H

@@ -28,8 +28,8 @@ static ost_nrrd_field find_field(const char *name)
 /* ------------------------------------------------------------------ lines */
 
 /*
- * Replaces the format's escapes: "\\" becomes a backslash, and "\n" becomes a space, because a value in this program
- * is one line.
+ * Replaces the format's escapes: "\\" becomes a backslash, and "\n" becomes a space, because header facts are single
+ * lines.
  */
 static void unescape(char *value)
 {

@@ -8,7 +8,7 @@
 
 #include "io/nrrd/write.h"
 
-/* Upper limits in bytes: FIELDS for the fields of one segment, COMMON for the fields before all segments. */
+/* Maximum sizes in bytes: FIELDS for the fields of one segment, COMMON for the fields before the segments. */
 enum { FIELDS = 2 * OST_META_VALUE + 500, COMMON = 300 };
 
 /*

@@ -53,7 +53,7 @@ static void decode_tick(const unsigned char *in, ost_session_tick *out)
         .number = get64(in + 8),
         .tick = {.t_ns = (int64_t)get64(in + 16),
                  .tool = (int32_t)get32(in + 64),
-                 .rpm = get16(in + 90) - 1, /* 0 in a session of version 1, which decodes as OST_RPM_ON */
+                 .rpm = get16(in + 90) - 1, /* always 0 in sessions of version 1, which thus decode as OST_RPM_ON */
                  .pose = {.t = {(int64_t)get64(in + 24), (int64_t)get64(in + 32), (int64_t)get64(in + 40)},
                           .qw = (int32_t)get32(in + 48),
                           .qx = (int32_t)get32(in + 52),

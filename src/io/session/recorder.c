@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The recorder consists of a ring buffer and a writer thread that writes the records from the ring to the file.
+ * A recorder consists of a ring buffer and a thread that writes the records from the ring to the file.
  *
  *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
- * The writer thread wakes up periodically, because waking it from put would require a system call within the tick.
- * Unless the disk is slow, a wait of 25 ms, a write and a sync together take less than 100 ms. A power cut therefore
- * loses at most 100 ms of records. A kill loses at most 25 ms.
+ * The writer thread wakes up periodically, because waking it from `put` would require a system call within the tick.
+ * Unless the disk is slow, a wait, a write and a sync together take less than 100 ms, so a power cut loses at most the
+ * records of 100 ms. Killing the process loses at most those of 25 ms.
  *
- * A failed write is undone (the file is cut to its last complete block) and
- * repeated every 250 ms, while the ring accepts further records. Records that do
- * not fit into the ring are counted, and the blocks contain this count. If space on
- * a full disk is freed in time, no record is lost.
+ * A failed write is undone by truncating the file to its last complete block, and retried every 250 ms. Meanwhile, the
+ * ring accepts further records. Records that do not fit are counted, and blocks contain this count. If space on a full
+ * disk is freed in time, no record is lost.
  */
 #include "io/session/recorder.h"
 
@@ -90,7 +89,7 @@ static int file_cut(void *user, uint64_t size)
 static int file_sync(void *user)
 {
     const ost_recorder *r = user;
-    /* A target that cannot be synced, such as /dev/null, does not need to be durable. */
+    /* No error if the target, such as /dev/null, does not support syncing. */
     return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
@@ -211,7 +210,7 @@ static void recorder_free(ost_recorder *r)
     free(r);
 }
 
-/* Allocates everything except the sink. */
+/* Allocates a recorder without a sink. */
 static ost_status recorder_make(const char *name, const ost_recorder_options *options, ost_recorder **out,
                                 ost_error *err)
 {
@@ -221,7 +220,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
                         (unsigned)capacity, CAPACITY_MAX);
-    /* aligned_alloc is used instead of calloc, because the ring's head and tail must each begin at a cache line. */
+    /* aligned_alloc instead of calloc, because the ring's head and tail must be aligned to cache lines. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)

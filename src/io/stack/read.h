@@ -18,7 +18,7 @@
 #include "io/volume/target.h"
 
 /*
- * Reads a stack. `path` is a folder, a pattern or a file. The other parameters are the same as for ost_volume_read_any
+ * Reads a stack. `path` is a folder, a pattern or a file. For the other parameters, see ost_volume_read_any
  * (volume_read.h).
  */
 ost_status ost_stack_read(const char *path, const ost_volume_options *options, const ost_target *target,

@@ -1,42 +1,41 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the steps k and the spacing s of an axis. lattice.h defines the symbols and
- * the condition (F).
+ * Finds the steps k and the spacing s of an axis. lattice.h defines the symbols and the condition (F).
  *
- * Steps.  The smallest gap is one step.
- *   1. Exact: all distances from c_0 are multiples of it.  If the smallest gap is
- *      at most the coarsest unit that occurs, this proves little: layers of 1.3 mm,
- *      written without decimals, look like layers of 1 mm of which some are absent.
- *      Such a gap is accepted only if all gaps are equal.
- *   2. Else rounded: gaps of at most u may be one layer written in two ways, and
- *      the smallest gap above u is one step, s in [g - u, g + u].  In ascending
- *      order, c_i restricts s to [(c_i - c_0 - u) / k, (c_i - c_0 + u) / k] for
- *      its k.  If exactly one k is consistent with the remaining interval, this k
- *      narrows the interval.  No such k, or several, are an error.
- *      (|c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u.)
+ * Steps. The smallest gap between coordinates, g, is one step.
  *
- * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than
- * their precision. Therefore the units that occur are tested from the finest to the coarsest, and the first unit with a
- * lattice is used. Coordinates that fit a finer unit fit a coarser unit too, so the result asserts nothing beyond the
- * digits.
+ *   1. Exact case: all c_i - c_0 are multiples of g.  If g is at most the coarsest unit
+ *      that occurs, this proves little: layers of 1.3 mm, written without decimals, look
+ *      like layers of 1 mm of which some are absent.  Such a g is accepted only if all
+ *      gaps are equal.
+ *   2. Otherwise, coordinates are rounded: a gap of at most u may be one layer written in
+ *      two ways, so g is now the smallest gap above u, and s is in [g - u, g + u].  Because
+ *      |c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u, a step k_i restricts s to
+ *      [(c_i - c_0 - u) / k_i, (c_i - c_0 + u) / k_i].  For each i in ascending order, if
+ *      exactly one k_i is consistent with the interval of s found so far, it narrows this
+ *      interval.  If no k_i or several are consistent, this is an error.
+ *
+ * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than their precision. Therefore, the units
+ * that occur are tested from the finest to the coarsest, and the first unit with a lattice is used. Coordinates that
+ * fit a finer unit also fit a coarser one, so the result claims no more precision than the digits do.
  *
  * Spacing. The result is the feasible decimal with the fewest digits after the point. Of several such decimals, it is
- * the one nearest to (c_(m-1) - c_0) / n, with n = k_(m-1); of two equally near decimals, the smaller one. The left
- * side of (F) is a maximum of linear functions of s, so it is convex and the feasible s are an interval. At an
- * infeasible s, the pair (i, j) of its maximum and minimum shows on which side the interval lies: k_i - k_j is the
- * negative slope there. The function `probe` determines this side, and a bisection with `probe` searches the multiples
- * of 10^-d.
+ * the one nearest to (c_(m-1) - c_0) / n, where n = k_(m-1); of two equally near decimals, the smaller one. The left
+ * side of (F) is a maximum of linear functions of s, so it is convex, and the feasible s form an interval. At an
+ * infeasible s, let i be the index of the maximum and j that of the minimum in (F). The slope of the left side is k_j -
+ * k_i, which shows on which side the interval lies. `probe` determines this side, and a bisection with `probe` searches
+ * the multiples of 10^-d.
  *
  * If no decimal with nine digits is feasible (for example, for thirds of a millimetre), RHE((c_(m-1) - c_0) / n) is
- * tested with n pm more in (F), because an error of half a picometre in the spacing becomes k / 2 pm after k steps.
+ * tested with u + n pm in place of u in (F), because an error of half a picometre in the spacing becomes k / 2 pm after
+ * k steps.
  *
- * Axes whose spacings differ by at most 1 % share one spacing that is feasible for
- * all of them, found in the same way, so that an isotropic grid remains isotropic.
+ * If the spacings of axes differ by at most 1 %, they share one spacing that is feasible for all of them, found in the
+ * same way, so that an isotropic grid remains isotropic.
  *
- * Ranges.  |c_i - c_0| <= 1.6 * 10^13, u <= 10^12, k <= 16383 < 2^14, so
- * (c_i - c_0 + u) * k < 2.8 * 10^17; a feasible s has s <= k_(m-1) s <=
- * c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17.  A spacing above 100 mm is
- * found like any other and then refused by the check of the grid (AR-GRID-3).
+ * Ranges. |c_i - c_0| <= 1.6 * 10^13, u <= 10^12 and k <= 16383 < 2^14, so (c_i - c_0 + u) * k < 2.8 * 10^17. A
+ * feasible s has s <= k_(m-1) s <= c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17. A spacing above 100 mm is
+ * found like any other, and is later refused by the check of the grid (AR-GRID-3).
  */
 #include "core/conditions.h"
 
@@ -194,7 +193,7 @@ typedef enum side { HERE, ABOVE, BELOW, NOWHERE } side;
 
 /*
  * Tests whether the spacing s is feasible for one axis, that is, whether (F) holds with u + slack in place of u.
- * Returns HERE if it is, otherwise the direction in which the feasible spacings lie.
+ * Returns HERE if it is, otherwise the direction in which the feasible spacings lie, or NOWHERE if there are none.
  */
 static side probe_axis(const fit *f, int64_t s, int64_t slack)
 {

@@ -2,9 +2,9 @@
 /*
  * Finds the spacing of a CT text from its coordinates (docs/spec/arithmetic.md, AR-CT-3).
  *
- * An axis has m distinct coordinates c_0 < c_1 < ... < c_(m-1), written as multiples of a
- * unit u (0.0001 mm if four digits follow the point). They are the points of a lattice,
- * each rounded to u:
+ * An axis has m distinct coordinates c_0 < c_1 < ... < c_(m-1), written as multiples of a unit u (0.0001 mm if four
+ * digits follow the point). They are points of a lattice with the origin o and the spacing s, each with a rounding
+ * error e_i:
  *
  *   c_i = o + k_i s + e_i,   |e_i| <= u / 2,   k_0 = 0
  *

@@ -35,7 +35,7 @@ typedef struct ost_text_parser {
     const char *path;
     int64_t line;     /* number of lines parsed so far */
     bool past_header; /* true if a header or a sample has been read */
-    /* Called for every header fact; parser->line is the line of the fact. The function pointer may be NULL. */
+    /* Called for every header fact; parser->line is the line of the fact. NULL if facts are not needed. */
     ost_status (*fact)(void *user, const struct ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
     void *user;
 } ost_text_parser;

@@ -24,9 +24,9 @@
 #include "io/text/rect.h"
 
 typedef struct ost_text_raster_options {
-    ost_pm3 given;          /* spacings given by options; the meaning is the same as in ost_text_scan */
+    ost_pm3 given;          /* spacings from options, as for ost_text_scan */
     int threads;            /* number of threads; 0 means all */
-    ost_progress *progress; /* reports the stage "samples"; may be NULL */
+    ost_progress *progress; /* progress callback for the stage "samples"; may be NULL */
     void *user;
 } ost_text_raster_options;
 
@@ -60,8 +60,8 @@ void ost_text_raster_free(ost_text_raster *raster);
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
 /*
- * Returns true if every sample has a voxel of its own in the grid. Also returns false if memory is exhausted. The
- * function is defined in raster_rect.c.
+ * Returns true if every sample has a voxel of its own in the grid, and false if not or if memory is exhausted. Defined
+ * in raster_rect.c.
  */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
 /* Fills *rect and the report like ost_text_to_rect. options->expected is not used. */

@@ -300,8 +300,8 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
 }
 
 /*
- * Compares the origin that the text states with the smallest coordinate. They may differ by an eighth of a voxel,
- * because the digits are rounded.
+ * Returns an error if the origin stated in the text and the smallest coordinate differ by more than an eighth of a
+ * voxel, which allows for rounded digits.
  */
 static ost_status check_origin(const char *path, const ost_text_summary *summary, int a, ost_pm spacing, ost_error *err)
 {

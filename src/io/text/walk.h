@@ -69,7 +69,7 @@ void ost_text_walker_close(ost_text_walker *walker);
 
 /*
  * Processes the lines that begin in the bytes [begin, end) of the file. `inside` is true if `begin` may lie within a
- * line. Returns false if a line is not the expected one.
+ * line. Returns false if a line deviates from a raster scan.
  */
 bool ost_text_walk(ost_text_walker *walker, int64_t begin, int64_t end, bool inside);
 

@@ -83,7 +83,7 @@ static char *put_density(char *to, int16_t density)
     return put(to, digits + at, (int)sizeof digits - at);
 }
 
-/* Returns the smallest number of decimals that represents all positions exactly. */
+/* Returns the smallest number of decimal places that represents all positions exactly. */
 static int decimals_needed(const ost_geometry *g)
 {
     const int64_t lengths[6] = {g->origin.x, g->origin.y, g->origin.z, g->spacing.x, g->spacing.y, g->spacing.z};

@@ -32,7 +32,7 @@ static ost_status check_name(const ost_data_files *files, const char *name, ost_
                     files->names.line, name, reason);
 }
 
-/* Joins the folder of the header with a name. */
+/* Appends a file name to the folder of the header. */
 static ost_status join(const ost_data_files *files, const char *name, char out[OST_DATA_NAME_MAX], ost_error *err)
 {
     ost_status status = check_name(files, name, err);

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Transforms a file's axes to LPS+ (x to the patient's Left, y Posterior, z
- * Superior) by permutation and flips, never by resampling.
+ * Transforms a file's axes to LPS+ (x to the patient's Left, y Posterior, z Superior) by permutation and flips, never
+ * by resampling.
  *
  *   An affine gives the position of the file's voxel (i, j, k):
  *
  *     p = origin + i * column[0] + j * column[1] + k * column[2]     (LPS, pm)
  *
  *   File axis a runs along the LPS axis to[a], backwards if flip[a].  The
- *   permutation is the one with the greatest product |column[a][to[a]]| (of equal
- *   ones the first in the order xyz xzy yxz yzx zxy zyx), so it depends on
- *   integers only.
+ *   permutation `to` maximises the product over a of |column[a][to[a]]|; of several
+ *   such permutations, the first in the order xyz xzy yxz yzx zxy zyx is used.  It
+ *   depends only on integers.
  *
- *   A grid is straight if no voxel centre lies more than 1/8 of a voxel from its position in the straight grid along
- *   any axis. Let off(a, w) be the component of column a along w that should be 0. The condition for every axis w is:
- *   sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8. (At least 64 steps count, so that a thin stack
- *   cannot hide a real tilt.) Every other grid is oblique; its angle is reported to the user.
+ *   A grid is straight if, on each axis, every voxel centre is within 1/8 of a voxel of its
+ *   position in an axis-parallel grid.  Let off(a, w) be the component of column a along w
+ *   that should be 0.  The condition for each axis w is:
+ *
+ *     sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8
+ *
+ *   At least 64 steps count, so that a thin stack cannot hide a real tilt.  All other grids
+ *   are oblique; their angle is reported to the user.
  */
 #ifndef OST_IO_ORIENT_H
 #define OST_IO_ORIENT_H

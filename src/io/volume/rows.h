@@ -23,7 +23,7 @@ struct ost_rows {
     /* Reads the next row of densities. `first` is the index, in the file's order, of the row's first voxel. */
     ost_status (*next)(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
     const char *path; /* path of the header, for messages */
-    const ost_volume_options *options; /* for progress; may be NULL */
+    const ost_volume_options *options; /* used only for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
     ost_parts *parts; /* data of the file; NULL if `next` does not read from parts */
     ost_converter converter;

@@ -28,9 +28,7 @@ ost_status ost_volume_writer_put(ost_volume_writer *writer, const void *voxels, 
 ost_status ost_volume_writer_commit(ost_volume_writer *writer, ost_error *err);
 void ost_volume_writer_discard(ost_volume_writer *writer); /* NULL is allowed */
 
-/*
- * Called by the code of a format. Writes bytes unchanged or, after a call of ost_volume_writer_pack, compressed.
- */
+/* Called by the writer of a format. Writes bytes unchanged or, after a call of ost_volume_writer_pack, compressed. */
 ost_status ost_volume_writer_bytes(ost_volume_writer *writer, const void *bytes, size_t size, ost_error *err);
 ost_status ost_volume_writer_pack(ost_volume_writer *writer, ost_error *err);
 

@@ -42,7 +42,9 @@ ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t
                             uint32_t *granules, ost_error *err);
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
-/* Stores the position of the block's first voxel, and a fourth number, in all pages of the block's run. */
+/*
+ * Stores the position of the block's first voxel, and a fourth number for the shaders, in all pages of the block's run.
+ */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3],
                        int32_t more);
 

@@ -14,9 +14,9 @@ _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row
 /*
  * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run extends `before`
  * and `after` sides beyond this side. The weight depends only on the nearer end of the run: from there, at x = 0, to
- * the middle of the run, the height of the line falls from half a pixel to zero. For a pixel k sides from the end, the
- * weight is the area under the line between x = k and k + 1. The pixel in the middle of a run contains the ends of two
- * lines, each of which contributes a triangle.
+ * the middle of the run, the slanted line (antialias.h) falls from a height of half a pixel to zero. For a pixel k
+ * sides from the end, the weight is the area under the line between x = k and k + 1. The pixel in the middle of a run
+ * contains the ends of two lines, each of which contributes a triangle.
  */
 static uint8_t share_of(int before, int after)
 {

@@ -30,7 +30,7 @@ typedef struct ost_flat_corner {
 /* A triangle in the picture. The order of the corners makes the area positive. */
 typedef struct ost_flat_triangle {
     int32_t x[3], y[3];      /* positions of the corners in 256ths of a pixel (ost_flat_corner) */
-    float whole;             /* reciprocal of twice the triangle's area */
+    float whole;             /* reciprocal of twice the triangle's area, in units of (1/256 pixel)^2 */
     ost_extent pixels;       /* range of pixels whose centres the triangle may cover */
     float inverse[3];        /* reciprocal of each corner's distance along the forward axis, in voxels */
     float normal[3][3];      /* normal of each corner, turned to the eye and multiplied by `inverse` */

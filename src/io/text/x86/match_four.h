@@ -58,7 +58,7 @@ static inline __attribute__((always_inline)) match_state match_begin(const ost_t
     };
 }
 
-/* Returns found | (bytes ^ text) & mask; a nonzero bit marks a difference. */
+/* Adds the differences between bytes and text, under the mask, to those found so far; 0 means no difference. */
 static inline __m128i differ16(__m128i found, const char *bytes, const ost_text_column *column)
 {
     __m128i x = _mm_xor_si128(_mm_loadu_si128((const void *)bytes), _mm_loadu_si128((const void *)column->text));
