@@ -45,8 +45,8 @@ void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const o
 
 /*
  * Interpolates linearly between two slices: computes (before * (gap - part) + after * part) / gap, rounded half to
- * even, for each pixel. `gap` is the distance of the slices, and `part` is the distance of the result from `before`.
- * Requires 0 <= part <= gap < 2^62.
+ * even, for each pixel. `gap` is the distance between the slices, and `part` is the distance of the result from
+ * `before`. Requires 0 <= part <= gap < 2^62.
  */
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to);
 

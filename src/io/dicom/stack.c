@@ -91,7 +91,7 @@ static bool differ(const uint8_t a[OST_DICOM_IDENTITY], const uint8_t b[OST_DICO
            memcmp(b, none, sizeof none) != 0;
 }
 
-/* Returns true if a difference of a - b per pixel, accumulated over `steps` pixels, exceeds 1/8 of `spacing`. */
+/* Returns true if |a - b| * steps exceeds 1/8 of `spacing`. `steps` is a number of pixels. */
 static bool is_beyond(int64_t a, int64_t b, int32_t steps, int64_t spacing)
 {
     const int64_t difference = a > b ? a - b : b - a;

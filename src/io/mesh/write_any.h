@@ -7,7 +7,7 @@
 #include "io/mesh/frame.h"
 
 /*
- * Writes a mesh. The ending of `path`, in any case, selects the format: .ply, .obj, or binary STL for all other
+ * Writes a mesh. The ending of `path`, ignoring case, selects the format: .ply, .obj, or binary STL for all other
  * endings.
  */
 ost_status ost_mesh_write_any(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);

@@ -12,9 +12,9 @@
  * from its number. One pass is therefore sufficient. Each thread processes its own pieces of the file, and almost every
  * line is compared instead of parsed (match.h).
  *
- * If any line deviates from a scan, for example in a defective text, only *found is set, to false. The two-pass
- * readers, scan.h and rect.h, then read the text and report its errors. For a scan, all readers produce bit-identical
- * results. The axes may be in any order, and each axis may ascend or descend.
+ * If any line deviates from a scan, for example in a defective text, the reader sets *found to false and has no other
+ * effect. The two-pass readers, scan.h and rect.h, then read the text and report its errors. For a scan, all readers
+ * produce bit-identical results. The axes may be in any order, and each axis may ascend or descend.
  *
  * Memory: two bytes per line (that is, per voxel of the grid) and one buffer per thread.
  */
@@ -60,8 +60,8 @@ void ost_text_raster_free(ost_text_raster *raster);
 ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hasher, ost_error *err);
 
 /*
- * Returns true if every sample has a voxel of its own in the grid, and false if not or if memory is exhausted. Defined
- * in raster_rect.c.
+ * Returns true if every sample has a voxel of its own in the grid; false if not, or if memory is exhausted. Defined in
+ * raster_rect.c.
  */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
 /* Fills *rect and the report like ost_text_to_rect. options->expected is not used. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Draws voxels as GL_POINTS with a ray-box test in the fragment shader (Majercik et al. 2018; thesis 2.6 and 3.3.2).
- * OpenGL draws the same picture that the code in points/ draws on the processor.
+ * The picture is the same as that drawn on the CPU by the code in points/.
  *
  *   surfaces --changed blocks--> buffers of OpenGL
  *   eye --blocks in view, points that face it--> list --GL_POINTS--> colour, face and depth of each pixel

@@ -28,7 +28,7 @@ typedef struct ost_gl_pool {
 } ost_gl_pool;
 
 /*
- * Initialises an empty pool. OpenGL objects are created by the first call of ost_gl_pool_take. Shaders read the buffer
+ * Initializes an empty pool. OpenGL objects are created by the first call of ost_gl_pool_take. Shaders read the buffer
  * through a texture of the given format; 0 means no texture.
  */
 void ost_gl_pool_init(ost_gl_pool *pool, const char *what, size_t element, unsigned bits, GLenum format);

@@ -62,8 +62,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns LINE voxels of a row of `size` voxels, starting at index `first`. Elements outside the row have an
-   arbitrary value, which is never used because there is no bone outside the row. */
+/* Returns LINE voxels of a row of `size` voxels, starting at index `first`. Elements outside the row are
+   OST_FIELD_DENSE, which is never used because there is no bone outside the row. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)
@@ -174,7 +174,7 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 
 /*
  * Finds the first and the last sum along y that slice z of the bone must provide for the field. Slices and rows of the
- * bone are counted from -REACH; sum i covers the rows from i on.
+ * bone are counted from -REACH; sum i covers the nine rows from row i on.
  */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {

@@ -101,7 +101,7 @@ typedef struct ost_visible {
     uint8_t *only;              /* owned by the frame; as ost_chosen.only */
     /*
      * Pixels that each group of OST_LANES entries covers (ost_extent_word), or OST_EXTENT_UNKNOWN until a thread has
-     * drawn the group. All threads would store the same value, so they need no synchronisation.
+     * drawn the group. All threads would store the same value, so they need not wait for each other.
      */
     _Atomic uint64_t *extent;
     /* owned by the frame; for each slot, the index at which its block's list begins */

@@ -21,9 +21,9 @@
  *
  * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that face: a ray that enters
  * through another face turned to the eye comes from the neighbour at that face, and this neighbour or a voxel in front
- * of it is nearer. If the eye is too close for this to hold, frame.c draws the entire voxel. The rectangle is then that
- * of the face. Two edges of face a lie inside the voxel's outline. Each of them is obtained from an outline edge with a
- * sum over a and another axis j, by reversing the sign of its term h s_j d_j.
+ * of it is nearer. If the eye is too close for this to hold, frame.c draws the entire voxel. If only face a is drawn,
+ * the rectangle is that of the face, and two of the face's edges lie inside the voxel's outline. Each of these two is
+ * obtained from an outline edge with a sum over a and another axis j, by reversing the sign of the term h s_j d_j.
  *
  * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can be treated as a
  * ray.

@@ -122,8 +122,8 @@ ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int 
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 
 /*
- * Set the uncut bone, which is borrowed and must have the same grid, and the colouring. A change makes the next update
- * recompute all shades.
+ * ost_surface_set_uncut sets the uncut bone, which is borrowed and must have the same grid. ost_surface_set_colouring
+ * sets the colouring. After a change of either, the next update recomputes all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);

@@ -203,8 +203,8 @@ static inline int64_t ost_row_quotient(int64_t a, int64_t b)
     return a < INT64_C(1) << 52 ? (int64_t)((double)a / (double)b) : a / b;
 }
 
-/* Restricts a half-open range of pixels to the inner side of a side. Pixels are counted from the triangle's first
-   column. */
+/* Restricts a half-open range of pixels to those on the inner side of one side of the triangle. Pixels are counted
+   from the triangle's first column. */
 static inline void ost_row_narrow(const ost_row_side *s, int *from, int *to)
 {
     if (s->value < 0) {

@@ -29,7 +29,7 @@ static ost_dicom_result open_at(open_file &from, const char *path)
     return loaded;
 }
 
-// Converts `count` pixels of one byte, which are at the start of `cells`, to cells in place.
+// Converts `count` one-byte pixels at the start of `cells` to cells, in place.
 static void widen(uint16_t *cells, size_t count)
 {
     const uint8_t *bytes = reinterpret_cast<const uint8_t *>(cells);
@@ -138,7 +138,7 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
         result = check_syntax(from.file, uid);
     if (result != OST_DICOM_RESULT_OK)
         return result;
-    // The file may have changed since it was scanned.
+    // These attributes are checked again, because the file may have changed since it was scanned.
     DcmDataset *data_set = from.file.getDataset();
     (void)data_set->findAndGetUint16(DCM_SamplesPerPixel, samples);
     if (data_set->findAndGetUint16(DCM_Columns, columns).bad() || columns != image.columns ||
@@ -147,7 +147,7 @@ ost_dicom_result read_image(open_file &from, const char *path, const ost_dicom_i
         data_set->findAndGetElement(DCM_PixelData, element).bad() || !element)
         return OST_DICOM_RESULT_DAMAGED;
     DcmPixelData *pixels = OFstatic_cast(DcmPixelData *, element);
-    // A decoder may write an even number of bytes.
+    // One cell more, because a decoder may round the number of bytes up to an even number.
     cells.resize(count + 1);
     const size_t bytes = count * (allocated / 8), padded = bytes + (bytes & 1);
     if (is_encapsulated(uid)) {

@@ -25,7 +25,7 @@ static bool has_prefix(const unsigned char *head, size_t size)
     return size >= 132 && std::memcmp(head + 128, "DICM", 4) == 0;
 }
 
-// Returns true if the file begins with an element of group 0008, as a data set without the prefix does.
+// Returns true if the file begins with an element of group 0008, like a data set without the prefix DICM.
 static bool is_data_set(const unsigned char *head, size_t size)
 {
     return size >= 132 && ((head[0] == 8 && head[1] == 0) || (head[0] == 0 && head[1] == 8)) && head[3] == 0;
@@ -54,7 +54,7 @@ ost_dicom_result load_file(const char *path, DcmFileFormat &file)
         return OST_DICOM_RESULT_MEMORY;
     if (loaded.good())
         return OST_DICOM_RESULT_OK;
-    // Without the prefix, the first bytes may be a coincidence.
+    // Without the prefix, a file may resemble DICOM only by coincidence, so an image's attribute is required.
     return prefix || file.getDataset()->tagExists(DCM_SOPClassUID) ? OST_DICOM_RESULT_DAMAGED
                                                                   : OST_DICOM_RESULT_NOT_DICOM;
 }
@@ -122,7 +122,8 @@ static uint32_t number_of(DcmItem *item, const DcmTagKey &tag, uint32_t absent)
     return item->findAndGetUint16(tag, value).good() ? value : absent;
 }
 
-// Copies a decimal. Any other string, which may be a misplaced name, is replaced by a string that is also refused.
+// Copies a decimal. Any other string, which may be a misplaced name, is replaced by a placeholder that the library
+// refuses.
 static void put_decimal(DcmItem *item, const DcmTagKey &tag, unsigned long at, char out[OST_DICOM_DECIMAL])
 {
     const OFString value = text_of(item, tag, at);

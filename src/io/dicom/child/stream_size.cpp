@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Checks that a compressed frame has the size that its data set states. DCMTK's decoders of JPEG and RLE do not check
-// this. If the data set states a larger image, they leave its remaining pixels undefined. If it states a smaller image,
+// Checks that a compressed frame has the size that its data set states. DCMTK's decoders of JPEG and RLE omit this
+// check: if the data set states a larger image, they leave the remaining pixels undefined; if it states a smaller one,
 // they omit the pixels that do not fit. They also pack pixels of 8 bits into pixels of 16 bits.
 #include "io/dicom/child/child.h"
 
