@@ -134,7 +134,10 @@ static int thin(const ost_frame *f)
     return f->height < 1080 ? 1 : (f->height + 360) / 720;
 }
 
-/* Draws the edges of a box. Bit a of a corner's index selects the lower (0) or upper (1) bound on axis a. */
+/*
+ * Draws the edges of a box. Bit a of a corner's index is 1 if the corner is at the upper end of the box along its axis
+ * a.
+ */
 static void box(const ost_frame *f, const ost_eye *e, const point3 corner[8], uint32_t colour, unsigned strength,
                 int width)
 {

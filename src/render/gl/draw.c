@@ -150,7 +150,7 @@ void ost_gl_set_mesher(ost_gl *gl, ost_backend *mesher)
     gl->store.mesher = mesher;
 }
 
-/* Waits until the GPU has drawn the last frame. Only then may the data of that frame be overwritten. */
+/* Waits until OpenGL has completed the last frame. Only then may the data of that frame be overwritten. */
 static ost_status wait_for_last(ost_gl *gl, ost_error *err)
 {
     if (!gl->fence)

@@ -134,8 +134,8 @@ typedef ost_status ost_gl_function(void *user, ost_error *err);
 ost_status ost_gl_do(ost_gl *gl, ost_gl_function *function, void *user, ost_error *err);
 
 /*
- * Copies the colours of the last picture to a texture of this context, within the GPU. The texture must have the
- * picture's size. Rows are in OpenGL's order: the picture's top row becomes the texture's last row.
+ * Copies the colours of the last picture to a texture of this context, without reading them back. The texture must have
+ * the picture's size. Rows are in OpenGL's order: the picture's top row becomes the texture's last row.
  */
 ost_status ost_gl_copy(ost_gl *gl, unsigned texture, ost_error *err);
 

@@ -71,7 +71,7 @@ struct ost_gl {
     ost_light light;
     ost_directions directions;
     uint32_t palette[OST_OCTAHEDRAL_COUNT + OST_PAINTS];
-    /* signalled when the GPU has completed the last frame; NULL if there is nothing to wait for */
+    /* signalled when OpenGL has completed the last frame; NULL if there is nothing to wait for */
     GLsync fence;
     ost_gl_counts did;
 };

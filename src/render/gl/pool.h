@@ -7,7 +7,7 @@
  *   | page | page | page    |      | page | page   |      page: position of the granule's block in voxels
  *
  * A vertex shader finds the position of vertex v's block in page v >> bits. With OpenGL 4.4, the buffer stays mapped
- * and is written through the mapping; in older versions, it is written with glBufferSubData. The GPU may still read the
+ * and is written through the mapping; in older versions, it is written with glBufferSubData. OpenGL may still read the
  * buffer to draw the last frame, so callers must wait for that frame before they write.
  */
 #ifndef OST_RENDER_GL_POOL_H

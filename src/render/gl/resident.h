@@ -70,7 +70,7 @@ void ost_gl_store_free(ost_gl_store *store);
 void ost_gl_store_abandon(ost_gl_store *store);
 ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form);
 
-/* Uploads the current state of the surface in the given form. The GPU must have completed the previous frame. */
+/* Uploads the current state of the surface in the given form. OpenGL must have completed the previous frame. */
 ost_status ost_gl_store_bring(ost_gl_context *context, ost_gl_store *store, const ost_surface *surface,
                               ost_gl_form form, ost_gl_resident **out, ost_error *err);
 /* Meshes the blocks whose visible faces have changed, and uploads the changed quads and shades. */

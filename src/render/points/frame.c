@@ -317,7 +317,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     ost_status status = prepare_all(frame, things, count, err);
     if (status != OST_OK) {
         for (int i = 0; i < frame->layers; i++)
-            /* the surfaces have changed but were not drawn, so the next frame must not reuse anything */
+            /* the surfaces may have changed without being drawn, so the next frame must not reuse anything */
             frame->layer[i].surface = NULL;
         return status;
     }
