@@ -31,7 +31,7 @@ typedef struct ost_headset_view {
 
 enum { OST_HEADSET_TRIGGER = 1, OST_HEADSET_MENU = 2, OST_HEADSET_SQUEEZE = 4 };
 typedef struct ost_headset_hand {
-    bool tracked;       /* if false, all other fields are 0 */
+    bool tracked;       /* true if the controller is tracked; if false, all other fields are 0 */
     double at[3], q[4]; /* pose of the grip: position in metres, and unit quaternion w x y z */
     uint32_t buttons;   /* bit mask of the pressed buttons (OST_HEADSET_*) */
 } ost_headset_hand;

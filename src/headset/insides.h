@@ -30,7 +30,7 @@ struct ost_headset {
     XrSystemId system;
     XrSession session;
     XrSpace room;
-    ost_gl *gl;                     /* borrowed during a session */
+    ost_gl *gl;                     /* renderer; borrowed during a session */
     headset_swapchain eye[EYES];
     headset_actions actions;
     int width_max, height_max;

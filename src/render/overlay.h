@@ -32,7 +32,8 @@ extern const char *const ost_overlay_names[OST_OVERLAY_COUNT]; /* names of the o
 enum { OST_OVERLAY_CHANGED = 64, OST_OVERLAY_RIM = 72 };
 
 typedef struct ost_overlay_scene {
-    const ost_surface *bone, *tool; /* borrowed; `tool` is NULL if no tool is drawn */
+    /* surfaces of the bone and the tool, borrowed; `tool` is NULL if no tool is drawn */
+    const ost_surface *bone, *tool;
     ost_tool_geometry tool_grid;
     ost_pose pose;                  /* pose of the tool in the bone's frame */
     int chunk;                      /* edge length of a chunk in voxels */
@@ -41,7 +42,8 @@ typedef struct ost_overlay_scene {
     int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
-    double trigonum_mm[3], inferior_mm[3]; /* valid if the overlay `landmarks` is selected */
+    /* trigonum spinae and inferior angle; valid if the overlay `landmarks` is selected */
+    double trigonum_mm[3], inferior_mm[3];
     double rim_mm[OST_OVERLAY_RIM][3];     /* positions on the glenoid's rim, in order around it */
     int rim_count;
 } ost_overlay_scene;

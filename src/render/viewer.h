@@ -49,13 +49,13 @@ typedef struct ost_viewer {
     ost_uncut reference; /* uncut bone; valid if `has_uncut` is true */
     bool has_uncut;
     uint32_t palette[OST_PAINTS];
-    ost_surface ghost;   /* valid if `has_ghost` is true; drawn if `show_ghost` is also true */
+    ost_surface ghost;   /* surface of the ghost; valid if `has_ghost` is true; drawn if `show_ghost` is also true */
     ost_pose ghost_pose;
     bool has_ghost, show_ghost;
     unsigned overlays;   /* bit mask of the selected overlays (ost_overlay) */
     ost_overlay_scene scene;
     int64_t aged_ns;
-    ost_gl *gl;          /* owned; NULL if the CPU draws frames */
+    ost_gl *gl;          /* OpenGL renderer; owned; NULL if the CPU draws frames */
     bool gl_current;     /* true if `gl` uses the context of the calling thread (ost_viewer_use_current) */
     const ost_gl_variant *variant;
     /* why OpenGL was lost and the CPU draws frames instead; "" if it was not lost */

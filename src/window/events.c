@@ -10,7 +10,7 @@ static const int64_t POLL_NS = 250000000;
 
 static void add(ost_window *w, ost_window_event event)
 {
-    /* Consecutive moves are merged. */
+    /* Merges consecutive pointer motions into one event. */
     if (event.kind == OST_WINDOW_MOVE && w->count) {
         ost_window_event *last = &w->event[(w->first + w->count - 1) % OST_WINDOW_EVENTS];
         if (last->kind == OST_WINDOW_MOVE) {

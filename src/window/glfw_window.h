@@ -16,7 +16,7 @@ enum { OST_WINDOW_EVENTS = 256, OST_WINDOW_TITLE = 160, OST_WINDOW_RESETS = 3 };
 struct ost_window {
     GLFWwindow *handle;
     ost_shown shown;
-    ost_shm *shm; /* owned; NULL if OpenGL presents the picture */
+    ost_shm *shm; /* shared memory with the X server; owned; NULL if OpenGL presents the picture */
     bool synced, sync_set;
     ost_window_event event[OST_WINDOW_EVENTS]; /* ring buffer */
     int first, count;

@@ -74,7 +74,7 @@ struct ost_shm {
     void *display, *connection;
     uint32_t window, gc, segment;
     uint8_t depth;
-    uint32_t *pixels; /* owned; shared with the server */
+    uint32_t *pixels; /* owned; pixels in memory that is shared with the server */
     size_t capacity;  /* number of pixels for which memory is reserved */
     /* size of the picture in shared memory and in the window; 0 if unknown */
     int width, height;

@@ -23,7 +23,7 @@ typedef enum mesh_kind { MESH_STL_BINARY, MESH_STL_ASCII, MESH_OBJ, MESH_PLY, ME
 typedef struct mesh_input {
     const char *path;
     mesh_kind kind;
-    uint8_t *bytes; /* owned; followed by one zero byte */
+    uint8_t *bytes; /* owned; contents of the file or its plain form, followed by one zero byte */
     size_t size;
     uint64_t faces;     /* number of primitives (points, lines and polygons) found by the check */
     uint64_t triangles; /* number of triangles after the polygons are divided */

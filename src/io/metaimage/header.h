@@ -22,7 +22,7 @@
 #include "io/volume/orient.h"
 
 typedef struct ost_metaimage_header {
-    ost_header_lines lines; /* owned; contains the strings to which `names` refers */
+    ost_header_lines lines; /* owned; lines of the header, to which `names` refers */
     ost_data_names names;
     ost_element element;
     ost_data_form form;     /* OST_DATA_RAW or OST_DATA_ZLIB */

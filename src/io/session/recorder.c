@@ -47,7 +47,7 @@ struct ost_recorder {
     int fd;      /* descriptor of the file; -1 if the caller provided the sink */
     bool sync;
     session_writer writer;       /* used only by the writer thread */
-    unsigned char *block;        /* owned; space for a block header and records; used only by the writer thread */
+    unsigned char *block;        /* owned; buffer for a block header and records; used only by the writer thread */
     uint64_t in_block;           /* number of records in `block` that have not been written yet */
     uint64_t lost_in_block;      /* value of `lost` when the records in `block` were taken from the ring */
     pthread_t thread;

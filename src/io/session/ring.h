@@ -21,7 +21,7 @@
 enum { RING_LINE = 64 };
 
 typedef struct session_ring {
-    unsigned char *slots; /* owned; `capacity` records */
+    unsigned char *slots; /* owned; space for `capacity` records */
     uint64_t capacity;    /* number of slots; a power of two */
     _Alignas(RING_LINE) _Atomic uint64_t head;
     uint64_t tail_known; /* producer's cached copy of tail */

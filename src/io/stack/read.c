@@ -86,7 +86,7 @@ static ost_status scan(stack *s, ost_error *err)
 /* --------------------------------------------------------------- second pass */
 
 typedef struct stack_rows {
-    ost_rows rows; /* must be the first member */
+    ost_rows rows; /* must be the first member, because an ost_rows * is cast to this struct */
     const stack *stack;
     size_t file; /* index of the next file in the list of files */
     ost_slice *slice; /* the open slice; NULL before the first slice is opened */

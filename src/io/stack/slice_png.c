@@ -23,7 +23,7 @@
 enum { CHUNK_MAX = 1 << 20, CHUNKS_MAX = 64, REASON = 200 };
 
 typedef struct png_slice {
-    ost_slice common; /* must be the first member */
+    ost_slice common; /* must be the first member, because an ost_slice * is cast to this struct */
     png_structp png;
     png_infop info;
     FILE *file;

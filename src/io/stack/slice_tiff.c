@@ -27,7 +27,7 @@
 enum { ALLOC_MAX = 1 << 28, REASON = 200 };
 
 typedef struct tiff_slice {
-    ost_slice common; /* must be the first member */
+    ost_slice common; /* must be the first member, because an ost_slice * is cast to this struct */
     TIFF *tiff;
     int fd;
     uint64_t at; /* offset of the next byte that libtiff reads */

@@ -34,7 +34,7 @@
 enum { OST_LATTICE_UNITS = 13, OST_LATTICE_UNIT_PLACES = 3 };
 
 typedef struct ost_lattice_axis {
-    char name;            /* 'x', 'y', 'z' */
+    char name;            /* name of the axis: 'x', 'y' or 'z' */
     size_t count;         /* 1 <= count <= OST_DIM_MAX */
     const ost_pm *value;  /* distinct values in ascending order */
     const int64_t *line;  /* for each value, the line in which the value occurs first */

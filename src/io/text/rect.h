@@ -15,7 +15,7 @@ typedef struct ost_text_rect_options {
     ost_text_fingerprint expected; /* fingerprint that the first pass computed */
     /* line that states the dims of the text, in which case every voxel must have a sample; 0 if no line states them */
     int64_t dims_line;
-    ost_progress *progress;        /* may be NULL */
+    ost_progress *progress;        /* progress callback; may be NULL */
     void *user;
 } ost_text_rect_options;
 

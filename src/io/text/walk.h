@@ -29,7 +29,7 @@ typedef struct ost_text_plan {
     int fd;
     int64_t begin, end;  /* range of bytes in the file, from the line of the first sample to the end */
     ost_text_raster *raster;
-    ost_text_column *columns; /* owned; raster->count[0] elements */
+    ost_text_column *columns; /* owned; strings of the columns; raster->count[0] elements */
     uint8_t *lengths;         /* owned; length of each column's string; 0 if the string does not fit */
     ost_text_column *middles; /* owned; strings of the middle axis; raster->count[1] elements */
     uint8_t *middle_lengths;  /* owned; length of each string in `middles`; 0 if the string is too long */
@@ -60,7 +60,7 @@ typedef struct ost_text_walker {
     ost_text_around gap;      /* characters between the last coordinate and the density */
     ost_text_parser parser;
     char *buffer;        /* owned */
-    int16_t *row;        /* owned; allocated only if `learning` is true */
+    int16_t *row;        /* owned; densities of the current row; allocated only if `learning` is true */
 } ost_text_walker;
 
 /* Opens a walker. Returns false if memory is exhausted; the walker can then still be closed. */

@@ -12,7 +12,7 @@ enum { OST_HEADER_MAX = 1 << 22 }; /* maximum size of a header in bytes; enough 
 
 /* The lines of a header. Must be zero-initialised. Reading a line invalidates pointers into `bytes`. */
 typedef struct ost_header_lines {
-    char *bytes;   /* owned; every line ends in NUL */
+    char *bytes;   /* owned; text of all lines, each terminated by NUL */
     size_t size, capacity;
     size_t *start; /* owned; offset in `bytes` of each line */
     size_t count, start_capacity;

@@ -27,7 +27,7 @@
 #include <osteon/grid.h>
 
 typedef struct ost_affine {
-    ost_pm column[3][3]; /* [file axis][L, P, S] */
+    ost_pm column[3][3]; /* step from voxel to voxel along each file axis, in LPS: [file axis][L, P, S], in pm */
     ost_pm origin[3];    /* centre of the file's voxel (0, 0, 0) */
 } ost_affine;
 

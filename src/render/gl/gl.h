@@ -168,9 +168,9 @@ typedef struct ost_gl_counts {
     bool bricks;       /* true if the first object was drawn as bricks */
     /* number of hidden cells of 8^3 voxels that were skipped in those blocks of the first object that are in view */
     uint32_t hidden;
-    /* only for the variant ost_gl_mesh */
+    /* The following values are set only by the variant ost_gl_mesh. */
     uint32_t meshed;   /* number of blocks that were meshed again because their visible faces had changed */
-    int64_t mesh_ns;   /* time of the mesher */
+    int64_t mesh_ns;   /* time, in ns, that the mesher takes */
     int64_t copy_ns;   /* time, in ns, to copy vertices and looks to OpenGL's buffers */
     uint64_t quads;    /* number of quads passed to OpenGL */
 } ost_gl_counts;

@@ -38,7 +38,7 @@ typedef struct ost_gl_smooth_mesh {
 } ost_gl_smooth_mesh;
 
 struct ost_gl {
-    ost_gl_worker *worker;  /* NULL if the context of the calling thread is used */
+    ost_gl_worker *worker;  /* thread that owns the context; NULL if the context of the calling thread is used */
     /* The following fields belong to the worker's thread. Other threads may read them only while the worker is idle. */
     bool open;              /* true if the context exists */
     ost_gl_context context;
@@ -50,7 +50,7 @@ struct ost_gl {
     GLuint list, list_texture;
     void *list_mapped;
     uint32_t list_capacity, list_used;
-    uint32_t *numbers;      /* owned; list_capacity entries */
+    uint32_t *numbers;      /* owned; numbers of the points or bricks to draw; list_capacity entries */
     GLuint quad_indices;    /* indices of two triangles for each quad of the largest block */
     uint32_t quad_capacity; /* capacity of quad_indices in quads */
     ost_gl_layer layer[OST_FRAME_LAYERS];
@@ -58,7 +58,7 @@ struct ost_gl {
     unsigned smooth_next;   /* number of buffers that have been filled so far */
     GLuint sheet;           /* texture of the sheet that was shown last; 0 before the first sheet */
     int sheet_width, sheet_height;
-    ost_frame_block *blocks; /* owned; block_capacity entries */
+    ost_frame_block *blocks; /* owned; blocks selected for drawing; block_capacity entries */
     float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
     GLint *firsts;          /* owned; firsts, counts, offsets and wanted have block_capacity entries each */
     GLsizei *counts;        /* owned */

@@ -22,7 +22,7 @@ typedef struct ost_gl_pool {
     GLenum format;       /* format of the texture; 0 if there is no texture */
     /* number of granules, and granule at which the next search for a free run begins */
     uint32_t granules, next;
-    uint8_t *used;       /* owned; one entry for each granule */
+    uint8_t *used;       /* owned; for each granule, whether it is in use */
     GLuint buffer, texture, page_buffer, page_texture;
     void *mapped, *page_mapped;
 } ost_gl_pool;

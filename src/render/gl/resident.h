@@ -49,7 +49,7 @@ typedef struct ost_gl_store {
     ost_gl_pool points, bricks, shades, voxels, quads;
     ost_backend *mesher;  /* borrowed; backend that makes the quads; NULL if not set */
     ost_face_mesh mesh;   /* owned; most recent meshes */
-    ost_face_cluster *clusters; /* owned; clusters and slots have cluster_capacity entries */
+    ost_face_cluster *clusters; /* owned; blocks to mesh, and their slots; cluster_capacity entries each */
     int32_t *slots, cluster_capacity;
     uint32_t meshed;      /* number of blocks meshed since the start of the frame */
     int64_t mesh_ns, copy_ns; /* times in ns for meshing and for copying since the start of the frame */

@@ -18,7 +18,7 @@ typedef struct ost_gl_targets {
     ost_gl_target kind;  /* format of the G-buffer */
     /* `gbuffer` is 0 for OST_GL_FORWARD, which draws into the picture without a G-buffer */
     GLuint gbuffer, gbuffer_depth, gbuffer_0, gbuffer_1;
-    GLuint tiles, tiles_depth; /* only with OST_GL_COMPACT */
+    GLuint tiles, tiles_depth; /* framebuffer and texture of the tiles' depths; only with OST_GL_COMPACT */
     int across, down;    /* size of the tiles' texture, in tiles */
     float *farthest;     /* owned; farthest depth of each tile */
     float *depths;       /* owned; depth of each pixel; NULL before the first use */

@@ -11,7 +11,7 @@ struct ost_gl_worker {
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t changed;
-    ost_gl_work *work; /* NULL while idle */
+    ost_gl_work *work; /* function to execute; NULL while idle */
     void *user;
     ost_error *err;
     ost_status status;

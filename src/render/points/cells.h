@@ -18,7 +18,7 @@
 enum { OST_CELL_WIDTH = 16, OST_CELL_HEIGHT = 8, OST_CELL_WORDS = 8 };
 
 typedef struct ost_cells {
-    uint64_t *bit; /* owned; each row of cells has `words` words */
+    uint64_t *bit; /* owned; bits of the cells; `words` words for each row of cells */
     int words, across, rows;
     int width, height; /* size of the picture in pixels */
 } ost_cells;

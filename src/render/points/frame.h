@@ -58,7 +58,7 @@ _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TI
 typedef struct ost_frame_bench {
     /* owned; planes for the current layer; for the first layer, only the keys are used */
     ost_planes over;
-    ost_frame_tile *tiles;  /* owned; each row has tiles_across tiles */
+    ost_frame_tile *tiles;  /* owned; tiles of the band, tiles_across per row */
     struct ost_frame_lists *lists; /* owned; scratch for making lists */
 } ost_frame_bench;
 
@@ -77,12 +77,12 @@ typedef struct ost_frame_list {
 
 /* An object to draw, and the lists of its blocks. */
 typedef struct ost_frame_layer {
-    const ost_surface *surface; /* borrowed while a frame is drawn */
-    ost_frame_block *blocks; /* owned; after culling, the first `count` entries are valid */
+    const ost_surface *surface; /* surface to draw; borrowed while a frame is drawn */
+    ost_frame_block *blocks; /* owned; blocks in view; the first `count` entries are valid after culling */
     int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
-    ost_frame_list *list;   /* owned; one for each slot */
+    ost_frame_list *list;   /* owned; state of the list of each slot's block */
     /* number of slots in the last frame, and capacity of the arrays indexed by slot */
     int32_t slots, slot_capacity;
     float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
@@ -106,7 +106,7 @@ typedef struct ost_frame {
     /* planes that objects are drawn into: the same as `planes`, except that `colour` is a separate, owned array
        after ost_frame_antialias */
     ost_planes drawn;
-    ost_antialias antialias; /* owned; empty before ost_frame_antialias */
+    ost_antialias antialias; /* owned; edges of the picture; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
     /* owned; planes with only the first layer, without keys; NULL before ost_frame_store */
     ost_planes stored;
@@ -140,7 +140,8 @@ typedef struct ost_frame_thing {
     /* eye in voxel coordinates of the object; its picture size must be that of the frame */
     ost_eye eye;
     ost_paint paint;
-    const uint32_t *palette; /* borrowed; NULL if all voxels have the object's own paint */
+    /* colours of the paint numbers; borrowed; NULL if all voxels have the object's own paint */
+    const uint32_t *palette;
     /* borrowed; smooth mesh to draw instead of the surface's voxels, or NULL; must be NULL for the first object */
     const ost_smooth_mesh *mesh;
 } ost_frame_thing;

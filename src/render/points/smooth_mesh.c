@@ -19,7 +19,7 @@ enum { MEETING_MAX = 1024 };
 typedef struct part {
     const ost_mesh *mesh;
     double (*normal)[3]; /* owned; unit normals; 0 for a triangle without area */
-    double *area;        /* owned; twice the area */
+    double *area;        /* owned; twice the area of each triangle */
     /* owned; number of each vertex's position; vertices at the same position share a number */
     uint32_t *place;
     uint32_t *first;     /* owned; the triangles at position p are meets[first[p]] to meets[first[p + 1] - 1] */

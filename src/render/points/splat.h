@@ -98,7 +98,8 @@ typedef struct ost_chosen {
 typedef struct ost_visible {
     /* owned by the frame; tint << 32 | id, so that one load reads both; the tint is the voxel's colour in full light */
     uint64_t *seen;
-    uint8_t *only;              /* owned by the frame; as ost_chosen.only */
+    /* owned by the frame; for each entry, the axis of its only face to draw, as in ost_chosen.only */
+    uint8_t *only;
     /*
      * Pixels that each group of OST_LANES entries covers (ost_extent_word), or OST_EXTENT_UNKNOWN until a thread has
      * drawn the group. All threads would store the same value, so they need not wait for each other.

@@ -87,12 +87,12 @@ typedef struct ost_surface {
     int32_t blocks[3];         /* number of blocks along each axis; the last block may extend beyond the grid */
     /* owned; slot of each block in the grid; -1 if the block has never contained an active voxel */
     int32_t *slot_of;
-    ost_surface_block **slot;  /* owned; `used` entries */
+    ost_surface_block **slot;  /* owned; the block of each slot; `used` entries */
     int32_t used, capacity;
     uint64_t points;           /* number of points of all blocks; valid after an update */
     /* owned; number and list of the slots whose points or shades the last update changed */
     int32_t renewals, *renewed;
-    struct ost_uncut *reference; /* borrowed; NULL if the uncut bone is unknown */
+    struct ost_uncut *reference; /* uncut bone; borrowed; NULL if unknown */
     int colouring;             /* an ost_colouring (palette.h) */
     ost_clip clip;
     bool clipped;              /* true if `clip` is in use */

@@ -39,7 +39,7 @@ typedef struct ost_flat_triangle {
 typedef struct ost_triangles {
     ost_flat_triangle *triangle; /* owned */
     size_t count, capacity;
-    ost_flat_corner *corner; /* owned; one entry for each position of the mesh */
+    ost_flat_corner *corner; /* owned; projected corner for each position of the mesh */
     size_t corner_capacity;
     int y0, y1;              /* half-open range of rows that the triangles may cover */
     ost_lamps lamps;

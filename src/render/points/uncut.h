@@ -37,7 +37,7 @@ typedef struct ost_uncut {
     double face[3], inward[3];
     double scale_mm;        /* depth of the last colour of the scale, in mm */
     uint8_t level[OST_DEPTH_FAR + 1]; /* paint for each squared depth */
-    /* owned; one entry per cube of 2^3 voxels; NULL until a depth is needed */
+    /* owned; for each cube of 2^3 voxels, whether it is outside the bone; NULL until a depth is needed */
     uint8_t *outside;
 } ost_uncut;
 
