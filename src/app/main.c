@@ -120,7 +120,7 @@ static void catch_signals(void)
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof ending / sizeof ending[0]; i++) {
         struct sigaction old;
-        /* A signal that is already ignored, as in a job started by nohup, stays ignored. */
+        /* A signal that was ignored at the start, for example by nohup, remains ignored. */
         if (sigaction(ending[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN)
             sigaction(ending[i], &action, NULL);
     }
@@ -133,7 +133,7 @@ static void catch_signals(void)
  * thread's stack. As an exit status of osteon, 1 would mean that grids differ, so the handler below corrects the
  * status.
  */
-static const app_state *within_verb; /* NULL if no verb is running */
+static const app_state *within_verb; /* the state of the running verb, for exit handlers; NULL between verbs */
 
 static void on_exit_within_verb(void)
 {

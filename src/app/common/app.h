@@ -28,7 +28,7 @@ typedef struct app_state {
        (validation/worker.h). */
     bool worker;
     bool to_stdout;      /* true if the output file is standard output, so that no line of text may be printed there */
-    json_t *result;      /* owned by the function main */
+    json_t *result;      /* JSON object of the verb's result; main owns it */
     /* Texts of all warnings so far, including those that --quiet suppresses. Owned by the function main. NULL if the
        verb does not record warnings. */
     json_t *warnings;

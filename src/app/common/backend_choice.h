@@ -9,7 +9,7 @@
 
 #include "app/common/app.h"
 
-/* Returns true if --backend names the backend `name`, with or without options. */
+/* Returns true if the value of --backend selects the backend `name`, whatever its options are. */
 bool backend_is(const app_state *app, const char *name);
 
 ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *err);

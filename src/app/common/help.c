@@ -7,7 +7,7 @@
 
 enum { COLUMN = 26, WIDTH = 80 };
 
-/* Prints text that begins in column COLUMN. The lines are broken at blanks. */
+/* Prints text, wrapped at blanks and indented to column COLUMN. */
 static void wrapped(const char *text)
 {
     int at = COLUMN;

@@ -6,7 +6,7 @@
 #include "app/common/options.h"
 
 void help_print(const app_state *app, const usage_text *usage, const option *common);
-/* Prints the options for the completion of shells (completion/bash/osteon), which call `osteon VERB --complete`. */
+/* Prints a verb's options for shell completion. The script completion/bash/osteon calls `osteon VERB --complete`. */
 void help_print_candidates(const usage_text *usage, const option *common);
 
 #endif

@@ -15,7 +15,7 @@ _Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a handler may set it");
 static void on_signal(int number)
 {
     atomic_store(&requested, 1);
-    /* Restores the previous disposition, so that the next signal terminates the process. */
+    /* The previous dispositions are restored, so that a second signal terminates the process. */
     for (int i = 0; i < SIGNALS; i++)
         if (signals[i] == number)
             sigaction(number, &usual[i], NULL);
@@ -27,7 +27,7 @@ void interrupt_begin(void)
     sigemptyset(&action.sa_mask);
     atomic_store(&requested, 0);
     for (int i = 0; i < SIGNALS; i++)
-        /* A signal that is already ignored, as in a job started by nohup, stays ignored. */
+        /* A signal that was ignored at the start, for example by nohup, remains ignored. */
         if (sigaction(signals[i], NULL, &usual[i]) == 0 && usual[i].sa_handler != SIG_IGN)
             sigaction(signals[i], &action, NULL);
 }

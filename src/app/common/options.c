@@ -202,7 +202,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
             out[a] = decimal_double(&d[a]);
             greatest = fmax(greatest, fabs(out[a]));
         }
-        /* The squares of a direction's components must not overflow or underflow. */
+        /* beyond these limits, the squares of the components might overflow or underflow */
         if (!(greatest >= 1e-9 && greatest <= 1e9))
             return usage_error(app, err, "--%s '%s': expected a direction whose greatest component is from 1e-9 to 1e9",
                                o->name, text);
@@ -211,7 +211,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
     case OPTION_CHOICE:
         return take_choice(app, o, text, err);
     case OPTION_HEADING:
-        break; /* unreachable, because find() never returns a heading */
+        break; /* find() never returns a heading */
     }
     return ost_fail(err, OST_ERR_INTERNAL, "option kind %d", (int)o->kind);
 }
@@ -288,7 +288,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     return OST_OK;
 }
 
-/* Returns true if --help is given. --help takes precedence over all errors in the arguments. */
+/* Returns true if an argument is --help, which takes precedence over errors in other arguments. */
 static bool is_help(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)

@@ -17,15 +17,15 @@
 typedef enum option_kind {
     OPTION_FLAG,     /* bool */
     OPTION_TEXT,     /* const char * */
-    OPTION_LIST,     /* an option_list; the option may be repeated */
-    OPTION_INTEGER,  /* an int64_t with min <= value <= max */
+    OPTION_LIST,     /* an option_list, to which each occurrence of the option adds its value */
+    OPTION_INTEGER,  /* an int64_t in min..max */
     OPTION_DECIMAL,  /* option_decimal */
     OPTION_LENGTH,   /* an ost_pm greater than zero */
-    OPTION_LENGTHS,  /* an ost_pm3 with positive components: one value for all axes, or x,y,z */
+    OPTION_LENGTHS,  /* an ost_pm3 of positive lengths: one number for all axes, or x,y,z */
     OPTION_POINT,    /* an ost_pm3 x,y,z whose components may be negative */
     OPTION_VECTOR,   /* double[3] */
-    OPTION_CHOICE,   /* an int: the index of the value in choices "a|b|c" */
-    OPTION_HEADING   /* not an option: the name is printed as a heading in --help */
+    OPTION_CHOICE,   /* an int: the index of the value in the list `choices`, "a|b|c" */
+    OPTION_HEADING   /* no option; the name is a heading in --help */
 } option_kind;
 
 enum { OPTION_LIST_MAX = 16 };
@@ -42,18 +42,18 @@ typedef struct option_decimal {
 typedef struct option {
     const char *name;
     option_kind kind;
-    void *out;         /* destination of the value; must contain the default on entry */
+    void *out;         /* where the value is stored; must contain the default before parsing */
     bool *given;       /* may be NULL */
-    const char *value; /* placeholder for the value in --help; for OPTION_CHOICE, also the list of choices */
-    int64_t min, max;  /* limits of the value of an OPTION_INTEGER */
+    const char *value; /* placeholder of the value in --help; for OPTION_CHOICE, the list of choices */
+    int64_t min, max;  /* allowed range of an OPTION_INTEGER */
     const char *help;
     bool required;
 } option;
 
-/* A table row that begins a group of options in --help. */
+/* A row of an option table that starts a group of options in --help. */
 #define HEADING(text) {.name = (text), .kind = OPTION_HEADING}
 
-/* The table row of --compress, for verbs that write volumes. */
+/* The row of --compress in the option table of a verb that writes volumes. */
 #define COMPRESS_OPTION(flag)                                                                                          \
     {.name = "compress", .kind = OPTION_FLAG, .out = &(flag), .help = "compress a .nrrd with gzip"}
 
@@ -66,14 +66,14 @@ typedef struct operand {
 } operand;
 
 typedef struct usage_text {
-    const char *synopsis; /* text after "osteon VERB " in the usage line */
+    const char *synopsis; /* the operands in the usage line, after "osteon VERB " */
     const char *about;
-    const operand *operands; /* the array ends with a NULL name; may be NULL */
-    const option *options;   /* the array ends with a NULL name */
+    const operand *operands; /* ends with an element whose name is NULL; may be NULL */
+    const option *options;   /* ends with an element whose name is NULL */
     /* true if an operand may be "-" or a pipe; the data of such an operand are copied to a temporary file
        (core/file.h) */
     bool streams;
-    const char *notes;       /* text about units and coordinate systems; may be NULL */
+    const char *notes;       /* text at the end of --help, about units and coordinate systems; may be NULL */
     const char *example;
 } usage_text;
 

@@ -80,7 +80,7 @@ void print_json(const char *text)
         if (code == '\n' || ost_code_point_is_printable(code))
             fwrite(text, 1, bytes, stdout);
         else
-            /* jansson writes unprintable characters only inside strings, where JSON allows escape sequences */
+            /* unprintable characters occur only within strings, where JSON allows escape sequences */
             printf("\\u%04x", (unsigned)(code < 0 ? 0xfffd : code));
     }
     putchar('\n');

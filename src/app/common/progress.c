@@ -23,9 +23,9 @@ enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
 static const double LEFT_MS = 300, LEFT_SHARE = 0.001;
 
 static struct {
-    pthread_mutex_t lock; /* protects all fields and the line on the terminal */
+    pthread_mutex_t lock; /* protects all members, and the progress line on the terminal */
     bool on, drawn;
-    char stage[32];       /* name of the current stage; "" between two stages */
+    char stage[32];       /* name of the current stage; "" if no stage is running */
     double share;
     double begin, stage_begin, not_before; /* times in ms */
 } line = {.lock = PTHREAD_MUTEX_INITIALIZER};

@@ -15,7 +15,7 @@
 
 double now_ms(void);
 
-/* Starts measuring the time of a verb. Called once, when the options have been parsed. */
+/* Starts the clock of a verb. Called once, after the options have been parsed. */
 void progress_begin(const app_state *app);
 /*
  * Sets the stage and the completed share, from 0 to 1. A share of 0 also means that the share is not known. Implements
@@ -24,7 +24,7 @@ void progress_begin(const app_state *app);
 bool progress_show(void *user, const char *stage, double share);
 /* Erases the line. Called before other text is printed. If the stage continues, the line is drawn again later. */
 void progress_clear(void);
-/* Erases the progress line and ends the stage. */
+/* Ends the stage and erases the progress line. */
 void progress_end(void);
 
 #endif

@@ -89,7 +89,7 @@ ost_status file_digest(const char *path, ost_digest *out, ost_error *err)
 {
     ost_hasher *hasher = NULL;
     FILE *file;
-    if (ost_outfile_is_stdout(path)) { /* standard output cannot be read again */
+    if (ost_outfile_is_stdout(path)) { /* data written to standard output cannot be read again */
         *out = (ost_digest){{0}};
         return OST_OK;
     }

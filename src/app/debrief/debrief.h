@@ -14,7 +14,7 @@
 
 #include "app/input/tool_shape.h"
 
-/* A debrief. The struct must be zero-initialized, and debrief_free must be called in any case. */
+/* A debrief. Zero-initialise the struct before use, and free it with debrief_free, also after an error. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
@@ -32,7 +32,7 @@ typedef struct debrief {
  */
 ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost_tool *const *tools, int count,
                          debrief *out, ost_error *err);
-/* Adds a tick. Ticks must be added in order. */
+/* Adds a tick. The caller must add ticks in ascending order. */
 ost_status debrief_tick(debrief *d, const ost_session_tick *tick, ost_error *err);
 /* Adds the first `count` ticks of a session. */
 ost_status debrief_session(debrief *d, ost_session *session, uint64_t count, ost_error *err);
@@ -44,7 +44,7 @@ ost_status debrief_end(const app_state *app, debrief *d, const ost_bone *bone, c
                        const char *name, const char *file, ost_error *err);
 void debrief_free(debrief *d);
 
-/* Writes the page; implemented in html.c. */
+/* Writes the page of a debrief (html.c). */
 struct verdict;
 ost_status debrief_page(const char *file, const char *name, const debrief *d, const ost_volume *after,
                         const ost_density_classes *classes, int threshold, const ost_metrics *m,

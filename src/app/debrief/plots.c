@@ -213,7 +213,7 @@ static void picture(html_page *p, const ost_picture *image, const char *caption)
     ost_error why = {0};
     const ost_status status = ost_picture_encode_png(image, &bytes, &size, &why);
     if (status == OST_ERR_UNAVAILABLE)
-        return; /* without libpng, the page contains only tables and maps */
+        return; /* Without libpng, the page shows tables and maps only. */
     if (status != OST_OK && p->status == OST_OK)
         p->status = ost_fail(p->err, status, "%s", why.text);
     html_print(p, "<figure><img alt=\"%s\" src=\"data:image/png;base64,", caption);
@@ -318,7 +318,7 @@ static void chart(html_page *p, const char *what, const double lo[COLUMNS], cons
         most = fmax(most, hi[x]);
     if (!(most > 0) || !(span > 0))
         return;
-    const double step = ost_round_down(most / 2); /* the step gives two to five grid lines */
+    const double step = ost_round_down(most / 2); /* chosen so that the plot has two to five grid lines */
     html_print(p,
                "<svg width=\"552\" height=\"111\" viewBox=\"-12 -4 184 37\" role=\"img\" aria-label=\"%s over "
                "time\"><rect width=\"%d\" height=\"%d\" fill=\"var(--panel)\"/>\n",

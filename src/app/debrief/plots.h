@@ -13,7 +13,7 @@ void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m);
  */
 void debrief_profiles(html_page *p, const debrief *d, const ost_metrics *m);
 void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold);
-/* Draws the removed bone and the force over time. */
+/* Draws charts of the removed bone and of the force over time. */
 void debrief_charts(html_page *p, const debrief *d);
 
 #endif

@@ -14,7 +14,7 @@ typedef enum level { GOOD, WATCH, BAD, NONE } level;
 enum { VERDICT_GRADES = 4 };
 extern const char *const verdict_grades[VERDICT_GRADES];
 
-/* Limits in degrees, mm, mm3 and % (docs/reference/metrics.md). */
+/* limits between the grades, in degrees, mm, mm3 and % (docs/reference/metrics.md) */
 enum { AIM_DEG = 2, WATCH_DEG = 5, PLATE_GOOD = 50, PLATE_WATCH = 25 };
 
 enum { REMARKS = 16, REMARK = 160, VERDICT_LINE = 512 };
@@ -22,8 +22,8 @@ enum { REMARKS = 16, REMARK = 160, VERDICT_LINE = 512 };
 typedef struct verdict {
     level tilt, version, inclination, depth, entry, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
     level worst;
-    int grade;      /* index of the grade in verdict_grades */
-    double times;   /* largest factor by which a figure exceeds its aim */
+    int grade;      /* grade of the operation, an index in verdict_grades */
+    double times;   /* the greatest ratio of a figure to its aim */
     int count;
     char remark[REMARKS][REMARK];
     level of[REMARKS];

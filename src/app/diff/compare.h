@@ -20,8 +20,8 @@
 typedef enum diff_kind {
     DIFF_REMOVED, /* solid in A only */
     DIFF_ADDED,   /* solid in B only */
-    DIFF_CHANGED, /* solid in both A and B, with different densities */
-    DIFF_BELOW,   /* solid in neither A nor B, with different densities */
+    DIFF_CHANGED, /* solid in both grids, with different densities */
+    DIFF_BELOW,   /* solid in neither grid, with different densities */
     DIFF_KIND_COUNT
 } diff_kind;
 
@@ -46,18 +46,19 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* true if spacing and origin are equal only after rounding to float32 */
+    bool rounded_geometry; /* true if spacing and origin differ by no more than rounding to float32 does */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
-    ost_voxel_box box; /* box that encloses all differences */
-    int32_t busiest[3]; /* for each axis, the index of the slice with the most differences */
+    ost_voxel_box box; /* smallest box that contains all differing voxels */
+    int32_t busiest[3]; /* for each axis, the slice with the most differing voxels */
     int chunk_size;
     ost_dims chunk_dims;
     size_t chunk_count;
     diff_chunk *chunks; /* owned; chunks that differ, in grid order */
     size_t first_count;
     diff_voxel *first; /* owned; the first `limit` voxels that differ, in grid order */
-    const char *class; /* name of the first pattern that applies; NULL if there is nothing to classify */
+    /* class of the difference: the name of the first pattern that holds; NULL if nothing is classified */
+    const char *class;
     int pattern_count;
     diff_pattern patterns[DIFF_PATTERN_MAX];
 } diff_result;
@@ -70,14 +71,14 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
                         ost_error *err);
 void diff_free(diff_result *result);
 
-/* Adds to the result all patterns that apply; implemented in pattern.c. */
+/* Adds the patterns that hold to the result (pattern.c). */
 void diff_patterns(const loaded_volume *a, const loaded_volume *b, diff_result *result);
 
 const char *diff_kind_name(diff_kind kind);
 const char *diff_kind_text(diff_kind kind);
 diff_kind diff_kind_of(int16_t a, int16_t b, int32_t threshold_a, int32_t threshold_b);
 
-/* Compares two bundles by their digests; implemented in bundles.c. */
+/* Compares two bundles by the digests in them (bundles.c). */
 bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
@@ -95,10 +96,10 @@ ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const di
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
-/* Returns true if the directions of the grid's axes in the patient are not known. */
+/* Returns true if nothing states how the axes of the grid are oriented in the patient. */
 bool diff_unoriented(const loaded_volume *in);
 
-/* Writes one self-contained page with the result; implemented in html.c. */
+/* Writes the result as a self-contained HTML page (html.c). */
 ost_status diff_html(const char *path, const char *name_a, const char *name_b, const loaded_volume *a,
                      const loaded_volume *b, const diff_result *result, ost_error *err);
 

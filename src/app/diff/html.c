@@ -87,7 +87,7 @@ static void pictures(html_page *p, const loaded_volume *a, const loaded_volume *
     ost_picture picture = {0};
     p->status = diff_picture(a, b, r, &picture, p->err);
     if (p->status == OST_OK) {
-        /* If osteon was built without libpng, the page has no pictures but is still useful. */
+        /* Without libpng, the page has no pictures. */
         uint8_t *png = NULL;
         size_t size = 0;
         bool none = ost_picture_encode_png(&picture, &png, &size, NULL) == OST_ERR_UNAVAILABLE;

@@ -23,12 +23,12 @@ extern char **environ;
 enum { NAME = 4096, LINE = 300, ENCODER_FD = 3 };
 
 struct film_file {
-    char *target;        /* owned; NULL if the video is sent to a command */
+    char *target;        /* owned; name of the video file; NULL if a command receives the video */
     bool folder;
     int fps;
-    int width, height;   /* 0 before the first frame */
+    int width, height;   /* size of the video; 0 before the first frame */
     uint32_t *fitted;    /* owned; frame scaled to the size of the video */
-    uint8_t *bytes;      /* owned; last frame in encoded form */
+    uint8_t *bytes;      /* owned; the last frame, encoded */
     size_t size;
     uint64_t frames;
     ost_outfile *out;    /* owned; the .y4m file, or the file that ffmpeg writes; NULL for other outputs */
@@ -72,7 +72,7 @@ static bool find_program(const char *name, char path[NAME])
     struct stat st;
     for (const char *p = from ? from : "/usr/bin:/bin";; p++) {
         const size_t n = strcspn(p, ":");
-        /* An empty entry of PATH means the current folder. */
+        /* In PATH, an empty entry stands for the current folder. */
         const int length = snprintf(path, NAME, "%.*s%s%s", (int)n, p, n ? "/" : "", name);
         if (length < NAME && stat(path, &st) == 0 && S_ISREG(st.st_mode) && access(path, X_OK) == 0)
             return true;
@@ -94,7 +94,8 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     posix_spawn_file_actions_adddup2(&files, ends_of[0], STDIN_FILENO);
     if (f->messages)
         posix_spawn_file_actions_adddup2(&files, fileno(f->messages), STDERR_FILENO);
-    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO); /* standard output is reserved for --json */
+    /* standard output may be needed for --json, so ffmpeg writes to standard error */
+    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
     if (f->out)
         posix_spawn_file_actions_adddup2(&files, ost_outfile_descriptor(f->out), ENCODER_FD);
     posix_spawnattr_init(&how);
@@ -104,7 +105,8 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
     sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&how, &none);
     posix_spawnattr_setsigdefault(&how, &usual);
-    posix_spawnattr_setpgroup(&how, 0); /* Ctrl-C then signals only the simulator, which completes the video */
+    /* a process group of its own: Ctrl-C must not stop ffmpeg before the video is complete */
+    posix_spawnattr_setpgroup(&how, 0);
     posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     const int error = posix_spawn(&f->encoder, argv[0], &files, &how, (char *const *)(void *)argv, environ);
     posix_spawnattr_destroy(&how);
@@ -162,7 +164,7 @@ static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
     snprintf(descriptor_path, sizeof descriptor_path, "/dev/fd/%d", ENCODER_FD);
     argv[count++] = "-f";
     argv[count++] = format;
-    argv[count++] = "-y"; /* overwrites the file, which already exists */
+    argv[count++] = "-y"; /* ffmpeg must overwrite the file, which osteon has already created */
     argv[count++] = descriptor_path;
     return start(f, argv, err);
 }
@@ -332,7 +334,7 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     char last[LINE];
     if (error == EPIPE) {
         if (f->messages)
-            finish(f, NULL); /* the messages of ffmpeg are complete only after ffmpeg has ended */
+            finish(f, NULL); /* ffmpeg's messages are complete only after it has ended */
         return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",

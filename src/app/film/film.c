@@ -23,7 +23,7 @@ enum { QUEUE_CAPACITY = 12, STILLS = 100000 };
 
 typedef struct job {
     bool still;
-    int64_t index; /* index of the frame in the video */
+    int64_t index; /* number of the frame in the video, from 0 */
     int width, height;
     uint32_t *pixels; /* owned */
     size_t capacity;
@@ -46,7 +46,7 @@ struct film {
     char text[FILM_TEXT];
     ost_status status;
     ost_error err;
-    /* The following fields are used by the writer thread only. */
+    /* The following members are used only on the writer thread. */
     int stills;
     film_report report;
 };

@@ -29,14 +29,14 @@ typedef struct film_options {
 
 typedef struct film_report {
     uint64_t frames;
-    uint64_t repeated; /* number of frames in the video that repeat the previous frame */
+    uint64_t repeated; /* number of frames in the video that repeat the previous frame, because no new one was ready */
     uint64_t dropped;  /* number of frames that were drawn but not written */
     int width, height;
 } film_report;
 
 typedef struct film film;
 
-/* Rows for a verb's table of options. */
+/* The rows of the video options in a verb's option table. */
 #define VIDEO_OPTIONS(v)                                                                                          \
     {.name = "video", .kind = OPTION_TEXT, .out = &(v).target, .value = "TARGET",                                 \
      .help = "write a video: .mp4, .mkv, .mov or .webm (these need ffmpeg), .y4m, or a folder of numbered PNGs"}, \
@@ -46,7 +46,7 @@ typedef struct film film;
     {.name = "video-fps", .kind = OPTION_INTEGER, .out = &(v).fps, .min = 1, .max = 240, .value = "N",            \
      .help = "frames per second of the video (default: 30)"}
 
-/* Checks the options before any work begins. Returns a usage error if they are invalid. */
+/* Checks the options before the operation starts. Returns OST_ERR_USAGE if they are invalid. */
 ost_status film_check(const app_state *app, const film_options *options, ost_error *err);
 /* Opens a film. Returns OST_ERR_UNAVAILABLE if no encoder is found. */
 ost_status film_open(const film_options *options, film **out, ost_error *err);
@@ -72,7 +72,7 @@ uint64_t film_dropped(film *f);
 
 /* Writes all queued frames and repeats the last frame until end_ns. Frees f in any case. f and report may be NULL. */
 ost_status film_close(film *f, int64_t end_ns, film_report *report, ost_error *err);
-/* Prints the report, and stores it as "video" in the result of the verb. */
+/* Prints the report of a video, and adds it to the verb's result as "video". */
 void film_print_report(const app_state *app, const film_options *options, const film_report *report);
 
 #endif

@@ -35,7 +35,7 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
 {
     double size = sqrt(in[0] * in[0] + in[1] * in[1] + in[2] * in[2]);
     int64_t n[3];
-    /* An axis that has already been rounded to nine places remains unchanged. */
+    /* An axis that was rounded to nine places when it was stored must not change again. */
     size = fabs(size - 1) < 2e-9 ? 1 : size;
     for (int a = 0; a < 3; a++) {
         const double v = in[a] / size;
@@ -48,7 +48,7 @@ static bool unit_axis(const double in[3], double out[3], ost_pm3 *nano)
     return true;
 }
 
-/* Replaces facts from the grid's header by facts from the session's header. */
+/* Values in the session's header override those in the grid's header. */
 static ost_status overlay(const char *session, const ost_session_header *header, ost_meta *stored, ost_error *err)
 {
     for (int i = 0; header && i < SAME; i++) {

@@ -22,7 +22,7 @@ typedef struct glenoid_plan_options {
     bool trigonum_given, inferior_given;
 } glenoid_plan_options;
 
-/* Rows for a verb's table of options; the verb itself defines --at, --axis and --side. */
+/* The rows of the plan's options in a verb's option table, except --at, --axis and --side. */
 #define GLENOID_PLAN_OPTIONS(p)                                                                                        \
     {.name = "planned",                                                                                                \
      .kind = OPTION_DECIMAL,                                                                                           \
@@ -50,7 +50,7 @@ ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *o
                              const ost_session_header *header, const ost_meta *meta, const char *bone, bool needed,
                              ost_metrics_plan *out, bool *known, ost_error *err);
 
-/* Stores the plan in the header of a new session. */
+/* Stores a plan in the header of a session before the session is written. */
 ost_status glenoid_plan_set(ost_session_header *header, const ost_metrics_plan *plan, ost_error *err);
 
 #endif

@@ -16,7 +16,7 @@
 #include "io/outfile.h"
 #include "app/input/mask_option.h"
 
-enum { THRESHOLD = 120 }; /* default threshold, that of the thesis (AR-CHK-1) */
+enum { THRESHOLD = 120 }; /* the default of the thesis (AR-CHK-1) */
 
 /* ------------------------------------------------------------------ names */
 
@@ -94,7 +94,7 @@ const char *load_kind_name(ost_file_kind kind)
 
 /* ------------------------------------------------------------------ bones */
 
-/* Parses the value of --crop, such as "0:128,0:128,20:60". */
+/* Parses the value of --crop, for example "0:128,0:128,20:60". */
 static ost_status parse_crop(const app_state *app, const char *text, ost_voxel_box *out, ost_error *err)
 {
     const char *p = text;
@@ -125,7 +125,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold, /* 0 selects the bone's own threshold or, for a CT, 120 */
+        .threshold = (int32_t)ct->threshold, /* 0: the threshold in the bone's file or, for a CT, 120 */
         .chunk_size = 16 << ct->chunk,
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,

@@ -18,7 +18,7 @@ typedef struct dicom_options {
     bool even_slices, untilt;
 } dicom_options;
 
-/* Rows for a verb's table of options. */
+/* The rows of the DICOM options in a verb's option table. */
 #define DICOM_OPTIONS(d)                                                                                         \
     {.name = "series", .kind = OPTION_TEXT, .out = &(d).series, .value = "NUMBER|TEXT|UID",                      \
      .help = "series of a DICOM folder, by number, description or UID (default: the only one that is a volume; " \
@@ -34,22 +34,23 @@ typedef struct ct_options {
     int64_t threshold; /* threshold; 0 selects the threshold that a bone's file stores, or 120 for any other file */
     const char *crop;
     int chunk; /* index in "16|32|64" */
-    int resample; /* an ost_resample, index in "linear|nearest|thesis"; if negative, the file determines it */
-    int duplicates; /* an ost_duplicates, index in "error|first|last|max" */
+    int resample; /* an ost_resample, from "linear|nearest|thesis"; negative if the file determines it */
+    int duplicates; /* an ost_duplicates, from "error|first|last|max" */
     bool clamp, nan_as_air, resample_oblique;
     const char *orientation; /* value of --orientation; NULL if the option is not given */
-    int form;                /* an ost_nifti_form, index in "auto|qform|sform" */
+    int form;                /* an ost_nifti_form, from "auto|qform|sform" */
     const char *mask;        /* FILE[:LABEL,...], where a LABEL is a number or a name; NULL if not given */
     const char *mask_names;  /* file of label names; NULL if not given */
     dicom_options dicom;
     bool mask_fill;
-    ost_import_labels *labels; /* function that selects the bone in the CT; NULL selects the complete CT */
+    /* function that labels the bones of the CT, so that one is selected; NULL imports the complete CT */
+    ost_import_labels *labels;
     void *labels_user;
 } ct_options;
 
 #define CT_OPTIONS_DEFAULT {.chunk = 1, .resample = -1}
 
-/* Rows for a verb's table of options. */
+/* The rows of the CT options in a verb's option table. */
 #define CT_OPTIONS(c)                                                                                            \
     {.name = "spacing", .kind = OPTION_LENGTHS, .out = &(c).spacing, .value = "MM[,MM,MM]",                      \
      .help = "voxel spacing of the CT (default: as in the file; of a text, derived from its positions); required " \
@@ -82,8 +83,8 @@ typedef struct ct_options {
 
 typedef struct tool_options {
     ost_pm voxel;
-    int unit; /* an ost_unit, index in "auto|mm|cm|m|inch|um" */
-    int rule; /* an ost_fill_rule, index in "winding|parity" */
+    int unit; /* an ost_unit, from "auto|mm|cm|m|inch|um" */
+    int rule; /* an ost_fill_rule, from "winding|parity" */
 } tool_options;
 
 #define TOOL_OPTIONS_DEFAULT {.voxel = OST_PM_PER_MM / 2}
@@ -116,16 +117,16 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
 /* Returns a word for the type of a file, such as "NRRD" or "text". For OST_FILE_UNKNOWN, returns "built in". */
 const char *load_kind_name(ost_file_kind kind);
 
-/* Converts the options of a verb to those of ost_import. */
+/* Converts the parsed options of a verb to those of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err);
-/* Copies the options for DICOM to those of ost_volume_read. */
+/* Converts the parsed DICOM options to those of ost_volume_read. */
 void load_dicom_options(const dicom_options *options, ost_volume_options *out);
-/* Warns about irregularities that were found in a DICOM series. */
+/* Prints a warning for each irregularity of a DICOM series that the reader found. */
 void load_warn_dicom(const app_state *app, const char *name, const ost_dicom_report *r);
 /* Warns if the orientation of a file was assumed, either now or when the file was imported. */
 void load_warn_orientation(const app_state *app, const char *name, const ost_meta *meta);
-/* Warns about effects of an import that the user may not expect. */
+/* Prints a warning for each conversion during an import that the user may not expect. */
 void load_warn_import(const app_state *app, const char *name, const ost_import_result *r);
 
 enum { LOAD_UNITS_TEXT = 200 };

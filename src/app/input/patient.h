@@ -24,7 +24,7 @@ typedef struct patient_options {
     const char *landmarks, *landmarks_out;
 } patient_options;
 
-/* Rows for a verb's table of options. */
+/* The rows of the patient options in a verb's option table. */
 #define PATIENT_OPTIONS(p)                                                                                             \
     {.name = "at",                                                                                                     \
      .kind = OPTION_POINT,                                                                                             \

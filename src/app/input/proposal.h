@@ -15,7 +15,7 @@
 #include <osteon/metrics.h>
 
 #define PROPOSAL_AUTO "auto"           /* value of --landmarks */
-#define PROPOSAL_FACT "landmarks_proposed" /* header fact that contains the spreads of the proposed landmarks */
+#define PROPOSAL_FACT "landmarks_proposed" /* key of the header fact that contains the spreads of proposed landmarks */
 
 /*
  * Proposes the landmarks of a bone, stores the side and the spreads in meta, and reports the landmarks. The caller

@@ -78,7 +78,7 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
                        near ? near : names[0]);
 }
 
-/* Reads the ticks of a session up to the first missing tick. */
+/* Reads the ticks of a session. Stops at the first gap in their numbers. */
 static ost_status session_path(const app_state *app, const char *name, ost_path *out, ost_error *err)
 {
     ost_session *session;
@@ -191,7 +191,7 @@ ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t
     return OST_OK;
 }
 
-/* Greatest values that --max-gap accepts: one hour and 8 m. */
+/* largest values of --max-gap: one hour, and 8 m */
 enum { GAP_MS_MAX = 3600000, JUMP_UM_MAX = 8000000 };
 
 ost_status ream_max_gap(const app_state *app, const char *text, ost_path_options *out, ost_error *err)

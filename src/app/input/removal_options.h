@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rows for a verb's table of options. These options determine how a path removes bone. */
+/* Rows of the option tables of verbs that remove bone along a path. */
 #ifndef OST_APP_INPUT_REMOVAL_OPTIONS_H
 #define OST_APP_INPUT_REMOVAL_OPTIONS_H
 
@@ -7,7 +7,7 @@
 
 #include "app/common/options.h"
 
-/* If given_out is not NULL, it is set to true if the option is given. */
+/* *given_out is set to true if the option was given; given_out may be NULL */
 #define RPM_OPTION(rpm, given_out)                                                                                     \
     {.name = "rpm", .kind = OPTION_INTEGER, .out = &(rpm), .given = (given_out), .min = 0, .max = OST_RPM_MAX,         \
      .value = "N",                                                                                                     \

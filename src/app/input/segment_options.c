@@ -21,7 +21,7 @@ enum { SHOWN = 10, HEADS = 8 };
  * landmark lies on a surface and is seldom exact.
  */
 #define BONE_REACH (10 * OST_PM_PER_MM)
-/* Maximum distance from the position given by --cut-head to the centre of the head. */
+/* maximum distance between the position of --cut-head and the centre of the head */
 #define HEAD_REACH (30 * OST_PM_PER_MM)
 
 /* ---------------------------------------------------------------- parsing */
@@ -128,7 +128,7 @@ static bool is_another_head(const ost_sphere *a, const ost_sphere *b)
     return b->coverage >= 0.75 * a->coverage && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > apart * apart;
 }
 
-/* Finds the humeral head for --cut-head and adds a ball around it to the cuts. */
+/* Finds the humeral head for --cut-head. Adds a ball that contains the head to the cuts. */
 static ost_status cut_head(segment_job *job, const ost_volume *ct, int32_t threshold, ost_error *err)
 {
     const ost_anatomy_bone bone = {.volume = ct, .low = threshold, .high = INT16_MAX};
@@ -166,7 +166,7 @@ static double voxel_mm3(const ost_geometry *g)
     return ost_pm_to_mm(g->spacing.x) * ost_pm_to_mm(g->spacing.y) * ost_pm_to_mm(g->spacing.z);
 }
 
-/* Finds the bone at a position that --bone states. */
+/* Finds the bone at a position, for --bone X,Y,Z. */
 static ost_status find_bone(const char *text, ost_pm3 at, const ost_volume *labels, int *label, ost_error *err)
 {
     ost_pm3 near = {0, 0, 0};
@@ -226,7 +226,7 @@ static ost_status set_list(ost_meta *meta, const char *name, const option_list *
     return status;
 }
 
-/* Stores the options as header facts of the label map. */
+/* Stores the options in the header of the label map, as facts. */
 static ost_status set_facts(const segment_job *job, int32_t threshold, ost_meta *meta, ost_error *err)
 {
     const segment_options *o = job->options;

@@ -24,7 +24,7 @@ typedef struct segment_options {
 enum { SEGMENT_AIR = -200, SEGMENT_CUTS_MAX = OPTION_LIST_MAX * 2 + 1, SEGMENT_BALL_TEXT = 4 * OST_PM_TEXT };
 #define SEGMENT_OPTIONS_DEFAULT {.air = SEGMENT_AIR}
 
-/* Rows for a verb's table of options. */
+/* The rows of the segmentation options in a verb's option table. */
 #define SEGMENT_OPTIONS(s)                                                                                         \
     {.name = "bone", .kind = OPTION_LIST, .out = &(s).bones, .value = "largest|all|X,Y,Z",                         \
      .help = "bone to select: the largest one, all (default), or the one at a position; may be given several "     \
@@ -48,20 +48,20 @@ enum { SEGMENT_AIR = -200, SEGMENT_CUTS_MAX = OPTION_LIST_MAX * 2 + 1, SEGMENT_B
     {.name = "cut-plane", .kind = OPTION_LIST, .out = &(s).planes, .value = "X,Y,Z,NX,NY,NZ",                      \
      .help = "no voxel on the side of this plane to which N points belongs to a bone; may be given several times"}
 
-/* Parsed options, and the bones that were found with these options. */
+/* The parsed options, and the bones that the segmentation has found. */
 typedef struct segment_job {
     const app_state *app;
     const segment_options *options;
     ost_segment_cut cuts[SEGMENT_CUTS_MAX];
     size_t cut_count;
     ost_sphere head;       /* the sphere that was found for --cut-head */
-    char head_ball[SEGMENT_BALL_TEXT]; /* the equivalent value of --cut-ball; "" if --cut-head is not given */
-    int64_t min_um3;       /* minimum volume of a bone in 1e-9 mm3 */
+    char head_ball[SEGMENT_BALL_TEXT]; /* value of --cut-ball that would have the same effect; "" without --cut-head */
+    int64_t min_um3;       /* minimum volume of a bone in um3 */
     ost_geometry geometry; /* grid of the CT */
     uint64_t min_voxels;
     ost_segment *segments; /* owned; the selected bones */
     size_t count;
-    size_t found;          /* number of bones that were found, before the selection */
+    size_t found;          /* number of bones before --bones selects some of them */
 } segment_job;
 
 /* Returns true if at least one of the options is given, so that `osteon import` must divide the CT. */

@@ -15,7 +15,7 @@
  */
 #define FRONT_LEAST_MM3 50.0
 #define BONE_LEAST_PERCENT 25.0
-#define APPROACH_MM 8.0 /* distance in front of the face at which built-in paths begin */
+#define APPROACH_MM 8.0 /* distance in front of the face at which built-in paths start */
 
 static ost_status problem(const app_state *app, bool strict, ost_error *err, const char *format, ...) OST_PRINTF(4, 5);
 
@@ -50,7 +50,7 @@ void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX])
     }
 }
 
-/* Computes the tool's radius about its axis and its length along the axis, in mm. */
+/* Computes the size of a tool in mm: its radius about its axis, and its length along the axis. */
 static void tool_size(const ost_tool *tool, double *radius_mm, double *length_mm)
 {
     const ost_tool_geometry *g = ost_tool_geometry_get(tool);

@@ -15,7 +15,7 @@
 
 typedef struct start_checked {
     ost_glenoid glenoid;
-    bool known;         /* true if the glenoid is known; if false, no voxels are counted */
+    bool known;         /* true if the position of the glenoid is known, so that voxels can be counted */
     /*
      * The number of voxels on the near side of the face. After the operation, this is the number of these voxels that
      * were removed.
@@ -47,7 +47,7 @@ void start_poses(const ost_path *path, const ost_pose *first[OPTION_LIST_MAX]);
 
 /* Warns of each problem that is found. If `strict` is set, the first problem is returned as OST_ERR_INPUT. */
 ost_status start_check(const app_state *app, const start_setup *setup, start_checked *out, ost_error *err);
-/* Counts the voxels that were removed on the near side of the face. */
+/* Counts the voxels that were removed on the near side of the glenoid's face. */
 ost_status start_check_end(start_checked *checked, const ost_bone *bone, ost_error *err);
 /* Reports near_side_voxels and near_side_mm3. The parameter mm3 is the volume of one voxel. */
 void start_check_report(const app_state *app, const start_checked *checked, double mm3);

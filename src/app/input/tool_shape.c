@@ -33,7 +33,7 @@ ost_status tool_shape_of(const ost_tool *tool, tool_shape *out, ost_error *err)
             }
     ost_tool_volume_free(&volume);
     if (hi[0] == 0)
-        return OST_OK; /* the tool has no cutting voxels */
+        return OST_OK; /* A tool without cutting voxels has no tip. */
     double size[3];
     for (int a = 0; a < 3; a++) {
         const double from = ends_mm(corner[a], g->voxel, lo[a]), to = ends_mm(corner[a], g->voxel, hi[a]);

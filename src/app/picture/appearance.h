@@ -36,7 +36,7 @@ typedef struct appearance_options {
     option_decimal shift, turn;
     option_list overlays;
     bool no_legend;
-    /* The following fields are set by appearance_check. */
+    /* appearance_check sets the following members */
     int clip;               /* a clip_kind */
     double clip_at[3], clip_normal[3]; /* point and normal of the clip plane for CLIP_FREE */
     double shift_mm, turn_deg;

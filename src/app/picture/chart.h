@@ -19,16 +19,16 @@ typedef struct chart_row {
     char key[CHART_KEY];
     char text[CHART_TEXT];
     uint32_t colour; /* 0xBBGGRR, or CHART_NO_COLOUR */
-    bool warning;    /* draws the text in the colour of warnings */
+    bool warning;    /* true to draw the text in the colour of warnings */
 } chart_row;
 
 typedef struct chart_table {
     int count;
-    int omitted; /* number of rows for which there was no space */
+    int omitted; /* number of rows that did not fit into the table */
     chart_row row[CHART_ROWS_MAX];
 } chart_table;
 
-/* Appends a row and returns it. The text is truncated to CHART_TEXT - 1 bytes. */
+/* Appends a row to a table and returns it. Text beyond CHART_TEXT - 1 bytes is cut off. */
 chart_row *chart_add(chart_table *table, const char *key, const char *format, ...) OST_PRINTF(3, 4);
 
 typedef struct chart {
@@ -36,7 +36,7 @@ typedef struct chart {
     ost_lettering *text, *title;
 } chart;
 
-/* Makes an empty chart. Free with chart_free, also after an error. */
+/* Creates an empty chart. Free it with chart_free, also after an error. */
 ost_status chart_begin(chart *c, int width, int height, ost_error *err);
 void chart_free(chart *c);
 /* Copies a picture to the chart. (x, y) is the upper left corner. Pixels beyond the chart are omitted. */
@@ -46,7 +46,7 @@ void chart_title(chart *c, const char *text);
 void chart_text(chart *c, int x, int y, const char *text);
 /* Draws a table into a box. Long strings are wrapped. If rows do not fit, the last line states their number. */
 void chart_put_table(chart *c, const chart_table *table, int x, int y, int width, int height);
-/* Makes a picture of the chart. The caller owns *out. */
+/* Copies the chart to a picture. The caller owns *out. */
 ost_status chart_end(const chart *c, ost_picture *out, ost_error *err);
 
 #endif

@@ -11,7 +11,7 @@ static bool solid(double x, double y, double z)
 {
     const double square = x * x + y * y, dome = BACK - sqrt(BACK * BACK - square),
                  dish = FRONT - sqrt(FRONT * FRONT - square);
-    /* The oval is wider inferiorly than superiorly. */
+    /* The implant is an oval that is wider at its inferior end. */
     const double half = HALF_WIDTH * (1 - 0.16 * y / HALF_HEIGHT),
                  oval = x * x / (half * half) + y * y / (HALF_HEIGHT * HALF_HEIGHT);
     const double tip = square <= PEG * PEG ? PEG - sqrt(PEG * PEG - square) : 0;

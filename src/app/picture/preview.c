@@ -15,21 +15,23 @@
 #include "render/views.h"
 
 enum { MARGIN = CHART_MARGIN, TOP = 56, PLANES_HIGH = 500, CAPTION = 26, TABLE_GAP = 28 };
-#define MARKS 1.25 /* pixels per unit of the marks in the surface view */
-enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* width of the surface view in pixels */
-enum { AROUND_MM = 25 };                            /* margin in mm around the parts, in which the planes show the CT */
+#define MARKS 1.25 /* size of the marks in the surface view, in pixels per unit */
+enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* limits of the width of the surface view, in pixels */
+/* The planes show the CT up to this distance from the parts, in mm. */
+enum { AROUND_MM = 25 };
 enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
-enum { NO_PART = -1, LEFT_OUT = 0 };                /* values that are not labels of parts; such labels begin at 1 */
+/* values for voxels that belong to no part, since labels start at 1 */
+enum { NO_PART = -1, LEFT_OUT = 0 };
 /* maximum number of voxels, 128 MiB; a larger grid is drawn with larger voxels */
 enum { SURFACE_VOXELS_MAX = 1 << 26 };
 
 /* ------------------------------------------------------------------ extent */
 
-/* The bounds of the parts, and the voxel through which all planes pass. */
+/* The bounding box of the parts, and the voxel in which the three planes meet. */
 typedef struct extent {
-    int32_t lo[3], hi[3]; /* half-open range; empty if there are no parts */
+    int32_t lo[3], hi[3]; /* range of voxels that contains all parts, lo <= voxel < hi; empty without parts */
     int32_t at[3];
-    bool glenoid;         /* true if the planes pass through the glenoid's centre */
+    bool glenoid;         /* true if the planes meet at the centre of the glenoid */
 } extent;
 
 static bool is_part(const preview_input *in, int16_t value)
@@ -91,7 +93,7 @@ static ost_status find_extent(const preview_input *in, extent *e, ost_error *err
 
 /* ------------------------------------------------------------------ planes */
 
-/* The part of the grid that the planes show, and its scale. */
+/* The section of the grid that the planes show, and the scale of the drawing. */
 typedef struct planes {
     const preview_input *in;
     int32_t lo[3];
@@ -169,7 +171,8 @@ static int level_of(const preview_input *in)
 
 static void colour_of(const void *user, size_t index, double rgb[3])
 {
-    static const double strength[2] = {0.55, 0.25}; /* tint of dense voxels that belong to no part, and tint of parts */
+    /* strength of the tint: dense voxels outside all parts, and voxels of parts */
+    static const double strength[2] = {0.55, 0.25};
     const planes *p = user;
     int32_t v[3];
     position(p, index, v);

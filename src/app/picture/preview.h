@@ -22,7 +22,7 @@
 
 enum { PREVIEW_WIDTH = 1600, PREVIEW_HEIGHT = 1000 };
 
-/* The row of --preview in a verb's table of options. */
+/* The row of --preview in a verb's option table. */
 #define PREVIEW_OPTION(path)                                                                                         \
     {.name = "preview", .kind = OPTION_TEXT, .out = &(path), .value = "FILE.png",                                    \
      .help = "also write a picture of the result: three planes of the CT with outlines, a view of the surface, and " \
@@ -30,15 +30,15 @@ enum { PREVIEW_WIDTH = 1600, PREVIEW_HEIGHT = 1000 };
 
 /* The input of a preview. All pointers are borrowed. */
 typedef struct preview_input {
-    const char *out;         /* name of the verb's output; only the part after the last '/' is drawn */
-    const ost_volume *ct;    /* densities of the CT; if NULL, the densities of the parts are drawn */
-    const ost_volume *parts; /* labels of the CT's voxels, or densities of a bone, whose voxels are cubes */
-    bool labels;             /* true if `parts` contains labels; a voxel greater than 0 then belongs to a part */
+    const char *out;         /* path of the verb's output; the picture shows only the file name */
+    const ost_volume *ct;    /* densities of the CT; if NULL, the planes show the densities of the parts */
+    const ost_volume *parts; /* labels of the CT's voxels, or the densities of a bone with cubic voxels */
+    bool labels;             /* true if `parts` contains labels; voxels above 0 then belong to parts */
     int32_t threshold;       /* lowest density of bone */
     bool nearest; /* true if each density is that of the nearest voxel of the CT; false if densities are interpolated */
     bool left_out;           /* true if dense voxels of the CT that belong to no part are shown in a colour */
     bool unoriented; /* true if the directions of the axes are only assumed; no orientation letters are then drawn */
-    const ost_meta *meta;    /* facts about the patient: the glenoid's position and axis, the side */
+    const ost_meta *meta;    /* facts about the patient: position and axis of the glenoid, and side */
     bool at_given;
     ost_pm3 at; /* position through which the planes pass if the glenoid is not known; used only if at_given is set */
     int threads;

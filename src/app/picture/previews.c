@@ -23,7 +23,7 @@ ost_status preview_check(app_state *app, const char *path, ost_error *err)
         status = ost_picture_init(&pixel, 1, 1, err);
     if (status != OST_OK)
         return status;
-    status = ost_picture_encode_png(&pixel, &bytes, &size, err); /* fails if osteon was built without libpng */
+    status = ost_picture_encode_png(&pixel, &bytes, &size, err); /* encoding fails if osteon was built without libpng */
     free(bytes);
     ost_picture_free(&pixel);
     return status;
@@ -37,7 +37,7 @@ static double cm3(const ost_geometry *g, uint64_t voxels)
 
 /* -------------------------------------------------------------------- rows */
 
-/* Appends attributes of a DICOM series, none of which identifies the patient. */
+/* Adds rows that describe a DICOM series. No row identifies the patient. */
 static void add_series(chart_table *t, const ost_dicom_report *d)
 {
     char n[FORMAT_TEXT], m[OST_PM_TEXT], k[OST_PM_TEXT];
@@ -180,7 +180,7 @@ static ost_status read_ct(const app_state *app, const char *name, const ct_optio
         options.volume.progress = progress_show;
         if (status == OST_OK)
             status = ost_volume_read(name, &options.volume, out, NULL, err);
-        /* the option --spacing replaces the spacing of the file */
+        /* --spacing overrides the spacing in the file */
         out->geometry.spacing = status == OST_OK ? r->rect.spacing : out->geometry.spacing;
     }
     return status;

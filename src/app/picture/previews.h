@@ -33,7 +33,7 @@ typedef struct preview_labels {
     size_t count;
     int32_t threshold;
     bool at_given;
-    ost_pm3 at;                      /* position through which the planes pass; used only if at_given is set */
+    ost_pm3 at;                      /* the position at which the planes meet, if at_given is set */
 } preview_labels;
 
 /* Writes the picture of a segmentation. */

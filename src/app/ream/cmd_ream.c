@@ -31,7 +31,7 @@ enum { SAVED_TICKS = 1024 };
 static void job_free(ream_job *j)
 {
     free(j->tick_ns);
-    /* the recorder is still open if another function failed; closing it saves the recorded ticks */
+    /* After an error, the recorder is still open. Closing it saves the ticks recorded so far. */
     ost_recorder_close(j->recorder, NULL, NULL);
     debrief_free(&j->debrief);
     ost_world_free(j->world);
@@ -104,7 +104,7 @@ static ost_status motor_run(const app_state *app, const ream_args *args, ream_jo
     return ost_motor_path(&j->path, (int32_t)args->rpm, &motor, err);
 }
 
-/* Finds the plan and, if a debrief is requested, stores a copy of the bone. */
+/* Determines the plan. If a debrief is requested, also copies the bone. */
 static ost_status plan_take(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = glenoid_plan_find(app, &args->plan, NULL, NULL, &j->imported.meta, args->bone,
@@ -126,7 +126,7 @@ static ost_status check_start(const app_state *app, const ream_args *args, ream_
     return start_check(app, &setup, &j->site, err);
 }
 
-/* Checks everything that can be checked before a file is read. */
+/* Checks the options as far as possible before any file is read. */
 static ost_status check_args(app_state *app, ream_args *args, ost_error *err)
 {
     ost_status status = ream_period(app, &args->rate, &args->period_ns, err);

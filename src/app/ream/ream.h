@@ -25,15 +25,15 @@ typedef struct ream_args {
     const char *debrief, *max_gap;
     ost_path_options gaps; /* options for gaps, parsed from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* period of removal, derived from the option --rate; 0 means that every tick removes bone */
+    int64_t period_ns; /* time between two removals, from --rate; 0 means that every tick removes */
     int64_t rpm;
     bool rpm_given;
-    ost_density_classes classes; /* density classes, parsed from classes_text; count 0 selects the default classes */
+    ost_density_classes classes; /* density classes, parsed from classes_text; if count is 0, the defaults apply */
     int sweep; /* index in "off|on" */
     bool compress, no_failover, strict;
 } ream_args;
 
-/* All resources of a run; freed together by ream_free. */
+/* Everything that a run has allocated or opened. ream_free frees it. */
 typedef struct ream_job {
     ost_backend *backend;
     ost_bone *bone;
@@ -44,20 +44,20 @@ typedef struct ream_job {
     ost_path path;
     ream_gaps gaps;
     ost_world *world;
-    ost_recorder *recorder; /* NULL if nothing is recorded */
+    ost_recorder *recorder; /* open while the operation is recorded, otherwise NULL */
     uint32_t *tick_ns; /* duration of each step in ns */
     double run_ms;
-    bool met;          /* true if the boxes of bone and tool overlapped in at least one tick */
+    bool met;          /* true if the tool's box overlapped the bone's box in at least one tick */
     ost_metrics_plan plan;
     bool planned;      /* true if `plan` is valid */
     debrief debrief;   /* the debrief; empty unless --debrief is given */
     start_checked site;
-    bool failed_over;  /* true if another backend has replaced the requested one */
+    bool failed_over;  /* true if the requested backend failed and another one continued */
 } ream_job;
 
-/* Begins the recording if one is requested. The world must already exist. */
+/* Starts the recording if --record is given. The world must exist. */
 ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err);
-/* Records a tick. Failures to record are reported when the recorder is closed. */
+/* Records a tick. Errors are reported when the recorder is closed. */
 ost_status ream_record_tick(ream_job *j, size_t number, const ost_step_result *step, ost_error *err);
 void ream_record_note(const ream_job *j, size_t tick, const char *text);
 /* Completes the recording and reports it. */
@@ -79,7 +79,7 @@ ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, os
 /* Reads everything that the report needs from the backend before it writes the bone, so that a failure leaves no
    file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
-/* Prints the result and stores it in the verb's JSON object. */
+/* Prints the results of the run, and adds them to the verb's JSON object. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
 #endif

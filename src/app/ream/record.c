@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Records an operation along paths. */
+/* Records the run of `osteon ream` as a session. */
 #include "app/ream/ream.h"
 
 #include <stdio.h>

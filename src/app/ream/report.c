@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reports the results of an operation along paths. */
+/* Prints the results of `osteon ream`, and adds them to its JSON object. */
 #include "app/ream/ream.h"
 
 #include <stdlib.h>
@@ -14,7 +14,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts tick_ns and reports percentiles of the tick times, using the nearest-rank method. */
+/* Sorts tick_ns, and reports percentiles of the durations by the nearest-rank method. */
 static void put_tick_times(const app_state *app, ream_job *j)
 {
     size_t n = j->path.count;

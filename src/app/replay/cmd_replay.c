@@ -21,17 +21,17 @@
 typedef struct replay_args {
     const char *session, *bone, *out, *debrief;
     option_list tools;
-    glenoid_plan_options plan; /* the options of the plan, which is needed for the debrief */
+    glenoid_plan_options plan; /* options of the plan, for the debrief */
     replay_film_options film;
     int64_t ticks;
     bool ticks_given, verify, compress;
 } replay_args;
 
-/* The end of a session, as recorded and as replayed. */
+/* The end of a session: as the file states it, and as the replay reached it. */
 typedef struct ending {
-    bool found;     /* true if the file contains the end record of the session */
-    bool complete;  /* true if the file contains the end record and all ticks */
-    bool compared;  /* true if all ticks were replayed; only then is the end compared */
+    bool found;     /* true if the file contains an end record */
+    bool complete;  /* true if the file contains an end record and every tick before it */
+    bool compared;  /* true if the replay reached the end, so that it was compared */
     uint64_t ticks; /* number of recorded ticks, from the end record or, without one, from the last readable tick */
     ost_session_end end;
     ost_world_totals totals;
@@ -342,7 +342,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* The bone is written only if the verification is complete and has found no difference. */
+    /* writes the bone only if everything was verified and nothing differs */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         ost_digest file;

@@ -12,7 +12,7 @@
 #include "render/viewer.h"
 #include "render/views.h"
 
-enum { PLANNED_MM = 3 }; /* planned depth that is used if neither the session nor an option specifies a depth */
+enum { PLANNED_MM = 3 }; /* planned depth in mm if neither the session nor an option states one */
 
 struct replay_film {
     const replay_film_options *options;

@@ -11,7 +11,7 @@
 
 #include "app/session/keys.h"
 
-/* A replay. The struct must be zero-initialized, and replay_close must be called in any case. */
+/* A replay. Zero-initialise the struct before use, and call replay_close, also after an error. */
 typedef struct replay {
     ost_session *session; /* borrowed */
     const char *name;     /* name of the session; borrowed */
@@ -22,12 +22,12 @@ typedef struct replay {
     ost_tool *tools[OPTION_LIST_MAX];
     ost_world *world;
     uint64_t done;        /* number of ticks replayed */
-    /* The following fields are set at the first tick whose digest differs. */
+    /* The following members describe the first tick whose digest differs. */
     bool differs;
     ost_session_tick recorded;
     uint64_t digest;
     ost_step_result step; /* result of the latest step; step.report is valid until the next tick */
-    /* If not NULL, called after every tick. */
+    /* called after every tick, unless NULL */
     ost_status (*each)(void *user, const ost_session_tick *tick, const ost_step_result *step, ost_error *err);
     void *each_user;
 } replay;

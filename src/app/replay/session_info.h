@@ -13,7 +13,7 @@
  */
 ost_status info_session(const app_state *app, const char *name, const char *repaired, ost_error *err);
 
-/* Runs `osteon export` on a session, and writes the table to `out`, a .csv file. */
+/* Implements `osteon export` for a session: writes its ticks as a CSV table to `out`. */
 ost_status export_session(const app_state *app, const char *name, const char *out, ost_error *err);
 
 #endif

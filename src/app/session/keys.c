@@ -48,7 +48,7 @@ static void set_digest(writer *w, const char *key, const ost_digest *digest)
     set(w, key, ost_digest_hex(digest, hex));
 }
 
-/* Sets the key to the choice with the given index in the list "a|b|c". */
+/* Sets a key to the name with this index in a list "a|b|c". */
 static void set_choice(writer *w, const char *key, const char *choices, int index)
 {
     char text[40];
@@ -72,7 +72,7 @@ static void set_classes(writer *w, const ost_density_classes *classes)
     set(w, "config.classes", text);
 }
 
-/* Sets the SHA-256 of the header lines that determine the result of a step. */
+/* Sets the SHA-256 of all header lines that influence the result of a tick. */
 static void set_config_digest(writer *w)
 {
     ost_hasher *hasher = NULL;

@@ -9,7 +9,7 @@
 
 const char *const sim_renderer_names[] = {"none", "null", "auto", "points", "gl", "mesh", "thesis"};
 
-enum { PRESS_TICKS_MAX = 600000 }; /* ten minutes, after which the simulated operator no longer moves */
+enum { PRESS_TICKS_MAX = 600000 }; /* after ten minutes, the simulated operator keeps still */
 
 /*
  * Checks the options for the motor and the buttons. If a button can switch the motor on, the motor is initially off. If
@@ -24,7 +24,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
                            "removals; at least %.3g Hz",
                            args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
     if (!sim_device_info(args, &info))
-        return OST_OK; /* an unknown device is reported later, when it is opened */
+        return OST_OK; /* the name of the device is checked when the device is opened */
     ost_status status = ost_buttons_parse(&info, args->buttons_text, args->buttons, err);
     for (int i = 0; i < OST_BUTTONS_MAX; i++)
         args->motor_waits = args->motor_waits || args->buttons[i] == OST_ACTION_MOTOR ||
@@ -45,7 +45,7 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
     return OST_OK;
 }
 
-/* Checks the options that a headset does not support, and sets those that it implies. */
+/* Checks the options against --headset, and sets options that it implies. */
 static ost_status check_headset(const app_state *app, sim_args *args, ost_error *err)
 {
     if (args->no_clock)

@@ -12,7 +12,8 @@ static const double PAN_KEY = 0.45, TURN_KEY = 0.36, NEAR_KEY = 12;
 
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm)
 {
-    const double voxels = 8192, most = 1500; /* less than the limits of the renderer, 2^15 voxels and 8000 mm */
+    /* limits of the distance, below those of the renderer: 2^15 voxels and 8000 mm */
+    const double voxels = 8192, most = 1500;
     return (sim_camera){.orbit = ost_view_orbit(view, subject, NULL), .subject = *subject, .home = view,
                         .farthest = fmin(most, fmax(2 * subject->size, voxels * voxel_mm))};
 }
@@ -39,7 +40,7 @@ void sim_camera_fly(sim_camera *camera, ost_view_name view, const ost_pose *tool
 {
     camera->from = camera->orbit;
     camera->to = ost_view_orbit(view, &camera->subject, tool);
-    /* The azimuth changes by the smaller of the two possible angles. */
+    /* the camera turns in the direction of the smaller angle */
     camera->from.azimuth = camera->to.azimuth + remainder(camera->from.azimuth - camera->to.azimuth, 2 * PI);
     camera->begin_s = now_s;
     camera->flying = true;

@@ -13,7 +13,7 @@
 #include "app/sim/hud.h"
 #include "app/input/tool_shape.h"
 
-/* The parts of the HUD's facts that do not change during an operation. */
+/* The values in the HUD that remain constant during an operation. */
 typedef struct sim_scene {
     option_list tools;                /* names of all tools of the operation */
     tool_shape shapes[OPTION_LIST_MAX];
@@ -22,7 +22,7 @@ typedef struct sim_scene {
     bool planned;
     ost_metrics_plan plan;
     bool force_given, recording;
-    double device_full_n, contact_full_n; /* maxima of the scales of hand force and contact force */
+    double device_full_n, contact_full_n; /* upper ends of the HUD's scales: hand force and contact force, in N */
 } sim_scene;
 
 /* Makes a scene. `tools` has one element for each name. `plan` is NULL if there is none. */

@@ -37,7 +37,7 @@ ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err
     args->max_force_from = "default";
     if (!args->force_file)
         return OST_OK;
-    /* NAN marks a value that the file does not set. */
+    /* Values that the file does not set remain NAN. */
     ost_safety_params read = args->safety;
     read.max_force_n = read.max_torque_nm = NAN;
     ost_status status = ost_force_params_read(args->force_file, &args->force_params, &read, err);

@@ -61,7 +61,7 @@ void sim_handle_twist(sim_handle *handle, double angle)
     multiply(handle->q, turn, handle->q);
 }
 
-/* Computes the tool's working direction as a unit vector. */
+/* Computes the direction in which the tool works, as a unit vector. */
 static void working_direction(const sim_handle *handle, double axis[3])
 {
     const double w = handle->q[0], x = handle->q[1], y = handle->q[2], z = handle->q[3];

@@ -12,7 +12,7 @@
 
 typedef struct sim_handle {
     double at[3]; /* position in mm */
-    double q[4];  /* orientation as a unit quaternion: w x y z */
+    double q[4];  /* orientation, a unit quaternion w x y z */
     int32_t tool;
     bool pedal;
 } sim_handle;
@@ -22,9 +22,9 @@ sim_handle sim_handle_at(const ost_pose *pose, int32_t tool);
 void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, double dy, int height);
 /* Turns the hand about the picture's up and right directions. dx and dy are in picture pixels. */
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy);
-/* Turns the hand about the tool's axis, in radians. */
+/* Rotates the handle about the tool's axis by an angle in radians. */
 void sim_handle_twist(sim_handle *handle, double angle);
-/* Moves the hand by mm along the tool's axis, in the working direction. */
+/* Moves the handle along the tool's axis by a length in mm; positive values move it towards the bone. */
 void sim_handle_push(sim_handle *handle, double mm);
 /*
  * Stores in *out the state that a device with the pose of the hand would report. Returns false if the pose is out of

@@ -75,7 +75,7 @@ static void take_hand(void *user, const ost_headset_hand *hand)
                    "the buttons have the same bits");
     sim_headset *h = user;
     ost_hand_sample sample = {.tracked = hand->tracked, .buttons = hand->buttons};
-    /* A controller that is too far away is treated as not tracked. */
+    /* A controller that is too far from the bone counts as not tracked. */
     sample.tracked = hand->tracked && ost_room_pose(&h->room, hand->at, hand->q, &sample.pose, NULL) == OST_OK;
     ost_hand_input_put(h->hand, &sample);
     h->eyes = 0;

@@ -29,7 +29,7 @@ static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 
 struct sim_hud {
     ost_lettering *plain, *large;
-    double unit; /* size of a unit in pixels */
+    double unit; /* one unit of the HUD's layout, in pixels */
 };
 
 /* ----------------------------------------------------------------- size */
@@ -203,7 +203,7 @@ static double bar_units(const table *t)
 
 enum { STEP = 21, MARGIN = 12, INSIDE = 14, GAP = 18 };
 
-/* Computes the size of a table. The table is as wide as its widest row. */
+/* Returns the rectangle of a table, which is as wide as its widest row. */
 static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool title)
 {
     int width = px(h, least);
@@ -295,7 +295,7 @@ static foot foot_of(const sim_hud *h, const char *text, int width)
             used++;
         }
         if (used == 0)
-            return (foot){0}; /* the width is not sufficient for a single letter */
+            return (foot){0}; /* there is no space for even one letter */
         const bool broken = text[used] && text[used] != ' ' && blank;
         const size_t end = broken ? blank : used;
         line[end] = '\0';
@@ -372,7 +372,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *h, int width, int height, const si
     box.x = width - margin - box.width;
     box.y = margin;
     l.rates = placed(box, width, height, all, 5);
-    if (!l.rates.width && l.device.width) { /* in this case, the frame is tall and narrow */
+    if (!l.rates.width && l.device.width) { /* the frame is tall and narrow */
         box.x = margin;
         box.y = l.device.y + l.device.height + margin / 2;
         l.rates = placed(box, width, height, all, 5);

@@ -21,14 +21,14 @@
 typedef struct sim_hud_facts {
     const char *tool;     /* name of the tool, for example "reamer" */
     const char *device;
-    int number, tools;    /* number of the current tool, counted from 1, and number of tools */
-    bool running;         /* true if at least one tick has run */
+    int number, tools;    /* number of the current tool, from 1, and number of all tools */
+    bool running;         /* false before the first tick */
     double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force on the bone, and hand force on the device, in newtons */
-    double contact_full_n, force_full_n; /* greatest values on the scales of contact force and hand force */
-    bool force_given;     /* true if a force is computed, even if the device cannot render it */
+    double contact_full_n, force_full_n; /* upper ends of the scales for contact force and hand force, in newtons */
+    bool force_given;     /* true if a force is computed, even if the device does not render it */
     double removed_mm3;
-    bool planned;         /* true if the next four fields are valid */
+    bool planned;         /* true if the following four members are valid */
     /* The maximum depth below the native face at which the tool removed bone, and the planned depth of the tool. The
        planned depth is 0 if no depth is planned. */
     double reached_mm, planned_mm;
@@ -37,12 +37,12 @@ typedef struct sim_hud_facts {
     bool touching, pedal;
     const char *fault;    /* name of the device's fault; NULL if there is no fault */
     bool plain;           /* true if the hint about the key F1 is not drawn, because there is no keyboard */
-    bool timings;         /* true if the user has requested the times of the servo loop and of frames */
-    bool rates;           /* true if the next five fields are valid */
+    bool timings;         /* true to show the times of ticks and frames */
+    bool rates;           /* true if the following five members are valid */
     double ticks_s, frames_s, late_us, takes_us, frame_ms;
     uint64_t missed;
     bool recording, help;
-    bool filming;         /* true while a video is written */
+    bool filming;         /* true while a video is being written */
     uint64_t dropped;     /* number of frames dropped from the video */
     const char *message;  /* message to show; NULL if there is none */
     ost_legend legend;    /* the legend, which explains the colours */
@@ -76,7 +76,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const 
  */
 uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
-/* Draws one sentence in the middle of an otherwise empty sheet. */
+/* Draws one sentence in the middle of a sheet, without anything else. */
 void sim_hud_draw_message(const sim_hud *hud, const ost_sheet *sheet, const char *sentence);
 
 #endif

@@ -14,18 +14,18 @@ typedef struct sim_layer {
     uint32_t *pixels; /* owned; NULL before the first call of sim_layer_draw */
     int width, height;
     ost_cells written; /* owned; cells of the HUD */
-    ost_cells changed; /* owned; cells that may differ from the layer that was shown last */
+    ost_cells changed; /* owned; cells in which the layer may differ from the layer that was shown last */
 } sim_layer;
 
 void sim_layer_free(sim_layer *layer); /* accepts zero-initialized memory */
 /* Returns true if the layer has the given size. A layer of another size must be drawn again. */
 bool sim_layer_fits(const sim_layer *layer, int width, int height);
-/* Replaces the contents of the layer by the HUD with the given facts. */
+/* Draws the HUD with these facts in place of the layer's contents. */
 ost_status sim_layer_draw(sim_layer *layer, int width, int height, const sim_hud *hud, const sim_hud_facts *facts,
                           ost_error *err);
 /* Returns the layer for ost_viewer_show. It is valid until the layer is drawn again. */
 ost_gl_sheet sim_layer_sheet(const sim_layer *layer);
-/* Must be called after the layer was shown. */
+/* Clears `changed`. Must be called after the layer was shown. */
 void sim_layer_shown(sim_layer *layer);
 
 #endif

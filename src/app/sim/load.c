@@ -35,7 +35,7 @@ void simulation_free(simulation *s)
     ost_backend_close(s->backend);
 }
 
-/* Finds the plan, and the target of built-in paths. A resumed session contains both. */
+/* Determines the plan and the target of built-in paths, or takes both from the resumed session. */
 static ost_status take_plan(const app_state *app, const sim_args *args, simulation *s, target_options *target,
                             ost_error *err)
 {
@@ -144,7 +144,7 @@ ost_status sim_check_start(const app_state *app, const sim_args *args, simulatio
                         .names = &args->tools,
                         .tools = s->tools,
                         .strict = args->strict};
-    /* The start of a resumed session was already checked when the session was recorded. */
+    /* The start was checked when the session was recorded. */
     if (s->resumed)
         return OST_OK;
     /* A path contains the first pose of each of its tools. Without a path, every tool begins at s->home. */

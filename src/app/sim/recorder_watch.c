@@ -39,7 +39,7 @@ const char *recorder_watch_update(recorder_watch *watch, const char *name, const
                  name, left_s);
         return text;
     }
-    /* A recovery is reported only when the recorder writes again. */
+    /* a recovery is reported only after a record has been written again */
     if ((watch->failing || watch->stuck || watch->losing) && !state->failing && !stuck &&
         state->lost == watch->reported_lost && waiting < capacity / 2) {
         watch->failing = watch->stuck = watch->losing = false;

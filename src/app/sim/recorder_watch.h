@@ -12,9 +12,9 @@
 
 typedef struct recorder_watch {
     bool failing, stuck, losing;
-    uint64_t written;   /* number of written records when this number last increased */
-    double grew_ms;     /* time at which `written` last increased */
-    uint64_t reported_lost; /* number of lost records that the last message stated */
+    uint64_t written;   /* highest number of written records so far */
+    double grew_ms;     /* time at which this number last increased */
+    uint64_t reported_lost; /* number of lost records in the most recent message */
 } recorder_watch;
 
 enum { RECORDER_WATCH_TEXT = 320 };

@@ -49,7 +49,7 @@ static ost_status use_mesh(sim_show *show, ost_error *err)
     return status == OST_OK ? ost_viewer_use_mesh(&show->viewer, show->mesher, err) : status;
 }
 
-/* Selects the renderer for SIM_RENDERER_AUTO and prints the reason if the processor draws. */
+/* Resolves SIM_RENDERER_AUTO. Prints the reason if the CPU draws. */
 static void use_card(sim_show *show)
 {
     ost_viewer_use_card(&show->viewer);
@@ -78,7 +78,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
                              err);
     show->renderer = args->renderer;
     if (status == OST_OK && args->renderer != SIM_RENDERER_POINTS && s->window_can_be_drawn)
-        ost_viewer_use_current(&show->viewer, NULL); /* if this fails, OpenGL is opened without the window */
+        ost_viewer_use_current(&show->viewer, NULL); /* after a failure, OpenGL is opened with a context of its own */
     if (status == OST_OK && args->renderer == SIM_RENDERER_AUTO)
         use_card(show);
     else if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)
@@ -163,7 +163,7 @@ void sim_show_done(sim_show *show)
 
 /* ----------------------------------------------------------- without a window */
 
-/* Draws the HUD over a frame in memory that is not shown in a window. */
+/* Draws the HUD into a frame in memory, if there is no window. */
 static ost_status write_over(sim_show *show, ost_error *err)
 {
     const ost_sheet sheet = ost_frame_sheet(&show->viewer.frame);
@@ -218,7 +218,7 @@ static void *work(void *user)
     while (!atomic_load(&d->stop) && show->status == OST_OK) {
         show->status = frame_of_thread(show, &show->err);
         const int64_t now = ost_clock_ns();
-        due = due + period > now ? due + period : now; /* a late frame also delays all later frames */
+        due = due + period > now ? due + period : now; /* after a late frame, the following frames are due later too */
         const struct timespec t = {.tv_sec = due / 1000000000, .tv_nsec = due % 1000000000};
         if (due > now)
             clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
@@ -315,7 +315,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
     if (*show->viewer.no_card)
         put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
-    if (!show->args->headset) { /* a headset reports the size of its own frames */
+    if (!show->args->headset) { /* the frames of a headset have its own size */
         put_integer(o, "width", show->width);
         put_integer(o, "height", show->height);
     }

@@ -22,7 +22,7 @@
 #include "app/session/record.h"
 #include "app/input/start_check.h"
 
-enum { SIM_RECORDER_CAPACITY = 65536 }; /* number of records that can wait to be written: 65 s of ticks */
+enum { SIM_RECORDER_CAPACITY = 65536 }; /* capacity of the recorder's queue in records; 65 s of ticks */
 
 typedef struct sim_args {
     const char *device, *bone, *out, *record, *classes_text, *session, *resume, *debrief, *force_file;
@@ -34,7 +34,7 @@ typedef struct sim_args {
     int64_t period_ns;
     uint64_t ticks;
     ost_density_classes classes;
-    int64_t force; /* index of the value of --force in sim_force_names */
+    int64_t force; /* force law, an index in sim_force_names */
     const char *picture, *size, *max_gap;
     ost_path_options gaps; /* options for gaps, parsed from max_gap */
     int renderer; /* a sim_renderer */
@@ -42,19 +42,19 @@ typedef struct sim_args {
     int64_t fps, rehearse_us, rpm;
     const char *buttons_text;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions assigned to the device's buttons */
-    bool motor_waits;     /* true if the motor is off until a button or a key switches it on */
+    bool motor_waits;     /* true if the motor starts when the user switches it on, not with the operation */
     film_options video;
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
-    bool contact;         /* true if voxels that were just removed are highlighted, even without a window */
+    bool contact;         /* true to highlight voxels that were just removed, also without a window */
     ost_force_params force_params;
     ost_safety_params safety;
     /* true if the file of --force-params sets the limit of the force or of the torque */
     bool max_force_given, max_torque_given;
     const char *max_force_from; /* source of the limit: "force-params", "device" or "default" */
     ost_haptic_limits limits;   /* valid if max_force_from is "device" */
-    bool headset; /* if true, headless is also true, because there is no window */
+    bool headset; /* true to use a headset; headless is then true as well */
     bool force_given, headless, no_clock, no_realtime, no_pin, print_force, strict, compress, sweep_off, bone_given,
         tools_given;
 } sim_args;
@@ -72,7 +72,7 @@ typedef struct simulation {
     ost_world *world;
     ost_recorder *recorder;
     ost_haptic *device;
-    ost_force *force;   /* force model; NULL if no force is rendered */
+    ost_force *force;   /* the force model, or NULL */
     ost_operation *operation;
     ost_servo_report *loop;
     ost_operation_report done;
@@ -80,15 +80,15 @@ typedef struct simulation {
     bool planned;         /* true if `plan` is valid */
     start_checked site;   /* result of sim_check_start; site.known is false if a session is resumed */
     debrief debrief;      /* the debrief; empty unless --debrief is given */
-    ost_volume uncut;     /* bone before the operation; owned until the show takes ownership */
-    ost_session *resumed; /* session that --resume continues; NULL if the option is not given */
+    ost_volume uncut;     /* the bone before the operation; sim_show takes ownership */
+    ost_session *resumed; /* the session to continue (--resume), or NULL */
     ost_tick last;        /* last tick of the resumed session */
     ost_motor motor;      /* state of the motor at the end of the resumed session */
     ost_pose home; /* initial pose of the tool: first pose of the path or, without a path, a pose clear of the bone */
     uint64_t before;      /* number of ticks in the resumed session */
-    struct sim_show *show; /* the show; NULL if nothing is rendered */
-    struct sim_window *window; /* window; NULL if --headless or --headset is given */
-    bool window_can_be_drawn; /* true if frames can be drawn with the OpenGL context of the window */
+    struct sim_show *show; /* the renderer and its frames; NULL if nothing is drawn */
+    struct sim_window *window; /* the window; NULL with --headless or --headset */
+    bool window_can_be_drawn; /* true if the window has an OpenGL context in which frames can be drawn */
     struct sim_headset *headset; /* the headset; NULL unless --headset is given */
     film *film;           /* NULL if no picture or video is written during the operation */
     int core;             /* processor core reserved for the servo loop; -1 if there is none */
@@ -97,11 +97,11 @@ typedef struct simulation {
 void simulation_free(simulation *s);
 
 bool sim_device_is(const sim_args *args, const char *name);
-/* Returns true if the device follows a path, and false if it moves freely. */
+/* Returns true if the device follows a path; false if an operator moves it. */
 bool sim_follows_path(const sim_args *args);
 /* Finds the library's description of the device. Returns false if there is no device with this name. */
 bool sim_device_info(const sim_args *args, ost_haptic_info *out);
-/* Checks everything that can be checked before a file is read. */
+/* Checks the options as far as possible before any file is read. */
 ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
@@ -135,7 +135,7 @@ typedef struct sim_force_texts {
  * the name of the last key is NULL.
  */
 void sim_force_session(const sim_args *args, sim_force_texts *texts, session_key *keys);
-/* Checks the site before the first tick (start_check.h). */
+/* Checks before the first tick where the tools start (start_check.h). */
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 /* Begins the recording if --record is given. */
 ost_status sim_record_begin(const sim_args *args, simulation *s, ost_error *err);

@@ -225,7 +225,7 @@ static bool draws_directly(const sim_window *w, int width, int height)
            ost_window_can_be_drawn(w->window, width, height);
 }
 
-/* Draws the HUD's layer again if it has changed. */
+/* Draws the HUD's layer if its facts, the camera or the size have changed. */
 static ost_status renew_layer(sim_window *w, int width, int height, ost_error *err)
 {
     const ost_orbit *orbit = &w->camera.orbit;
@@ -356,7 +356,7 @@ static void wait_until(int64_t due)
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
 }
 
-/* Draws frames at the requested rate while something changes; otherwise, waits for events. */
+/* Draws frames at the requested rate while anything changes. Otherwise waits for events. */
 static ost_status show_frames(sim_window *w, server *v, ost_error *err)
 {
     const int64_t period = w->args->fps > 0 ? INT64_C(1000000000) / w->args->fps : 0;
@@ -399,7 +399,8 @@ ost_status sim_window_run(simulation *s, const ost_servo_options *how, ost_servo
         return ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create a thread for the loop: %s", strerror(error));
     w->status = show_frames(w, &v, &w->err);
     if (ost_window_check(w->window, NULL) != OST_OK)
-        ost_viewer_context_lost(&s->show->viewer, ""); /* the end of the operation reports the loss of the window */
+        /* the report at the end of the operation states that the window was lost */
+        ost_viewer_context_lost(&s->show->viewer, "");
     interrupt_request();
     pthread_join(thread, NULL);
     if (v.status != OST_OK)

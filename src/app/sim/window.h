@@ -14,7 +14,7 @@
 
 typedef struct sim_window sim_window;
 
-/* Opens s->window. Called first, because the other preparations take seconds. */
+/* Opens s->window. Called before everything else, because loading the bone takes seconds. */
 ost_status sim_window_open(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 void sim_window_close(sim_window *window); /* window may be NULL */
 
@@ -23,7 +23,8 @@ void sim_window_close(sim_window *window); /* window may be NULL */
  * opened.
  */
 ost_status sim_window_mouse_create(simulation *s, const ost_pose *start, ost_error *err);
-ost_mouse_input *sim_window_mouse(const simulation *s);    /* NULL if another device is used */
+/* Returns the input of the device `mouse`; NULL with any other device. */
+ost_mouse_input *sim_window_mouse(const simulation *s);
 
 /*
  * Runs the servo loop on a separate thread and the window on the calling thread, until one of the two ends. If the

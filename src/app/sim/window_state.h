@@ -34,12 +34,12 @@ struct sim_window {
     const sim_args *args;
     ost_window *window;
     sim_hud *hud;
-    uint32_t *blank;   /* owned; shown before the first frame */
-    ost_mouse_input *mouse; /* input of the device mouse; NULL if another device is used */
+    uint32_t *blank;   /* owned; the empty picture that is shown before the first frame */
+    ost_mouse_input *mouse; /* input of the device `mouse`; NULL with any other device */
     sim_handle now, home;
     sim_camera camera;
     bool lifted; /* true if the window has set a new pose of the hand that the device has not received yet */
-    bool key_down[512]; /* true for each key that is down, indexed by key code */
+    bool key_down[512]; /* for each key code, true while the key is down */
     bool button[3];
     unsigned mods;
     double x, y;       /* position of the pointer */
@@ -53,14 +53,14 @@ struct sim_window {
     sim_hud_facts facts;
     double facts_s;
     sight seen;
-    bool outdated;     /* true if the HUD has changed */
-    bool follows;      /* true if the previous frame was presented */
+    bool outdated;     /* true if the HUD must be drawn again */
+    bool follows;      /* true if the previous frame was shown, so that only changes must be copied */
     ost_cells changed; /* owned; cells that differ between the last two frames */
     sim_layer layer;   /* owned; the HUD over frames that are drawn directly into the window */
     ost_orbit layer_orbit; /* camera for which the layer was drawn */
     bool layer_outdated;
     simulation *s;
-    ost_status status; /* failure that ended the window; OST_OK if the user ended it */
+    ost_status status; /* OST_OK if the user closed the window, otherwise the error that closed it */
     ost_error err;
 };
 
@@ -75,7 +75,7 @@ void sim_window_message(sim_window *w, const char *text);
 
 /* Processes the events that have arrived. `height` is the height of the picture in pixels. */
 void sim_window_take_events(sim_window *w, int height);
-/* Applies the keys whose effect lasts while they are down, for dt seconds. */
+/* Applies the keys that act as long as they are down. dt is the time since the last call in seconds. */
 void sim_window_hold_keys(sim_window *w, double dt);
 /*
  * Passes the pose of the hand to the device. After a drag in a window of a few pixels, the pose may be out of range or

@@ -101,14 +101,14 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
         int equal = 0, of_this = 0;
         for (int i = 0; i < c->plan->count; i++) {
             const case_result *r = result_at(c, i, s);
-            /* both backends refused the case, so nothing was compared */
+            /* if both refused the case, no results were compared */
             const bool refused = r->verdict == CASE_EQUAL && result_at(c, i, 0)->verdict != CASE_EQUAL;
             equal += r->verdict == CASE_EQUAL && !refused;
             of_this += r->verdict != CASE_NOT_RUN && !refused;
             if (r->margins)
                 margins_add(&all, r->margins);
             json_t *o = evidence_result(r);
-            json_object_del(o, "margins"); /* removed, because margins are summed by backend */
+            json_object_del(o, "margins"); /* margins are given per backend, so they are omitted here */
             put_text(o, "case", c->plan->cases[i].id);
             put_text(o, "backend", c->subjects->subjects[s].spec);
             append(cases, o);

@@ -17,13 +17,13 @@
 #include "validation/worker.h"
 
 #define PROTOCOL "protocol.json"
-enum { LIMIT_S = 36000 }; /* time limit for each backend that --rerun runs */
+enum { LIMIT_S = 36000 }; /* time limit for each backend of --rerun, in seconds */
 
 typedef struct listing {
     const app_state *app;
     json_t *problems;
     int absent;
-    char first[200]; /* name of the first missing file */
+    char first[200]; /* name of the first file that is missing */
 } listing;
 
 static void list_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)

@@ -173,7 +173,7 @@ static ost_status run_suite(const validate_args *args, int jobs, json_t **out, o
     return status;
 }
 
-/* All resources of a run; freed together by job_free. */
+/* Everything that a run has allocated or opened. job_free frees it. */
 typedef struct job {
     char program[1024];
     subject_list subjects;
@@ -233,7 +233,7 @@ static ost_status run_all(job *j, const validate_args *args, const plan *p, ost_
     }
     if (status == OST_OK)
         status = evidence_results(&j->run, j->cases, err);
-    /* If there are several shards, only the first one runs the sensitivity proof. */
+    /* In a sharded campaign, the first shard runs the sensitivity proof. */
     if (status == OST_OK && p->shard == 1 && !p->only && !p->file) {
         status = sensitivity_run(p->seed, sensitivity_injections(p->tier), j->run.jobs, show, NULL, &j->proof, err);
         if (status == OST_OK)

@@ -210,7 +210,7 @@ static ost_status put_text_samples(const char *path, const ost_geometry *rect, b
     return status;
 }
 
-/* Stores every voxel as a sample at its lattice point, with x varying fastest. */
+/* Writes each voxel as a sample at its lattice point, x fastest. */
 static ost_status put_volume_samples(const char *path, const ost_import_options *options, const ost_geometry *rect,
                                      user_store *store, ost_error *err)
 {
@@ -336,7 +336,7 @@ static ost_status snap_tool(const user_files *u, const char *name, bool moves, s
         append(tools, o);
     }
     out->rule = (ost_fill_rule)u->how.rule;
-    out->raw[0] = mesh; /* the mesh is freed with the tool */
+    out->raw[0] = mesh; /* The tool owns the mesh from here on. */
     return status;
 }
 
@@ -362,7 +362,7 @@ static ost_status check_counts(const app_state *app, const user_files *u, ost_er
 static ost_status add_case(const app_state *app, const user_files *u, int ct, const scene *tools, user_store *store,
                            json_t *one, ost_error *err)
 {
-    scene head = *tools; /* a copy, because the caller retains ownership of the tools */
+    scene head = *tools; /* The loop changes a copy of the scene, because the caller owns the tools. */
     ream_gaps counted = {0};
     ost_meta meta = {0};
     const ost_tool_geometry *grids[SCENE_TOOLS_MAX] = {NULL};

@@ -24,8 +24,8 @@ typedef struct validate_args {
     int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
-    json_t *record; /* record of the user's files in `own`; NULL without such files */
-    sign_key *key;  /* key of --sign; NULL if the bundle is not signed */
+    json_t *record; /* what the evidence records about the user's files; NULL without such files */
+    sign_key *key;  /* the key of --sign, or NULL */
 } validate_args;
 
 /* ------------------------------------------------------------------- run.c */
@@ -39,7 +39,7 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
 
 /* Writes the protocol and its hash to the bundle. Called before any case is run. */
 ost_status validate_freeze(bundle *b, const json_t *protocol, ost_error *err);
-/* Implements evidence_sink; user is a bundle. */
+/* An evidence_sink that adds the file to a bundle; `user` is the bundle. */
 ost_status validate_into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err);
 
 /* ----------------------------------------------------------------- merge.c */
@@ -56,7 +56,7 @@ ost_status validate_print(app_state *app, const validate_args *args, const campa
  * report.
  */
 void validate_print_last(app_state *app, const char *out, const json_t *summary);
-/* Prints where a result differs from the reference: the position, both values, and the pattern. */
+/* Prints the position of a difference, both values, and the pattern that it matches. */
 void validate_print_difference(const app_state *app, const plan_case *c, const subject *s, const case_result *r);
 /*
  * Prints the sensitivity proof. Lists each mistake that was never triggered or never changed a result, because the
@@ -67,7 +67,7 @@ void validate_print_faults(const app_state *app, const sensitivity *s);
 void validate_print_suite(const app_state *app, const json_t *suite);
 /* Returns OST_ERR_DIFFER if a test of the suite failed, and OST_ERR_UNAVAILABLE if no test passed. */
 ost_status validate_judge_suite(const json_t *suite, ost_error *err);
-/* Prints the changes since the bundle of --against. `impact` contains the contents of impact.json. */
+/* Prints what has changed since the bundle of --against. `impact` is the content of impact.json. */
 void validate_print_impact(app_state *app, const char *against, json_t *impact);
 /* Returns the error for a campaign in which nothing was compared. The status of the error is not OST_ERR_DIFFER. */
 ost_status validate_nothing(ost_error *err);

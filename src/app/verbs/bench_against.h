@@ -15,9 +15,9 @@
 #include "bench/bench.h"
 
 typedef struct bench_against {
-    const char *path;   /* file of the earlier run; NULL if no run is compared */
+    const char *path;   /* file with the results of the earlier run, or NULL */
     double limit;       /* maximum slowdown that is allowed, in percent */
-    json_t *root, *rows; /* root is owned; rows is an array within it */
+    json_t *root, *rows; /* the earlier run: its document, which is owned, and the array of its rows */
 } bench_against;
 
 /* Reads the earlier run, before anything is measured. `limit` is the text of --max-slowdown, "10" or "10%". */

@@ -38,7 +38,7 @@ static void put_figures(json_t *o, const char *name, const bench_figures *f)
     put_integer(o, key, (int64_t)f->count);
 }
 
-/* Stores an integral value as a JSON integer, and any other value as a real. */
+/* Stores a number as a JSON integer if it is integral, otherwise as a real. */
 static void put_extra(json_t *o, const char *key, double value)
 {
     if (value >= 0 && value < 9e15 && (double)(int64_t)value == value)
@@ -173,7 +173,7 @@ static void print_disturbed(const app_state *app, const bench_table *table)
     }
 }
 
-/* Prints each distinct baseline of a suite once. For each missing baseline, prints the reason. */
+/* Prints every baseline of a suite once, and why baselines are missing. */
 static void print_baselines(const app_state *app, const bench_table *table)
 {
     for (size_t i = 0; i < table->count; i++) {
@@ -251,11 +251,11 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* Totals over all rows of a run of the verb. */
+/* Sums over all rows that the verb has run. */
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* the reason why the first skipped row was not run */
+    char reason[BENCH_TEXT]; /* why the first skipped row was skipped */
 } tally;
 
 /* Prints the rows of a suite. Before the first rows, prints the heading. */
@@ -293,8 +293,8 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
 {
     ost_backend *backend = NULL;
     tally all = {.rows = 0};
-    static const bench_options every_row; /* options without a filter, which select every row */
-    /* An unknown or unavailable backend is an error of the command, not of a row. */
+    static const bench_options every_row; /* options without a filter, so that they select every row */
+    /* an unknown or unavailable backend is an error of the command, so it is tested before any row runs */
     ost_status status = bench_backend(options, options->threads, &backend, err);
     ost_backend_close(backend);
     for (const bench_suite *s = bench_suites; s->name && status == OST_OK; s++) {

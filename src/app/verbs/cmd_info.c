@@ -198,7 +198,7 @@ static ost_status info_mesh(const app_state *app, const char *name, ost_error *e
     ost_mesh_report report = {0};
     ost_pm3 lo, hi;
     size_t open_edges = 0;
-    /* The unit does not matter: any size is accepted, because the mesh is only described. */
+    /* Any unit will do, because the file's own numbers are printed. */
     progress_show(NULL, "reading the mesh", 0);
     ost_status status = ost_mesh_read(name, OST_UNIT_MM, &mesh, &report, err);
     if (status == OST_OK)

@@ -32,7 +32,7 @@ typedef struct reproduce_run {
     report_entry entry[ITEMS_MAX];
     result results[ITEMS_MAX];
     int measured;
-    char reason[OST_ERROR_TEXT]; /* the reason why the first skipped item was not measured */
+    char reason[OST_ERROR_TEXT]; /* why the first skipped item was not measured */
 } reproduce_run;
 
 /* --------------------------------------------------------------- arguments */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Changes of a loaded volume before osteon export writes it. */
+/* Changes a loaded volume before `osteon export` writes it. */
 #ifndef OST_APP_VERBS_EXPORT_PARTS_H
 #define OST_APP_VERBS_EXPORT_PARTS_H
 
