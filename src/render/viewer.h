@@ -25,9 +25,8 @@
 #include "render/points/uncut.h"
 
 enum { OST_VIEWER_TOOLS = 16, OST_GHOST = 120 };
-#define OST_VIEWER_FRESH_NS                                                                                            \
-    /* interval in ns of operation time; removed bone is highlighted for one to two intervals after its removal */
-    INT64_C(150000000)
+/* interval in ns of operation time; removed bone is highlighted for one to two intervals after its removal */
+#define OST_VIEWER_FRESH_NS INT64_C(150000000)
 
 typedef struct ost_viewer {
     ost_live_channel *live;      /* borrowed; live state of the operation that is followed; NULL if none */

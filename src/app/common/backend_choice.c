@@ -4,16 +4,29 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "app/common/progress.h"
+
 bool backend_is(const app_state *app, const char *name)
 {
     const size_t length = strcspn(app->backend, ":");
     return strlen(name) == length && memcmp(app->backend, name, length) == 0;
 }
 
+/* Opens the backend of --backend. At the first start on a machine, the driver of an OpenCL device compiles kernels. */
+static ost_status open_as_given(const app_state *app, ost_backend **out, ost_error *err)
+{
+    if (!backend_is(app, "cl"))
+        return ost_backend_open(app->backend, out, err);
+    progress_show(NULL, "opening the OpenCL device", 0);
+    const ost_status status = ost_backend_open(app->backend, out, err);
+    progress_end();
+    return status;
+}
+
 ost_status backend_choose(const app_state *app, ost_backend **out, ost_error *err)
 {
     if (!app->threads || !backend_is(app, "cpu"))
-        return ost_backend_open(app->backend, out, err);
+        return open_as_given(app, out, err);
     if (strstr(app->backend, "threads="))
         return ost_fail(err, OST_ERR_USAGE,
                         "--threads %lld and --backend %.80s both set the number of threads; pass one of them",
