@@ -311,6 +311,74 @@ static void colours_are_what_the_ct_says(void **state)
     ost_volume_free(&after);
 }
 
+/* Sets the density of the voxels from[] <= v < to[]. */
+static void fill_box(ost_volume *v, const int from[3], const int to[3], int16_t density)
+{
+    for (int k = from[2]; k < to[2]; k++)
+        for (int j = from[1]; j < to[1]; j++)
+            for (int i = from[0]; i < to[0]; i++)
+                v->voxels[index_of(i, j, k)] = density;
+}
+
+/*
+ * A tunnel into a solid bone is outside of it, however it winds. A closed cavity is not. The tunnel is six voxels
+ * wide, enters at x = 0, and has a segment in each of the six directions.
+ */
+static void a_tunnel_is_outside(void **state)
+{
+    (void)state;
+    enum { WIDTH = 6, CORNERS = 8 };
+    static const int corner[CORNERS][3] = {{0, 6, 6},    {48, 6, 6},  {48, 26, 6}, {12, 26, 6},
+                                           {12, 26, 26}, {12, 8, 26}, {40, 8, 26}, {40, 8, 18}};
+    ost_error err = {0};
+    ost_volume bone, outside;
+    ost_viewer v;
+    const ost_geometry g = grid();
+    assert_ok(ost_volume_init(&bone, &g, &err));
+    assert_ok(ost_volume_init(&outside, &g, &err));
+    fill_box(&bone, (const int[3]){0, 0, 0}, (const int[3]){NX, NY, NZ}, 500);
+    for (int s = 0; s + 1 < CORNERS; s++) {
+        int from[3], to[3];
+        for (int a = 0; a < 3; a++) {
+            const int p = corner[s][a], q = corner[s + 1][a];
+            from[a] = p < q ? p : q;
+            to[a] = (p < q ? q : p) + WIDTH;
+        }
+        fill_box(&bone, from, to, 0);
+        fill_box(&outside, from, to, 1);
+    }
+    fill_box(&bone, (const int[3]){22, 16, 16}, (const int[3]){30, 22, 22}, 0); /* the cavity */
+    set_bone(&v, &bone, &bone);
+    int checked = 0;
+    for (int32_t n = 0; n < v.bone.used; n++) {
+        ost_surface_block *b = v.bone.slot[n];
+        assert_ok(ost_uncut_depth(&v.bone, b, &err));
+        for (int p = n % 37; p < OST_BLOCK * OST_BLOCK_ROWS; p += 37) {
+            const int at_p[3] = {OST_BLOCK * b->at[0] + p % OST_BLOCK, OST_BLOCK * b->at[1] + p / OST_BLOCK % OST_BLOCK,
+                                 OST_BLOCK * b->at[2] + p / OST_BLOCK_ROWS};
+            if (at(&bone, at_p[0], at_p[1], at_p[2]) == 0)
+                continue;
+            int best = OST_DEPTH_FAR;
+            for (int k = 0; k < NZ; k++)
+                for (int j = 0; j < NY; j++)
+                    for (int i = 0; i < NX; i++)
+                        if (outside.voxels[index_of(i, j, k)]) {
+                            const int x = i - at_p[0], y = j - at_p[1], z = k - at_p[2],
+                                      square = x * x + y * y + z * z;
+                            best = square < best ? square : best;
+                        }
+            assert_int_equal(b->depth[p], best);
+            checked++;
+        }
+        free(b->depth);
+        b->depth = NULL;
+    }
+    assert_true(checked > 1000);
+    ost_viewer_free(&v);
+    ost_volume_free(&bone);
+    ost_volume_free(&outside);
+}
+
 /*
  * Below a face there are 2 mm of cartilage, 2 mm of hard bone, and cancellous bone. There is also
  * hard bone far from the face.
@@ -793,6 +861,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_shows_the_ct),        cmocka_unit_test(colours_are_what_the_ct_says),
+        cmocka_unit_test(a_tunnel_is_outside),
         cmocka_unit_test(tissues_by_class_and_place),  cmocka_unit_test(colours_can_be_told_apart),
         cmocka_unit_test(what_went_just_now_is_shown), cmocka_unit_test(only_what_changed_is_made_anew),
         cmocka_unit_test(see_through_and_lines),       cmocka_unit_test(all_sets_show_the_same),

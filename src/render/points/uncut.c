@@ -74,20 +74,6 @@ static int density_at(const ost_uncut *g, const int32_t at[3])
                          : INT16_MIN;
 }
 
-void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS])
-{
-    const ost_dims d = reference->volume.geometry.dims;
-    memset(words, 0, ROWS * sizeof *words);
-    for (int z = 0; z < SIDE && SIDE * block[2] + z < d.z; z++)
-        for (int y = 0; y < SIDE && SIDE * block[1] + y < d.y; y++) {
-            const size_t row = (size_t)(SIDE * block[1] + y) + (size_t)d.y * (size_t)(SIDE * block[2] + z);
-            const int16_t *v = reference->volume.voxels + row * (size_t)d.x + SIDE * block[0];
-            const int count = d.x - SIDE * block[0] < SIDE ? d.x - SIDE * block[0] : SIDE;
-            for (int x = 0; x < count; x++)
-                words[y + SIDE * z] |= (uint32_t)(v[x] >= reference->threshold) << x;
-        }
-}
-
 /*
  * Returns true if a voxel is in the subchondral plate, that is, close to the face and without bone at distances from
  * PLATE_MM to PLATE_CLEAR_MM outward of it.
@@ -200,6 +186,49 @@ static void mark_bone(const ost_uncut *g, uint8_t *mark)
         }
 }
 
+/* Cells x0 <= x < x1 of a row, all without bone and all marked as outside. */
+typedef struct run {
+    int32_t x0, x1, y, z;
+} run;
+
+typedef struct flooding {
+    cells c;
+    uint8_t *mark;
+    run *stack; /* owned; runs whose neighbouring rows have not been searched */
+    size_t count, capacity;
+} flooding;
+
+/*
+ * Marks all runs in row (y, z) that contain at least one of the cells x0 <= x < x1, and pushes them on the stack.
+ * Returns false if memory is exhausted.
+ */
+static bool flood_row(flooding *f, int32_t x0, int32_t x1, int32_t y, int32_t z)
+{
+    if (y < 0 || z < 0 || y >= f->c.y || z >= f->c.z)
+        return true;
+    uint8_t *row = f->mark + (int64_t)f->c.x * (y + (int64_t)f->c.y * z);
+    for (int32_t x = x0; x < x1; x++) {
+        if (row[x])
+            continue;
+        run r = {x, x + 1, y, z};
+        while (r.x0 > 0 && !row[r.x0 - 1])
+            r.x0--;
+        while (r.x1 < f->c.x && !row[r.x1])
+            r.x1++;
+        memset(row + r.x0, OPEN, (size_t)(r.x1 - r.x0));
+        if (f->count == f->capacity) {
+            run *grown = realloc(f->stack, 2 * f->capacity * sizeof *grown);
+            if (!grown)
+                return false;
+            f->stack = grown;
+            f->capacity *= 2;
+        }
+        f->stack[f->count++] = r;
+        x = r.x1;
+    }
+    return true;
+}
+
 /*
  * Marks as outside all cells without bone that are connected to the border of the grid through such cells. On entry,
  * only the cells with bone are marked. Returns false if memory is exhausted.
@@ -207,41 +236,23 @@ static void mark_bone(const ost_uncut *g, uint8_t *mark)
 static bool flood(const ost_uncut *g, uint8_t *mark)
 {
     const cells c = cells_of(g);
-    const int64_t step[6] = {-1, 1, -c.x, c.x, -(int64_t)c.x * c.y, (int64_t)c.x * c.y};
-    size_t count = 0, capacity = 4096;
-    int64_t *stack = malloc(capacity * sizeof *stack);
-    for (int32_t z = 0; z < c.z && stack; z++)
-        for (int32_t y = 0; y < c.y && stack; y++)
-            for (int32_t x = 0; x < c.x && stack; x++) {
-                const int64_t seed = x + c.x * (y + (int64_t)c.y * z);
-                if ((x > 0 && y > 0 && z > 0 && x < c.x - 1 && y < c.y - 1 && z < c.z - 1) || mark[seed])
-                    continue;
-                mark[seed] = OPEN;
-                stack[count++] = seed;
-                while (count > 0) {
-                    const int64_t at = stack[--count];
-                    const int32_t p[3] = {(int32_t)(at % c.x), (int32_t)(at / c.x % c.y), (int32_t)(at / c.x / c.y)};
-                    const bool can[6] = {p[0] > 0, p[0] < c.x - 1, p[1] > 0, p[1] < c.y - 1, p[2] > 0, p[2] < c.z - 1};
-                    if (count + 6 > capacity) {
-                        int64_t *grown = realloc(stack, 2 * capacity * sizeof *stack);
-                        if (!grown) {
-                            free(stack);
-                            return false;
-                        }
-                        stack = grown;
-                        capacity *= 2;
-                    }
-                    for (int f = 0; f < 6; f++) {
-                        const int64_t next = at + step[f];
-                        if (!can[f] || mark[next])
-                            continue;
-                        mark[next] = OPEN;
-                        stack[count++] = next;
-                    }
-                }
+    flooding f = {.c = c, .mark = mark, .capacity = 4096};
+    f.stack = malloc(f.capacity * sizeof *f.stack);
+    bool enough = f.stack != NULL;
+    for (int32_t z = 0; z < c.z && enough; z++)
+        for (int32_t y = 0; y < c.y && enough; y++) {
+            if (y == 0 || z == 0 || y == c.y - 1 || z == c.z - 1)
+                enough = flood_row(&f, 0, c.x, y, z);
+            else /* only the two ends of the row are at the border */
+                enough = flood_row(&f, 0, 1, y, z) && flood_row(&f, c.x - 1, c.x, y, z);
+            while (enough && f.count > 0) {
+                const run r = f.stack[--f.count];
+                enough = flood_row(&f, r.x0, r.x1, r.y - 1, r.z) && flood_row(&f, r.x0, r.x1, r.y + 1, r.z) &&
+                         flood_row(&f, r.x0, r.x1, r.y, r.z - 1) && flood_row(&f, r.x0, r.x1, r.y, r.z + 1);
             }
-    free(stack);
-    return stack != NULL;
+        }
+    free(f.stack);
+    return enough;
 }
 
 /* Marks the neighbours of marked cells in a line of `size` cells, which are `step` elements apart in memory. */
@@ -300,7 +311,7 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
     for (int a = 0; a < 3; a++)
         if (block[a] < 0 || SIDE * block[a] >= (a == 0 ? d.x : a == 1 ? d.y : d.z))
             return;
-    ost_uncut_words(g, block, words);
+    ost_surface_words(&g->volume, block, g->threshold, words);
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++) {
             const int32_t row[2] = {SIDE * block[1] + y, SIDE * block[2] + z};

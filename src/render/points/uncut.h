@@ -48,8 +48,6 @@ ost_status ost_uncut_init(ost_uncut *reference, ost_volume *volume, int32_t thre
 /* Frees the reference's memory. Accepts a zero-initialized reference. */
 void ost_uncut_free(ost_uncut *reference);
 
-/* Computes a block of the uncut bone, one bit per voxel. */
-void ost_uncut_words(const ost_uncut *reference, const int32_t block[3], uint32_t words[OST_BLOCK_ROWS]);
 /* Returns the paint of a voxel exposed by a tool. `depth` is the voxel's element of block->depth. */
 uint32_t ost_uncut_paint(const ost_uncut *reference, ost_colouring colouring, const int32_t at[3], uint32_t depth);
 /* Returns the paint of a voxel exposed by a clip plane. `reference` may be NULL. */
