@@ -17,6 +17,7 @@
 #ifndef OSTEON_METRICS_H
 #define OSTEON_METRICS_H
 
+#include <osteon/backend.h>
 #include <osteon/event.h>
 #include <osteon/grid.h>
 
@@ -47,11 +48,29 @@ enum { OST_METRICS_MAP = 81 };
 
 /* The role of a tool in the metrics. */
 typedef enum ost_metrics_tool_kind { OST_METRICS_REAMER, OST_METRICS_DRILL, OST_METRICS_OTHER } ost_metrics_tool_kind;
+/* Width of the cutting part from which on a tool is a reamer. */
+#define OST_METRICS_REAMER_MM 16.0
 /* Properties of a tool that the metrics use. */
 typedef struct ost_metrics_tool {
     ost_metrics_tool_kind kind;
     double radius_mm, length_mm; /* radius and length of the cutting part */
+    double tip_mm[3];            /* tip in the tool's frame; ost_metrics_make does not use it */
 } ost_metrics_tool;
+
+/*
+ * Determines the properties of a tool from its cutting voxels. A tool that is at least OST_METRICS_REAMER_MM wide is
+ * a reamer. A narrower tool that is at least twice as long as wide is a drill. All other tools, and tools without
+ * cutting voxels, are of the third kind. The length is measured along z, and the width is the larger of the sizes
+ * along x and y. The tool's axis is the z axis of its frame if this axis passes through the cutting part; otherwise,
+ * it passes through the middle of the cutting part. The tip is the lowest point of the cutting part on this axis.
+ * Returns an error if the tool cannot be copied to host memory.
+ */
+OST_API ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, ost_error *err);
+/*
+ * Computes the position of a tool's tip in mm, and its working direction, which is -z of the tool's frame, at a pose.
+ * Both are in the bone's frame, as in an ost_motion.
+ */
+OST_API void ost_metrics_tip(const ost_metrics_tool *tool, const ost_pose *pose, double mm[3], double axis[3]);
 
 /* A tick: the position of the tool, the force, and the numbers of voxels removed and touched. */
 typedef struct ost_motion {

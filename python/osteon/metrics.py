@@ -18,13 +18,12 @@ from osteon.bone import Bone, volume_of
 from osteon.event import DEFAULT_CLASSES, DensityClass, classes_to
 from osteon.grid import array_of, report_of
 from osteon.tool import Tool
-from osteon.units import Vector, c_pm3, of_pm3, to_mm
+from osteon.units import Vector, c_pm3, of_pm3
 from osteon.world import Glenoid
 
-__all__ = ["Metrics", "Motion", "Plan", "measure", "technique"]
+__all__ = ["Metrics", "Motion", "Plan", "Shape", "measure", "technique"]
 
 _MAP = int(lib.OST_METRICS_MAP)
-_REAMER_MM = 16.0  # a wider tool is a reamer; a narrower one that is twice as long as wide is a drill
 MAP_PITCH_MM = float(lib.OST_METRICS_PITCH_MM)
 """Distance between two cells of a surface map, in mm."""
 
@@ -86,36 +85,28 @@ MOTION = np.dtype({
 """The type of a tick of a motion, with the memory layout of ost_motion (osteon/metrics.h)."""
 
 
-class _Shape(NamedTuple):
+class Shape(NamedTuple):
     """The cutting part of a tool: its role, radius and length in mm, and its tip in the frame of the tool."""
 
     kind: int
     radius_mm: float
     length_mm: float
-    tip_mm: np.ndarray
+    tip_mm: Tuple[float, float, float]
 
-
-def _shape(tool: Tool) -> _Shape:
-    volume = tool.download()
-    at = np.argwhere(volume.voxels == lib.OST_TOOL_CUTTING)[:, ::-1]  # x, y, z
-    if not len(at):
-        return _Shape(lib.OST_METRICS_OTHER, 0.0, 0.0, np.zeros(3))
-    corner, voxel = volume.geometry.corner_pm, volume.geometry.voxel_pm
-    low, high = (np.array([to_mm(c + int(n) * voxel) for c, n in zip(corner, ends)])
-                 for ends in (at.min(axis=0), at.max(axis=0) + 1))
-    size = high - low
-    width = max(size[0], size[1])
-    middle = np.where((low <= 0) & (high >= 0), 0.0, (low + high) / 2)
-    kind = (lib.OST_METRICS_REAMER if width >= _REAMER_MM else
-            lib.OST_METRICS_DRILL if size[2] >= 2 * width else lib.OST_METRICS_OTHER)
-    return _Shape(kind, width / 2, size[2], np.array([middle[0], middle[1], low[2]]))
+    @classmethod
+    def of(cls, tool: Tool) -> "Shape":
+        """Determines the shape of a tool, by the rule of ost_metrics_tool_make (osteon/metrics.h)."""
+        made = ffi.new("ost_metrics_tool *")
+        with tool._lock.held:
+            call(lib.ost_metrics_tool_make, tool._c, made)
+        return cls(made.kind, made.radius_mm, made.length_mm, tuple(made.tip_mm))
 
 
 class Motion(NamedTuple):
     """The motion of tools: an array of the type MOTION in ascending order of time, and the shapes of the tools."""
 
     ticks: np.ndarray
-    tools: Tuple[_Shape, ...]
+    tools: Tuple[Shape, ...]
 
     @classmethod
     def of(cls, ticks: np.ndarray, tools: Iterable[Tool]) -> "Motion":
@@ -128,7 +119,7 @@ class Motion(NamedTuple):
         tools : iterable of Tool
             The tools of the session, to which the ticks refer by index.
         """
-        shapes = tuple(_shape(tool) for tool in tools)
+        shapes = tuple(Shape.of(tool) for tool in tools)
         made = np.zeros(len(ticks), MOTION)
         made["t_s"], made["tool"] = ticks["tick"]["t_ns"] * 1e-9, ticks["tick"]["tool"]
         made["removed"], made["touched"] = ticks["removed"], ticks["touched"]

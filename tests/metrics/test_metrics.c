@@ -2,7 +2,8 @@
 /*
  * Tests the metrics of a bone with known cuts. The bone is a block with a flat face. A sphere is reamed
  * into the face along a tilted axis, and a hole is drilled along another axis. The input includes the poses
- * of the tools. Further tests compare the results for landmarks, a rim and a tool's path with closed forms.
+ * of the tools. Further tests compare the results for landmarks, a rim and a tool's path with closed forms, and the
+ * properties of tools that consist of boxes with the sizes of the boxes.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -466,6 +467,84 @@ static void the_technique(void **state)
     assert_true(t.contacts == 0 && t.path_mm == 0);
 }
 
+/*
+ * The cutting part of each tool is a box of voxels of 1 mm; a shaft of voxels that do not cut surrounds it and extends
+ * above and below it.
+ */
+static void the_properties_of_tools(void **state)
+{
+    (void)state;
+    enum { SIDE = 40 };
+    static const struct {
+        int from[3], size[3]; /* of the box, in voxels */
+        ost_metrics_tool expected;
+    } cases[] = {
+        {{4, 10, 3}, {16, 5, 2}, {OST_METRICS_REAMER, 8, 2, {0, 0, -7}}},
+        {{10, 4, 3}, {5, 17, 36}, {OST_METRICS_REAMER, 8.5, 36, {0, 0, -7}}},
+        {{4, 10, 3}, {15, 5, 30}, {OST_METRICS_DRILL, 7.5, 30, {0, 0, -7}}},
+        {{4, 10, 3}, {15, 5, 29}, {OST_METRICS_OTHER, 7.5, 29, {0, 0, -7}}},
+        /* The axis of the frame, x = y = 0, is the corner of the voxels (10, 12). It does not pass through the
+           next two boxes, and passes through the sides of the last box. */
+        {{11, 3, 20}, {4, 4, 8}, {OST_METRICS_DRILL, 2, 8, {3, -7, 10}}},
+        {{1, 13, 0}, {4, 2, 7}, {OST_METRICS_OTHER, 2, 7, {-7, 2, -10}}},
+        {{10, 8, 0}, {4, 4, 7}, {OST_METRICS_OTHER, 2, 7, {0, 0, -10}}},
+    };
+    ost_error err = {0};
+    ost_backend *backend = NULL;
+    ost_tool_volume volume;
+    const ost_tool_geometry g = {.dims = {SIDE, SIDE, SIDE}, .voxel = MM, .corner = {-10 * MM, -12 * MM, -10 * MM}};
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    assert_ok(ost_tool_volume_init(&volume, &g, &err));
+    for (size_t n = 0; n <= sizeof cases / sizeof cases[0]; n++) {
+        const bool empty = n == sizeof cases / sizeof cases[0];
+        ost_metrics_tool found;
+        ost_tool *tool = NULL;
+        for (int z = 0, i = 0; z < SIDE; z++)
+            for (int y = 0; y < SIDE; y++)
+                for (int x = 0; x < SIDE; x++, i++) {
+                    const int at[3] = {x, y, z};
+                    bool in = !empty;
+                    for (int a = 0; a < 3 && in; a++)
+                        in = at[a] >= cases[n].from[a] && at[a] < cases[n].from[a] + cases[n].size[a];
+                    volume.voxels[i] = in ? OST_TOOL_CUTTING : OST_TOOL_NONCUTTING;
+                }
+        assert_ok(ost_tool_upload(backend, &volume, &tool, &err));
+        assert_ok(ost_metrics_tool_make(tool, &found, &err));
+        const ost_metrics_tool *expected = empty ? &(ost_metrics_tool){.kind = OST_METRICS_OTHER} : &cases[n].expected;
+        print_message("tool %zu\n", n);
+        assert_int_equal(found.kind, expected->kind);
+        NEAR(found.radius_mm, expected->radius_mm, 1e-9);
+        NEAR(found.length_mm, expected->length_mm, 1e-9);
+        for (int a = 0; a < 3; a++)
+            NEAR(found.tip_mm[a], expected->tip_mm[a], 1e-9);
+        ost_tool_free(tool);
+    }
+    ost_tool_volume_free(&volume);
+    ost_backend_close(backend);
+}
+
+/* A turn by 90 degrees about x maps y to z, and z to -y. The pose's quaternion need not have the length 1. */
+static void the_tip_at_a_pose(void **state)
+{
+    (void)state;
+    const ost_metrics_tool tool = {.tip_mm = {1, 2, 3}};
+    double mm[3], axis[3];
+    ost_pose pose = ost_pose_identity();
+    ost_metrics_tip(&tool, &pose, mm, axis);
+    for (int a = 0; a < 3; a++) {
+        NEAR(mm[a], a + 1, 1e-9);
+        NEAR(axis[a], a == 2 ? -1 : 0, 1e-9);
+    }
+    pose.t = (ost_pm3){10 * MM, 20 * MM, 30 * MM};
+    pose.qw = pose.qx = 759000000; /* 2^30 / sqrt(2) is 759,250,125 */
+    ost_metrics_tip(&tool, &pose, mm, axis);
+    NEAR(mm[0], 11, 1e-9);
+    NEAR(mm[1], 17, 1e-9);
+    NEAR(mm[2], 32, 1e-9);
+    NEAR(axis[1], 1, 1e-9);
+    NEAR(fabs(axis[0]) + fabs(axis[2]), 0, 1e-9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -477,6 +556,8 @@ int main(void)
         cmocka_unit_test(in_the_scapulas_frame),
         cmocka_unit_test(the_rim),
         cmocka_unit_test(the_technique),
+        cmocka_unit_test(the_properties_of_tools),
+        cmocka_unit_test(the_tip_at_a_pose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

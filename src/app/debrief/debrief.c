@@ -24,10 +24,8 @@ ost_status debrief_begin(const ost_bone *bone, const ost_metrics_plan *plan, ost
     ost_status status = OST_OK;
     out->plan = *plan;
     out->tool_count = count < OST_WORLD_TOOLS_MAX ? count : OST_WORLD_TOOLS_MAX;
-    for (int i = 0; i < out->tool_count && status == OST_OK; i++) {
-        status = tool_shape_of(tools[i], &out->shapes[i], err);
-        out->tools[i] = out->shapes[i].is;
-    }
+    for (int i = 0; i < out->tool_count && status == OST_OK; i++)
+        status = ost_metrics_tool_make(tools[i], &out->tools[i], err);
     return status == OST_OK ? take_bone(bone, &out->before, err) : status;
 }
 
@@ -47,7 +45,7 @@ ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
         d->motion = grown;
         d->capacity = capacity;
     }
-    static const tool_shape unknown = {.is = {.kind = OST_METRICS_OTHER}};
+    static const ost_metrics_tool unknown = {.kind = OST_METRICS_OTHER};
     const bool known = t->tick.tool >= 0 && t->tick.tool < d->tool_count;
     const double n[3] = {t->force_un[0] * 1e-6, t->force_un[1] * 1e-6, t->force_un[2] * 1e-6};
     ost_motion *m = &d->motion[d->count++];
@@ -58,7 +56,7 @@ ost_status debrief_tick(debrief *d, const ost_session_tick *t, ost_error *err)
         .touched = t->touched,
         .tool = t->tick.tool,
     };
-    tool_shape_at(known ? &d->shapes[t->tick.tool] : &unknown, &t->tick.pose, m->mm, m->axis);
+    ost_metrics_tip(known ? &d->tools[t->tick.tool] : &unknown, &t->tick.pose, m->mm, m->axis);
     return OST_OK;
 }
 

@@ -12,13 +12,10 @@
 
 #include <osteon/metrics.h>
 
-#include "app/input/tool_shape.h"
-
 /* A debrief. Zero-initialise the struct before use, and free it with debrief_free, also after an error. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;
-    tool_shape shapes[OST_WORLD_TOOLS_MAX];
     ost_metrics_tool tools[OST_WORLD_TOOLS_MAX];
     int tool_count;
     ost_motion *motion; /* owned; one element per tick */

@@ -14,7 +14,7 @@ ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *
     const ost_force_params force = ost_force_defaults();
     sim_scene_forces(scene, ost_safety_defaults().max_force_n, force.scale);
     for (int i = 0; i < names->count; i++) {
-        ost_status status = tool_shape_of(tools[i], &scene->shapes[i], err);
+        ost_status status = ost_metrics_tool_make(tools[i], &scene->shapes[i], err);
         if (status != OST_OK)
             return status;
     }
@@ -41,7 +41,7 @@ double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose)
     double tip[3], axis[3], depth = 0;
     if (!scene->planned || tool < 0 || tool >= scene->tools.count)
         return 0;
-    tool_shape_at(&scene->shapes[tool], pose, tip, axis);
+    ost_metrics_tip(&scene->shapes[tool], pose, tip, axis);
     const ost_pm3 *at = &scene->plan.at;
     const double centre[3] = {ost_pm_to_mm(at->x), ost_pm_to_mm(at->y), ost_pm_to_mm(at->z)};
     for (int a = 0; a < 3; a++)
@@ -63,15 +63,15 @@ static void angles(const double inward[3], bool left, double out[2])
 static void compare_with_plan(const sim_scene *scene, const ost_live_state *state, sim_hud_facts *f)
 {
     const ost_metrics_plan *plan = &scene->plan;
-    const tool_shape *shape = &scene->shapes[f->number - 1];
+    const ost_metrics_tool *shape = &scene->shapes[f->number - 1];
     double tip[3], axis[3], got[2], planned[2];
-    tool_shape_at(shape, &state->pose, tip, axis);
+    ost_metrics_tip(shape, &state->pose, tip, axis);
     f->reached_mm = state->reached_mm[f->number - 1];
     angles(axis, plan->left, got);
     angles(plan->axis, plan->left, planned);
     f->back_deg = got[0] - planned[0];
     f->up_deg = got[1] - planned[1];
-    f->planned_mm = shape->is.kind == OST_METRICS_REAMER ? plan->depth_mm : 0;
+    f->planned_mm = shape->kind == OST_METRICS_REAMER ? plan->depth_mm : 0;
     f->planned = true;
 }
 

@@ -11,12 +11,11 @@
 #include <osteon/tool.h>
 
 #include "app/sim/hud.h"
-#include "app/input/tool_shape.h"
 
 /* The values in the HUD that remain constant during an operation. */
 typedef struct sim_scene {
     option_list tools;                /* names of all tools of the operation */
-    tool_shape shapes[OPTION_LIST_MAX];
+    ost_metrics_tool shapes[OPTION_LIST_MAX];
     const char *device;
     double voxel_mm3;
     bool planned;

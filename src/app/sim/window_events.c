@@ -22,7 +22,7 @@ static void take_tool(sim_window *w, int number)
 {
     if (number < 0 || number >= w->args->tools.count || !w->mouse || number == w->now.tool)
         return;
-    const tool_shape *shapes = w->s->show->scene.shapes;
+    const ost_metrics_tool *shapes = w->s->show->scene.shapes;
     sim_handle_push(&w->now, shapes[number].tip_mm[2] - shapes[w->now.tool].tip_mm[2]);
     w->now.tool = number;
 }
