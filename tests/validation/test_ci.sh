@@ -28,11 +28,16 @@ if "$python" -c 'import yaml' 2>/dev/null; then
     for file in github-actions.yml gitlab-ci.yml Jenkinsfile; do
         sed -n "s/^$file\t//p" jobs | sort >"jobs of $file"
         check "$file: jobs" "$(cat "jobs of $file")" "$(cat "jobs of github-actions.yml")"
-        check "$file: publishes the report and the bundle" "$(grep -c '\(junit\|report_paths\).*bundle/junit.xml\|^ *- bundle/$\|path: bundle/$\|artifacts: .bundle ' "$ci/$file")" 2
-        check "$file: caches the compiler's results" "$(grep -c 'CCACHE_DIR[:=]' "$ci/$file")" 1
     done
+    for results in bundle slowdown; do
+        for file in github-actions.yml gitlab-ci.yml; do
+            check "$file: publishes the report and $results" "$(grep -c "\(junit\|report_paths\): $results/junit.xml\|^ *- $results/\$\|path: $results/\$" "$ci/$file")" 2
+        done
+    done
+    check "Jenkinsfile: publishes the report and the results" "$(grep -c 'junit testResults: "${results}/junit.xml"\|artifacts: .results ' "$ci/Jenkinsfile")" 2
+    check "caches of the compiler's results" "$(grep -c 'CCACHE_DIR[:=]' "$ci/github-actions.yml" "$ci/gitlab-ci.yml" "$ci/Jenkinsfile" | sed 's|.*/||' | tr '\n' ' ')" "github-actions.yml:2 gitlab-ci.yml:2 Jenkinsfile:1 "
     cut -f 3- jobs | tr '\t' '\n' | cut -d ' ' -f 1 | sort -u >scripts
-    check "scripts of the jobs" "$(tr '\n' ' ' <scripts)" "examples/ci/build examples/ci/compare examples/ci/opencl "
+    check "scripts of the jobs" "$(tr '\n' ' ' <scripts)" "examples/ci/build examples/ci/compare examples/ci/opencl examples/ci/slowdown "
     while read -r script; do
         checks=$((checks + 1))
         [ -x "$source_folder/$script" ] || fail "there is no $script"
@@ -51,6 +56,72 @@ done
 checks=$((checks + 1))
 "$ci/opencl" unknown bundle >out 2>err && fail "opencl accepts an unknown implementation"
 grep -q "unknown implementation 'unknown'" err || fail "opencl says: $(cat err)"
+
+# A program that prints what osteon bench --json prints. The lines of the file `turns` are the exit statuses and rows of
+# its runs with --against; a row is its name, its slowdown in percent and whether this is too slow.
+cat >fake <<'END'
+#!/bin/sh
+case " $* " in
+*" --suite wrong-usage "*) exit 2 ;;
+*" --suite absent "*) exit 3 ;;
+*" --against "*) ;;
+*) echo '{"rows": []}' && exit 0 ;;
+esac
+echo "$@" >>arguments
+read -r status rows <turns
+sed -i 1d turns
+[ "$rows" != wrong ] || { echo '{"rows": [{"name": "w", "equal": false}]}'; exit 1; }
+echo "$rows" | awk '{
+    printf "{\"rows\": [{\"name\": \"a\", \"equal\": true}, {\"name\": \"b\", \"equal\": null}], \"against\": {\"rows\": ["
+    for (i = 1; i + 2 <= NF; i += 3)
+        printf "%s{\"name\": \"%s\", \"slowdown_percent\": %s, \"slower\": %s}", (i > 1) ? ", " : "", $i, $(i + 1), $(i + 2)
+    print "]}}" }'
+exit "$status"
+END
+chmod +x fake
+mkdir -p path
+ln -s ../fake path/osteon
+# slowdown STATUS TURN...: runs slowdown with the fake program, with one line of turns for each turn
+slowdown() {
+    expected=$1
+    shift
+    printf '%s\n' "$@" >turns
+    rm -rf slow arguments
+    # shellcheck disable=SC2086 # a list of words
+    PATH=$scratch/path:$PATH "$python" "$ci/slowdown" slow "$scratch/fake" $options >out 2>err
+    check "slowdown with $*" "$? $(cat turns)" "$expected "
+}
+if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 7))' 2>/dev/null; then
+    options='--suite removal --max-slowdown 5%'
+    slowdown 0 '0 a 1 false b -3.25 false'
+    check "the limit" "$(cat arguments)" "bench --suite removal --against slow/old-1.json --max-slowdown 5% --json"
+    check "the report" "$(grep -c '<testcase classname="slowdown" name="[ab]" time="0"></testcase>' slow/junit.xml)" 2
+    options=--max-slowdown=7%
+    slowdown 1 '1 a 12 true b 0 false' '1 a 13 true b 50 true' '1 a 14.5 true b 0 false'
+    check "the limit" "$(head -n 1 arguments)" "bench --against slow/old-1.json --max-slowdown 7% --json"
+    check "the row that is slower" "$(grep -o 'name="."[^/]*failure message[^/]*' slow/junit.xml)" 'name="a" time="0"><failure message="slowdown 12.0 %, 13.0 %, 14.5 %; allowed: 7%"'
+    check "the table" "$(grep '`a`' out)" "| \`a\` | 12.0 %, 13.0 %, 14.5 % | slower |"
+    options=
+    # A row must be slower in each turn.
+    slowdown 0 '1 a 12 true b 0 false' '0 a 1 false b 0 false'
+    slowdown 0 '1 a 12 true b 0 false' '1 a 1 false b 30 true'
+    slowdown 0 '1 a 1 false c/cold/1 60 true'
+    check "rows of the first access to memory" "$(grep -c cold slow/junit.xml)" 0
+    slowdown 1 '1 wrong'
+    grep -q 'the grid differs from the reference: w' err || fail "which row is wrong is not said: $(cat err)"
+    slowdown 3 '2' # no row is in both runs
+    slowdown 3 '1 c/cold 60 true'
+    options='--suite wrong-usage' && slowdown 2 ''
+    options='--suite absent' && slowdown 3 ''
+    # osteon bench prints what slowdown reads.
+    checks=$((checks + 1))
+    "$python" "$ci/slowdown" slow "$osteon" --suite removal --filter peg/32/steady/1 --quick --max-slowdown 1000% >out 2>err ||
+        fail "slowdown: status $?: $(tail -n 3 err)"
+    check "the report" "$(grep -c '<testcase classname="slowdown" name="removal/peg/32/steady/1" time="0"></testcase>' slow/junit.xml)" 1
+    checks=$((checks + 1))
+    "$python" "$ci/slowdown" slow >out 2>err
+    [ $? -eq 2 ] || fail "slowdown without a revision: status $?"
+fi
 
 # The packages that build installs come from quickstart.
 check "the packages of quickstart" "$("$source_folder/quickstart" packages | grep -cx 'libssl-dev\|gcc\|pocl-opencl-icd')" 3
