@@ -203,6 +203,7 @@ def make():
     table = PLUGIN % " ".join(f".{name} = osteon_py_{name}," for name in names)
     builder = FFI()
     builder.cdef(declarations + constants(include) + "static char *const OSTEON_PY_COMMAND;\n" + LOOP
+                 + "void free(void *memory);\n"
                  + "\n".join('extern "Python" ' + line for line in callbacks))
     builder.set_source("osteon._osteon", HEADERS + f"#define OSTEON_PY_COMMAND {json.dumps(command)}\n"
                        + "\n".join("static " + line for line in callbacks) + table

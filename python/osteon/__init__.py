@@ -42,7 +42,7 @@ from osteon.grid import Geometry, Volume
 from osteon.hashing import digest, sha256
 from osteon.mesh import Mesh, ToolGeometry, ToolVolume
 from osteon.operation import Operation
-from osteon.pictures import Camera, points, render, slices, write_png
+from osteon.pictures import Camera, encode_png, points, render, slices, write_png
 from osteon.plugin import FunctionBackend
 from osteon.tool import Tool
 from osteon.units import PM_PER_MM, mm_text, pm, pm3, to_mm
@@ -56,6 +56,6 @@ __all__ = [
     "DifferError", "Differences", "Event", "EventCase", "FileError", "Finding", "Force", "ForceParams", "ForceResult", "FunctionBackend", "Geometry", "Glenoid", "InputError", "InternalError", "Map", "Mesh",
     "Operand", "Operation", "OsteonError", "OutOfMemoryError", "PM_PER_MM", "Path", "Pose", "RPM_OF_DEVICE", "RPM_ON", "RangeError", "Report",
     "Status", "Step", "TICK", "Tool", "ToolGeometry", "ToolVolume", "Totals", "UnavailableError", "UsageError",
-    "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "metrics", "mm_text", "phantom", "pm", "pm3", "points", "render", "segmentation", "session",
+    "Volume", "World", "anatomy", "backends", "campaign_cases", "check", "devices", "diff", "digest", "encode_png", "metrics", "mm_text", "phantom", "pm", "pm3", "points", "render", "segmentation", "session",
     "sha256", "slices", "tie_cases", "to_mm", "write_png",
 ]

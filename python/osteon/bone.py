@@ -6,7 +6,7 @@
 
 Threads: one thread at a time can use a backend and its bones; calls of other threads wait.
 """
-from typing import TYPE_CHECKING, Any, Dict, Iterable, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from osteon.units import Vector
 if TYPE_CHECKING:
     from osteon.backend import Backend
     from osteon.tool import Tool
+    from osteon.world import Glenoid
 
 __all__ = ["Bone", "BoneInfo", "volume_of"]
 
@@ -125,6 +126,25 @@ class Bone(Owned):
             call(lib.ost_bone_sample, self._c, len(out), columns, pointer(out, "int16_t *"))
         return out
 
+    def occupancy(self) -> np.ndarray:
+        """Returns which voxels are active, bool [z, y, x]. The backend copies a bit per voxel instead of 16.
+
+        Raises
+        ------
+        UnavailableError
+            If the backend can read only slices, as that of a FunctionBackend.
+        """
+        n, dims = self.chunk_size, self.chunk_dims
+        chunks = np.arange(dims[0] * dims[1] * dims[2], dtype=np.int32)
+        words = np.empty((len(chunks), n ** 3 // 32), "<u4")
+        with self._lock.held:
+            call(lib.ost_bone_occupancy, self._c, len(chunks), pointer(chunks, "int32_t *"),
+                 pointer(words, "uint32_t *", writable=True))
+        bits = np.unpackbits(words.view(np.uint8), axis=1, bitorder="little").view(np.bool_)
+        grid = bits.reshape(dims[2], dims[1], dims[0], n, n, n).transpose(0, 3, 1, 4, 2, 5)
+        z, y, x = self.geometry.shape
+        return np.ascontiguousarray(grid.reshape(dims[2] * n, dims[1] * n, dims[0] * n)[:z, :y, :x])
+
     def digest(self) -> str:
         """Returns the digest of the bone (AR-DIG) as 64 hexadecimal digits."""
         out = ffi.new("ost_digest *")
@@ -188,6 +208,28 @@ class Bone(Owned):
         with self._lock.held:
             call(lib.ost_bone_overlap, self._c, tool._c, pose._c(), out)
         return int(out[0])
+
+    def in_front(self, glenoid: "Glenoid", radius_mm: float = 0, reach_mm: float = 0) -> int:
+        """Counts the active voxels in front of the face of a glenoid, as the check of a plan does. A healthy rim has
+        no such voxels (ost_bone_in_front in osteon/sim.h).
+
+        Parameters
+        ----------
+        radius_mm, reach_mm : float
+            Largest distances from the axis, and from the centre of the face along the axis; 0 if there is no limit.
+        """
+        out = ffi.new("int64_t *")
+        with self._lock.held:
+            call(lib.ost_bone_in_front, self._c, glenoid._c(), radius_mm, reach_mm, out)
+        return int(out[0])
+
+    def along_axis(self, glenoid: "Glenoid") -> Tuple[float, float]:
+        """Returns the percentages of bone in two cylinders of 4 mm radius around the axis of a glenoid: from 1 to 11
+        mm inward of the centre of the face, and as far outward. Little bone inward means a wrong axis."""
+        inward, outward = ffi.new("double *"), ffi.new("double *")
+        with self._lock.held:
+            call(lib.ost_bone_along_axis, self._c, glenoid._c(), inward, outward)
+        return float(inward[0]), float(outward[0])
 
 
 def volume_of(data: Any, geometry: Optional[Geometry] = None) -> Volume:

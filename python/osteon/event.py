@@ -64,6 +64,21 @@ class Pose:
         """Raises RangeError if a component is out of range."""
         call(lib.ost_pose_check, self._c())
 
+    def sweep_to(self, end: "Pose", tool: ToolGeometry, bone_voxel_pm: int) -> List["Pose"]:
+        """Returns the poses of a motion from this pose to `end`, between which no voxel is missed (AR-SWEEP).
+
+        World.step computes them for each tick. This pose is not one of them; the last is `end`, apart from the sign of
+        the quaternion.
+
+        Raises
+        ------
+        RangeError
+            If the motion is too long for an event, or rotates by more than 90 degrees.
+        """
+        first, last, count = self._c(), end._c(), ffi.new("int *")
+        call(lib.ost_sweep_count, first, last, tool._c(), bone_voxel_pm, count)
+        return [Pose._of_c(lib.ost_sweep_pose(first, last, k, count[0])) for k in range(1, count[0] + 1)]
+
     def matrix_mm(self) -> np.ndarray:
         """Returns the pose as a 4 x 4 matrix of floats, in millimetres. For pictures."""
         w, x, y, z = np.array(self.q30) / float(lib.OST_Q30_ONE)
@@ -173,6 +188,13 @@ class DensityClass(NamedTuple):
 
     name: str
     border: int
+
+    @staticmethod
+    def parse(line: str) -> "Tuple[DensityClass, ...]":
+        """Reads classes of the form "name:border,name:border,...", as the option --classes of the command does."""
+        out = ffi.new("ost_density_classes *")
+        call(lib.ost_density_classes_parse, line.encode(), out)
+        return classes_of(out)
 
 
 def classes_of(classes: Any) -> Tuple[DensityClass, ...]:

@@ -106,6 +106,14 @@ class ForceParams:
         call(lib.ost_force_params_read, path_bytes(path), made._force, made._safety)
         return made
 
+    def density(self, hu: int) -> float:
+        """Returns the density, in g/cm3, of bone with a number of Hounsfield units."""
+        return float(lib.ost_force_density(self._force, hu))
+
+    def energy(self, hu: int) -> float:
+        """Returns the energy, in J/m3, to cut bone with a number of Hounsfield units."""
+        return float(lib.ost_force_energy(self._force, hu))
+
     def __getitem__(self, name: str) -> float:
         return self.values[name]
 

@@ -214,6 +214,14 @@ class Volume:
         keep = progress_handle(progress, options)
         call_with_progress(keep, lib.ost_volume_write, path_bytes(path), self._c(), options)
 
+    @staticmethod
+    def write_meta(path: Any, meta: Dict[str, str]) -> None:
+        """Replaces the facts in the header of an NRRD file, or of a NIfTI file that osteon wrote. Its voxels do not
+        change."""
+        facts = ffi.new("ost_meta *")
+        meta_to(facts, meta)
+        call(lib.ost_volume_write_meta, path_bytes(path), facts)
+
     def digest(self, kind: str = "cubic") -> str:
         """Returns the digest of the grid (AR-DIG) as 64 hexadecimal digits. kind is "rect" or "cubic"."""
         from osteon.hashing import digest  # pylint: disable=import-outside-toplevel  # hashing imports this module

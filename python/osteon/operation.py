@@ -18,7 +18,7 @@ one thread.
 import threading
 import weakref
 from dataclasses import dataclass
-from typing import Any, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from osteon.session import Recorder, header_of
 from osteon.units import Vector
 from osteon.world import Path, World
 
-__all__ = ["Chunk", "LiveState", "LoopReport", "Operation", "OperationReport", "Tick"]
+__all__ = ["Chunk", "LiveState", "LoopReport", "Operation", "OperationReport", "Tick", "haptic_devices"]
 
 TICK_NS = 1_000_000
 _ENDS = {lib.OST_SERVO_TICKS: "ticks", lib.OST_SERVO_STOPPED: "stopped", lib.OST_SERVO_DEVICE_ENDED: "device ended",
@@ -79,6 +79,20 @@ class LiveState:
     touching: int
     fault: str
     missed: int
+
+
+def haptic_devices() -> List[Dict[str, Any]]:
+    """Returns the devices that Operation.start() can run: name, description, available, the reason if a device is not
+    available, and for each button its name and its default action."""
+    found = []
+    for index in range(lib.ost_haptic_count()):
+        info = ffi.new("ost_haptic_info *")
+        call(lib.ost_haptic_describe, index, info)
+        buttons = {text(b.name): text(lib.ost_action_name(b.action)) for b in info.buttons[0:info.button_count]}
+        found.append({"name": text(info.name), "description": text(info.description), "available": info.available,
+                      "reason": text(info.reason), "force": bool(info.caps & lib.OST_HAPTIC_FORCE),
+                      "buttons": buttons})
+    return found
 
 
 class Tick(NamedTuple):

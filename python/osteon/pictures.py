@@ -20,7 +20,7 @@ from osteon.mesh import ToolVolume
 from osteon.tool import Tool
 from osteon.units import vector
 
-__all__ = ["Camera", "points", "render", "slices", "write_png"]
+__all__ = ["Camera", "encode_png", "points", "render", "slices", "write_png"]
 
 _STYLES = {"smooth": lib.OST_STYLE_SMOOTH, "faces": lib.OST_STYLE_FACES}
 
@@ -169,11 +169,29 @@ def points(data: Any, camera: Camera, *, style: str = "smooth", threshold: Optio
     return _picture(out)
 
 
-def write_png(path: Any, picture: np.ndarray) -> None:
-    """Writes a picture as a PNG file."""
+def _picture_of(picture: np.ndarray) -> Tuple[Any, np.ndarray]:
+    """Returns an ost_picture, and the array to which it refers."""
     array = np.ascontiguousarray(picture)
     if array.ndim != 3 or array.shape[2] != 3 or array.dtype != np.uint8:
         raise UsageError(f"picture of shape {array.shape} and type {array.dtype}: expected (rows, columns, 3), uint8")
-    out = ffi.new("ost_picture *", {"width": array.shape[1], "height": array.shape[0],
-                                    "rgb": pointer(array, "uint8_t *")})
-    call(lib.ost_picture_write_png, path_bytes(path), out)
+    return ffi.new("ost_picture *", {"width": array.shape[1], "height": array.shape[0],
+                                     "rgb": pointer(array, "uint8_t *")}), array
+
+
+def write_png(path: Any, picture: np.ndarray) -> None:
+    """Writes a picture as a PNG file."""
+    made, keep = _picture_of(picture)
+    call(lib.ost_picture_write_png, path_bytes(path), made)
+    del keep
+
+
+def encode_png(picture: np.ndarray) -> bytes:
+    """Returns a picture as the bytes of a PNG file, for example for IPython.display.Image in a notebook."""
+    made, keep = _picture_of(picture)
+    memory, size = ffi.new("uint8_t **"), ffi.new("size_t *")
+    call(lib.ost_picture_encode_png, made, memory, size)
+    del keep
+    try:
+        return bytes(ffi.buffer(memory[0], size[0]))
+    finally:
+        lib.free(memory[0])

@@ -22,7 +22,8 @@ from osteon.grid import report_of
 from osteon.units import mm_text
 from osteon.world import TICK, Path, Step, Totals, World
 
-__all__ = ["Recorder", "Replay", "SESSION_TICK", "Session", "header_of", "read", "record", "repair", "replay"]
+__all__ = ["Recorder", "Replay", "SESSION_TICK", "Session", "header_of", "read", "record", "repair", "replay",
+           "write_csv"]
 
 
 def _field(name: str) -> int:
@@ -178,6 +179,16 @@ def repair(path: Any, out: Any) -> None:
     call(lib.ost_session_open, path_bytes(path), opened)
     try:
         call(lib.ost_session_repair, opened[0], path_bytes(out))
+    finally:
+        lib.ost_session_close(opened[0])
+
+
+def write_csv(path: Any, out: Any) -> None:
+    """Writes a session file as a CSV table with a line for each tick, as `osteon export` does."""
+    opened = ffi.new("ost_session **")
+    call(lib.ost_session_open, path_bytes(path), opened)
+    try:
+        call(lib.ost_session_write_csv, opened[0], path_bytes(out))
     finally:
         lib.ost_session_close(opened[0])
 

@@ -167,6 +167,16 @@ class Path:
         call(lib.ost_builtin_path, names[name], glenoid._c(), geometry._c(), index, memory)
         return cls._of_c(memory)
 
+    @classmethod
+    def press(cls, glenoid: Glenoid, tool: Union[Tool, ToolGeometry], count: int, index: int = 0) -> "Path":
+        """Makes the path "glenoid-press" with a given number of ticks: a hand presses the tool into the face, moves over
+        the face and wobbles.
+        """
+        geometry = tool if isinstance(tool, ToolGeometry) else tool.geometry
+        memory = ffi.new("ost_path *")
+        call(lib.ost_builtin_press, glenoid._c(), geometry._c(), index, count, memory)
+        return cls._of_c(memory)
+
     def turned(self, rpm: int = int(lib.OST_RPM_REAMER)) -> "Path":
         """Converts poses of a hand to the ticks of a tool that a motor rotates at rpm (AR-MOTOR-7).
 

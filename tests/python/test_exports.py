@@ -152,3 +152,13 @@ def test_missing_packages_are_named(tmp_path, recorded, monkeypatch, module, nam
     with pytest.raises(osteon.UnavailableError, match=r"pip install osteon\["):
         getattr(recorded[0], name)(*arguments)
     assert not (tmp_path / "x").exists()
+
+
+def test_csv(tmp_path, scene, command):
+    bone, tool, path = scene
+    session.record(osteon.World(bone, [tool]), path, tmp_path / "s.session", sync=False)
+    session.write_csv(tmp_path / "s.session", tmp_path / "a.csv")
+    command("export", tmp_path / "s.session", "--out", tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    with pytest.raises(osteon.OsteonError):
+        session.write_csv(tmp_path / "a.csv", tmp_path / "c.csv")

@@ -88,3 +88,12 @@ def test_errors(tmp_path, backend, scene):
     backend.close()
     with pytest.raises(osteon.UsageError):
         force.step(osteon.Pose())
+
+
+def test_density_and_energy():
+    """energy * (density / reference_density)^2 (docs/reference/force.md)."""
+    params = osteon.ForceParams()
+    assert params.density(1000) > params.density(300) > 0
+    ratio = params.density(1000) / params.density(300)
+    assert params.energy(1000) / params.energy(300) == pytest.approx(ratio ** 2)
+    assert osteon.ForceParams(energy=2 * params["energy"]).energy(300) == pytest.approx(2 * params.energy(300))

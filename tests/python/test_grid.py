@@ -130,3 +130,25 @@ def test_progress_can_cancel(inputs):
         osteon.Volume.read(inputs / "ct.nrrd", progress=lambda *_: False)
     with pytest.raises(ZeroDivisionError):  # an exception of the function is raised after the call
         osteon.Volume.read(inputs / "ct.nrrd", progress=lambda *_: 1 / 0)
+
+
+def test_occupancy(backend, inputs):
+    bone = backend.read_bone(inputs / "ct.nrrd")
+    for chunk_size in (16, 32, 64):
+        copy = backend.bone(bone.download(), chunk_size=chunk_size, threshold=bone.threshold)
+        active = copy.occupancy()
+        assert active.dtype == bool and active.flags.c_contiguous and active.sum() == copy.info.active_voxels
+        assert np.array_equal(active, copy.voxels() >= bone.threshold)
+    with osteon.FunctionBackend(lambda bone, tool, event: None) as slices:
+        with pytest.raises(osteon.UnavailableError):
+            bone.copy(slices).occupancy()
+
+
+def test_facts_of_a_file(tmp_path, inputs):
+    volume = osteon.Volume.read(inputs / "ct.nrrd")
+    volume.write(tmp_path / "a.nrrd")
+    osteon.Volume.write_meta(tmp_path / "a.nrrd", {**volume.meta, "side": "left"})
+    again = osteon.Volume.read(tmp_path / "a.nrrd")
+    assert again.meta["side"] == "left" and again.digest() == volume.digest()
+    with pytest.raises(osteon.OsteonError):
+        osteon.Volume.write_meta(inputs / "peg.stl", volume.meta)

@@ -170,3 +170,12 @@ print("runs")
     done = subprocess.run([sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120,
                           universal_newlines=True, check=False, env=dict(os.environ))
     assert (done.returncode, done.stdout, done.stderr) == (0, "runs\n", "")
+
+
+def test_haptic_devices(command):
+    devices = {device["name"]: device for device in osteon.operation.haptic_devices()}
+    assert devices["sim"]["available"] and devices["mouse"]["description"]
+    assert all(device["available"] or device["reason"] for device in devices.values())
+    listed = command("devices")
+    for name, device in devices.items():
+        assert name in listed and all(button in listed for button in device["buttons"])

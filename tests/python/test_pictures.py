@@ -89,6 +89,14 @@ def test_examples_in_docstrings():
     assert doctest.testmod(osteon).attempted >= 6 and doctest.testmod(osteon).failed == 0
 
 
+def test_png_in_memory(tmp_path):
+    picture = np.arange(60, dtype=np.uint8).reshape(4, 5, 3)
+    osteon.write_png(tmp_path / "a.png", picture)
+    assert osteon.encode_png(picture) == (tmp_path / "a.png").read_bytes()
+    with pytest.raises(osteon.UsageError):
+        osteon.encode_png(picture[0])
+
+
 def blocks(name):
     """Returns the Python code of a document."""
     with open(os.path.join(os.environ["OSTEON_SOURCE"], name), encoding="utf-8") as file:

@@ -129,3 +129,56 @@ def test_ream_is_that_of_the_command(tmp_path, inputs, command):
             "--at", ",".join(at), "--axis", ",".join(str(v) for v in axis), "--side", "right",
             "--out", tmp_path / "c.nrrd")
     assert (tmp_path / "p.nrrd").read_bytes() == (tmp_path / "c.nrrd").read_bytes()
+
+
+def test_paths_that_press(scene, backend, inputs):
+    bone, tool, _ = scene
+    glenoid = osteon.Glenoid.of_meta(bone.meta)
+    for count in (1, 500):
+        assert len(osteon.Path.press(glenoid, tool, count)) == count
+    whole = osteon.Path.builtin("glenoid-press", glenoid, tool.geometry, 3)
+    same = osteon.Path.press(glenoid, tool.geometry, len(whole), 3)
+    assert np.array_equal(same.ticks, whole.ticks) and (same.ticks["tool"] == 3).all()
+    with pytest.raises(osteon.OsteonError):
+        osteon.Path.press(glenoid, tool, 10**9)
+
+
+def test_sweeps(scene):
+    """A sweep removes what World.step removes, and has as many poses."""
+    bone, tool, path = scene
+    ticks = path.ticks[::40]
+    again, world, poses = bone.copy(), osteon.World(bone, [tool]), osteon.Path(ticks).poses()
+    removed = 0
+    for number, tick in enumerate(ticks):
+        step = world.step(tick)
+        if not step.removal:
+            continue
+        sweep = poses[number - 1].sweep_to(poses[number], tool.geometry, bone.geometry.spacing_pm[0]) if number else (
+            poses[:1])
+        assert len(sweep) == step.poses and sweep[-1].t_pm == poses[number].t_pm
+        assert again.remove(tool, sweep).removed == step.removed
+        removed += step.removed
+    assert removed > 100 and again.digest() == bone.digest()
+    turned = osteon.Pose.of((0, 0, 0), (0, 1, 0, 0))
+    with pytest.raises(osteon.RangeError):
+        osteon.Pose().sweep_to(turned, tool.geometry, bone.geometry.spacing_pm[0])
+
+
+def test_the_bone_at_a_glenoid(scene):
+    bone, _, _ = scene
+    glenoid = osteon.Glenoid.of_meta(bone.meta)
+    inward, outward = bone.along_axis(glenoid)
+    assert 90 < inward <= 100 and 0 <= outward < 10
+    assert bone.in_front(glenoid) == 0
+    away = osteon.Glenoid(glenoid.at_pm, tuple(-v for v in glenoid.axis), glenoid.side)
+    assert bone.along_axis(away) == pytest.approx((outward, inward), abs=0.5)
+    everything, near = bone.in_front(away), bone.in_front(away, 5, 10)
+    assert 0 < near < everything <= bone.info.active_voxels
+
+
+def test_classes():
+    text = ",".join(f"{c.name}:{c.border}" for c in osteon.DEFAULT_CLASSES)
+    assert osteon.DensityClass.parse(text) == osteon.DEFAULT_CLASSES
+    assert osteon.DensityClass.parse("soft:120,hard:650")[1] == ("hard", 650)
+    with pytest.raises(osteon.UsageError):
+        osteon.DensityClass.parse("hard:650,soft:120")
