@@ -67,7 +67,8 @@ static void make(const cuts *c, ost_volume *before, ost_volume *after)
  * and return without cutting.
  */
 enum { REAMER, DRILL, TICKS_MAX = 1000 };
-static const ost_metrics_tool tools[] = {{OST_METRICS_REAMER, 18, 20}, {OST_METRICS_DRILL, 3, 30}};
+static const ost_metrics_tool tools[] = {{.kind = OST_METRICS_REAMER, .radius_mm = 18, .length_mm = 20},
+                                         {.kind = OST_METRICS_DRILL, .radius_mm = 3, .length_mm = 30}};
 
 static ost_metrics_motion motion_of(const cuts *c)
 {
