@@ -7,7 +7,7 @@
  *                 |
  *                 '-- models (models.h), events (bench/scene.h), views (render/)
  *
- * An item whose measurement does not exist is not in the table. It is listed with the reason in reproduction_missing.
+ * Tables and figures that are not reproduced are listed in reproduction_missing, each with the reason.
  */
 #ifndef OST_REPRODUCTION_ITEM_H
 #define OST_REPRODUCTION_ITEM_H
@@ -18,19 +18,19 @@
 #include "reproduction/models.h"
 #include "reproduction/result.h"
 
-enum { REPRODUCTION_MODELS = 5 }; /* number of models of which frames are drawn */
+enum { REPRODUCTION_MODELS = 5 }; /* number of models whose frames are timed */
 
-/* The settings of a run, which all items share. */
+/* The settings of a run and the measurements that its items share. */
 typedef struct reproduction {
-    bench_options bench;    /* backend, threads and quick; the members show and filter are not used */
+    bench_options bench;    /* uses backend, threads and quick; ignores show and filter */
     result_machine machine;
     model_store models;
-    char cl[64];            /* the device of the backend cl, such as "cl:platform=0,device=0"; "" for another backend */
-    /* measurements that several items share; empty before the first of these items is run */
+    char cl[64];            /* device for backend cl, such as "cl:platform=0,device=0"; "" for other backends */
+    /* measurements shared by several items; filled by the first item that needs them */
     methods_table by_chunks, by_resolution;
     bench_voxel_frames frames[REPRODUCTION_MODELS][BENCH_VOXEL_METHODS];
     bool frames_measured[REPRODUCTION_MODELS];
-    ost_progress *progress; /* called with the work in progress; may be NULL */
+    ost_progress *progress; /* progress callback; may be NULL */
     void *progress_user;
 } reproduction;
 
@@ -43,7 +43,7 @@ extern const char *const reproduction_kind_names[3];
 
 typedef struct reproduction_item {
     const char *id;    /* "table-3.3" */
-    const char *title; /* the caption, in other words than in the thesis */
+    const char *title; /* caption; worded differently from the thesis */
     reproduction_kind kind;
     ost_status (*run)(reproduction *r, result *out, ost_error *err);
 } reproduction_item;

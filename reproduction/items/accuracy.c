@@ -80,7 +80,7 @@ static ost_status draw_pose(const solid *s, int32_t side, double voxel, uint64_t
     const double u = draw(state), a = 2 * PI * draw(state), b = 2 * PI * draw(state);
     const double q[4] = {sqrt(u) * cos(b), sqrt(1 - u) * sin(a), sqrt(1 - u) * cos(a), sqrt(u) * sin(b)};
     const double middle = s->length == 0 ? s->radius : s->length / 2;
-    /* In the tool's frame, the middle of the solid is (0, 0, middle). */
+    /* The solid's centre is (0, 0, middle) in the tool's frame. */
     const double turned[3] = {2 * (q[1] * q[3] + q[0] * q[2]) * middle, 2 * (q[2] * q[3] - q[0] * q[1]) * middle,
                               (q[0] * q[0] - q[1] * q[1] - q[2] * q[2] + q[3] * q[3]) * middle};
     double t[3];
@@ -104,10 +104,10 @@ static void to_tool(const double t[3], const double q[4], const double bone[3], 
 /* --------------------------------------------------------------- measuring */
 
 typedef struct sums {
-    double grid, bone, total;      /* volumes of the errors A, C and B, summed over the poses, mm^3 */
+    double grid, bone, total;      /* volumes of the errors A, C and B (see above) in mm^3, summed over the poses */
     /*
-     * removed volume in mm^3; greatest distance in mm of a wrongly removed or kept centre from the surface; number of
-     * such voxels
+     * removed volume in mm^3; greatest distance in mm between the surface and the centre of a wrong voxel (removed or
+     * kept by mistake); number of wrong voxels
      */
     double removed, worst, voxels;
     int poses;
@@ -260,7 +260,10 @@ static ost_status run_case(const reproduction *r, result *out, const solid *s, o
     return status;
 }
 
-/* Returns the cells of the first row with these sizes of bone and tool voxels, that is, the row of the first solid. */
+/*
+ * Returns the cells of the first row with these voxel sizes of bone and tool in mm, which is the row of the first
+ * solid. Returns NULL if there is none.
+ */
 static const result_cell *row_of(const result *out, double bone, double tool)
 {
     for (size_t i = 0; i < out->row_count; i++)

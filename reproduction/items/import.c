@@ -136,7 +136,7 @@ static void add_row(const reproduction *r, result *out, model_id id, const char 
     if (scan > 0)
         result_set(out, FSCANF, scan);
     if (r->bench.quick || model_is_own(&r->models, id))
-        return; /* the thesis states values only for complete models */
+        return; /* the thesis reports values only for complete models */
     result_set_thesis(out, TEXT_MB, s->text_mb);
     result_set_thesis(out, READ, s->read_ms);
     result_set_thesis(out, RECT, s->rect_ms);
@@ -166,7 +166,7 @@ static ost_status measure(reproduction *r, result *out, model_id id, const char 
         status = ost_volume_write(path, &part, &how, err);
     if (status == OST_OK)
         status = ost_file_open(path, &text, err);
-    unlink(path); /* the open file remains readable until it is closed; if the run is interrupted, no file is left */
+    unlink(path); /* unlinked while open, so that no file remains if the run is interrupted */
     snprintf(path, sizeof path, "/proc/self/fd/%d", text.fd);
     if (status == OST_OK)
         status = import_text(r, path, part.geometry.spacing, &p, err);
@@ -200,10 +200,7 @@ ost_status item_import(reproduction *r, result *out, ost_error *err)
         reproduction_show(r, stated_models[id].name, (double)id / MODELS);
         status = measure(r, out, (model_id)id, folder, &why);
         if (status == OST_ERR_IO || status == OST_ERR_MEMORY) {
-            /*
-             * If the text of a model does not fit, the model is omitted with the reason, and the other models are
-             * measured.
-             */
+            /* If there is not enough space for a model's text, skips this model, reports the reason and continues. */
             result_add_remark(out, "%s was not measured: %.300s.", stated_models[id].name, why.text);
             status = OST_OK;
         } else if (status != OST_OK) {

@@ -283,8 +283,8 @@ static void describe_crossing(const reproduction *r, char text[64], int n)
         snprintf(text, 64, "for up to %d chunk%s", n, n == 1 ? "" : "s");
 }
 
-/* Judges the statements about the number of chunks up to which the chunk system is at least as fast as the method, at
-   the lowest and the highest resolution that were measured. */
+/* Judges the thesis' statements about the crossing: the number of chunks up to which the chunk system is at least as
+   fast as the method. Uses the lowest and the highest measured resolution. */
 static void judge_crossing(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *highest = NULL, *lowest = NULL;
@@ -325,7 +325,7 @@ static void judge_crossing(const reproduction *r, result *out, const char *base,
             n == most_chunks(r) ? "beyond" : "at", n);
 }
 
-/* Judges how the time of a method grows with the tool's resolution, for one bone. */
+/* Judges how the time of a method grows with the tool's resolution for a fixed bone. */
 static void judge_growth(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *first = NULL, *last = NULL;
@@ -406,7 +406,10 @@ ost_status item_yau(reproduction *r, result *out, ost_error *err)
 
 /* -------------------------------------------------------------- Figure 3.9 */
 
-/* Returns the element of the list that is closest to the side of a grid. A grid is slightly larger than its tool. */
+/*
+ * Returns the element of `list` that is closest to `side`, the side of a grid in voxels. A grid is slightly larger than
+ * its nominal size.
+ */
 static int32_t nearest_side(const int32_t *list, int count, int32_t side)
 {
     int32_t nearest = list[0];

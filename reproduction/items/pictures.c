@@ -86,7 +86,8 @@ ost_status item_samples(reproduction *r, result *out, ost_error *err)
             status = model_cubic(m, &j.bone, err);
         snprintf(caption, sizeof caption, "%s %s", letters[id], m->name);
         /*
-         * The extent refers to the middle of the core. The core's near edge appears larger, so the extent is increased.
+         * The extent is measured at the centre of the core. It is increased because perspective enlarges the core's
+         * near edge.
          */
         if (status == OST_OK)
             status = add_view(&j,

@@ -14,8 +14,8 @@
 
 enum { REPEAT_FRAMES = 5, REPEAT_FRAMES_QUICK = 1, REPEAT_MESH = 9, CUT_FRAMES = 40, CUT_FRAMES_QUICK = 4 };
 /*
- * The greatest numbers of chunks that are drawn. If the processor executes OpenGL, a frame of the thesis' points takes
- * milliseconds per chunk.
+ * Upper limits for the number of chunks drawn. With software OpenGL, a frame of the thesis' points takes milliseconds
+ * per chunk.
  */
 enum { CHUNKS_MOST = 512, CHUNKS_MOST_QUICK = 64 };
 
@@ -76,7 +76,7 @@ ost_status item_render_memory(reproduction *r, result *out, ost_error *err)
     bench_voxel_model *drawn = NULL;
     bench_voxel_counts counts;
     bench_options options = r->bench;
-    options.quick = false; /* the counts of the complete model take little time, even with --quick */
+    options.quick = false; /* counting the complete model is fast enough even for --quick */
     result_add_column(out, "method", "method", "text");
     result_add_column(out, "voxel_mm", "voxel (mm)", "text");
     result_add_column(out, "chunks", "chunks", "");

@@ -2,8 +2,8 @@
 /*
  * Table 2.1: the time of voxelizing the tools, also for coarser and finer voxels than those of the thesis.
  *
- * Each time is that of the public function ost_voxelize, including the allocation of the tool. Before a tool is
- * measured, it is compared with the tool of the reference.
+ * Each time is the duration of ost_voxelize, including the allocation of the tool. Before the timing, the tool is
+ * compared with the result of the reference.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A method with a dense bone and a dense tool (thesis, sections 3.2.1 and 3.2.3, bone-to-tool). Every bone voxel of the
- * intersection box is compared with the tool's grid. The bone is one buffer without chunks. In contrast to the chunk
- * system, an event processes only the voxels of the box and not complete chunks.
+ * intersection box is compared with the tool's grid. The bone is one buffer without chunks. An event processes only the
+ * voxels in the box, whereas the chunk system processes complete chunks.
  */
 #include "reproduction/methods/matrix_pair.h"
 

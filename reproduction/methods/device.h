@@ -17,14 +17,13 @@ struct method_device {
     bench_device cl;
 };
 
-/* Builds a program from the source of its kernels, for the device. */
+/* Compiles the kernels in `source` for the device. */
 ost_status method_device_build(struct method_device *device, const char *source, cl_program *out, ost_error *err);
-/* Returns OST_ERR_BACKEND with the name of the call, unless the code is CL_SUCCESS. */
+/* Returns OST_OK for CL_SUCCESS, and otherwise OST_ERR_BACKEND with the name of the OpenCL call. */
 ost_status method_device_check(cl_int code, const char *call, ost_error *err);
 #endif
 
-/* Opens the device that the string `spec` selects, such as "cl:platform=0,device=0". Returns NULL and the reason
-   if there is none. */
+/* Opens the device selected by `spec`, such as "cl:platform=0,device=0". Returns NULL and the reason on failure. */
 struct method_device *method_device_open(const char *spec, char reason[BENCH_TEXT]);
 void method_device_close(struct method_device *device); /* device may be NULL */
 /* Returns the device's name, or "" for NULL. */

@@ -20,9 +20,9 @@ typedef struct matrix_bone {
 
 ost_status matrix_bone_init(matrix_bone *bone, const methods_scene *scene, ost_error *err);
 void matrix_bone_free(matrix_bone *bone);
-/* Restores the voxels of the scene's region. This also loads them into the caches. */
+/* Restores the bone's voxels in the scene's region, which also loads them into the caches. */
 void matrix_bone_restore(matrix_bone *bone);
-/* Adds to the set the voxels that are active in the scene's bone but no longer in this bone. */
+/* Adds to `set` the voxels that are active in the scene's bone but have been removed from this bone. */
 void matrix_bone_result(const matrix_bone *bone, method_set *set);
 int64_t matrix_bone_bytes(const matrix_bone *bone);
 
@@ -36,10 +36,10 @@ typedef struct matrix_tool {
 ost_status matrix_tool_init(matrix_tool *tool, const ost_tool_volume *volume, ost_error *err);
 void matrix_tool_free(matrix_tool *tool);
 
-/* Reads `bytes` bytes, so that as many of them as possible are in the caches. */
+/* Reads `bytes` bytes to load them into the caches. */
 void matrix_touch(const void *data, size_t bytes);
 
-/* The bases of the blocks of 16^3 voxels that a box of voxels overlaps. */
+/* The map's bases for the blocks of 16^3 voxels that overlap a box. */
 typedef struct matrix_map {
     int32_t first[3], count[3]; /* the first block and the number of blocks along each axis */
     int32_t (*base)[3];         /* owned; x fastest; the base of a far block is MATRIX_FAR on each axis */

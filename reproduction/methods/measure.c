@@ -22,10 +22,10 @@
 enum { METHODS_MAX = 32, REPEAT = 21, REPEAT_SLOW = 3, QUICK = 3 };
 static const double SLOW_NS = 1e8;
 
-/* A method that takes part in a case. */
+/* One of the methods compared in a case. */
 typedef struct entrant {
     const method *method;
-    void *state; /* NULL if the method does not run */
+    void *state; /* the method's state; NULL if the method does not run */
     methods_row row;
     bench_series fresh, steady;
     double estimate; /* estimated time of one event in ns */
@@ -112,7 +112,7 @@ static void fail_entrant(entrant *e, const ost_error *err)
     close_entrant(e);
 }
 
-/* The sets that the two definitions require. */
+/* The sets of removed voxels required by the two definitions. */
 typedef struct demands {
     method_set bone_to_tool, tool_to_bone;
 } demands;
@@ -249,13 +249,13 @@ static void measure_all(const methods_options *options, entrant *entrants, int c
     }
 }
 
-/* The parts of a case that all methods share. */
+/* The data of a case that all methods share. */
 typedef struct measured_case {
     const methods_options *options;
     const methods_scene *scene;
     method_setup setup;
     demands demands;
-    char reason[BENCH_TEXT]; /* reason why there is no device */
+    char reason[BENCH_TEXT]; /* why no device is available */
 } measured_case;
 
 static void open_entrant(const measured_case *c, entrant *e)

@@ -5,7 +5,7 @@
 
 #include "reproduction/methods/method.h"
 
-/* Checks the options. Returns OST_ERR_USAGE if a method is unknown or there is less than one thread. */
+/* Checks the options. Returns OST_ERR_USAGE if a method is unknown or the number of threads is less than 1. */
 ost_status methods_check(const methods_options *options, ost_error *err);
 /* Returns true if the options select the method with this name. */
 bool methods_selected(const methods_options *options, const char *name);
@@ -14,7 +14,9 @@ ost_status methods_table_add(methods_table *table, const methods_row *row, ost_e
 /* Verifies and times the selected methods on a scene, and appends a row for each of them. */
 ost_status methods_measure(const methods_options *options, const methods_scene *scene, int chunk_size,
                            methods_table *table, ost_error *err);
-/* Appends a row with this reason for each selected method. The row `scene` describes the scene. */
+/*
+ * Appends a row with the reason for each selected method that was not measured. `scene` provides the scene's columns.
+ */
 ost_status methods_not_measured(const methods_options *options, const methods_row *scene, const char *reason,
                                 methods_table *table, ost_error *err);
 

@@ -22,7 +22,7 @@
 
 /* -------------------------------------------------------------------- scene */
 
-/* A bone, a tool and a pose. A scene must not move in memory after it is initialized. */
+/* A bone, a tool and a pose. A scene must not be moved in memory after its initialization. */
 typedef struct methods_scene {
     bench_scene event;    /* tool, geometry of the bone, pose, map, box of voxels */
     int16_t *voxels;      /* owned; the bone's densities, x fastest; 0 or at least SCENE_THRESHOLD */
