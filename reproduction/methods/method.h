@@ -44,7 +44,7 @@ ost_status methods_scene_middle(methods_scene *scene, ost_tool_kind tool, ost_pm
                                 int chunk_size, int chunk_count, ost_error *err);
 /* Makes the event of methods_scene_middle with a bone of 128^3 voxels of 0.47 mm, without the bone's densities. */
 ost_status methods_middle_event(bench_scene *event, ost_tool_kind tool, ost_pm tool_voxel, ost_error *err);
-/* Computes the region of a scene after the caller has set its event and voxels. */
+/* Computes scene->region. The caller has already set the event and the voxels. */
 void methods_scene_set_region(methods_scene *scene);
 /* Frees the tool and the voxels. A zero-initialized scene may be freed. */
 void methods_scene_free(methods_scene *scene);
@@ -68,17 +68,17 @@ void method_set_free(method_set *set);
 int64_t method_set_count(const method_set *set);
 /* Returns the number of voxels of a box. */
 size_t method_box_count(const ost_voxel_box *box);
-/* Returns the index in the set of the first voxel of row (j, k). The numbers j and k are those of the bone. */
+/* Returns the index in the set of the first voxel of row (j, k), in bone coordinates. */
 size_t method_set_row(const method_set *set, int32_t j, int32_t k);
 
-/* The differences between a set and the expected set, which have equal boxes. */
+/* The differences between a set and the expected set. Both sets have the same box. */
 typedef struct method_difference {
     int64_t expected, removed, missed, missed_inside, extra;
 } method_difference;
 
 void method_set_compare(const method_set *expected, const method_set *set, method_difference *out);
-/* Adds the voxels of the region that are active in the scene and 0 in `voxels`. The array `voxels` contains the
-   densities of the region, which must be the set's box. */
+/* Adds the removed voxels: those active in the scene whose density is 0 in `voxels`. `voxels` contains the densities
+   of the scene's region, which must be the set's box. */
 void method_set_add_removed(method_set *set, const methods_scene *scene, const int16_t *voxels);
 /* Returns true if the voxel at this index and its six neighbours all belong to the set. */
 bool method_set_inside(const method_set *set, size_t index);
@@ -111,8 +111,8 @@ typedef struct method_setup {
     int chunk_size;
     int threads;
     methods_points points;
-    const char *backend;          /* osteon's backend; the number of threads is not included */
-    struct method_device *device; /* the open device of the methods on OpenCL, or NULL */
+    const char *backend;          /* osteon's backend, without the number of threads */
+    struct method_device *device; /* open device for the OpenCL methods; NULL if none */
 } method_setup;
 
 typedef struct method_work {
@@ -122,8 +122,8 @@ typedef struct method_work {
 
 typedef struct method {
     methods_info info;
-    bool native; /* true if the method is compiled for the machine that builds it */
-    /* greatest number of bytes of memory that the method needs per voxel of the bone and of the tool */
+    bool native; /* true if the code is compiled for the processor of the build machine */
+    /* upper limit of the memory per voxel of the bone and per voxel of the tool, in bytes */
     double per_bone_voxel, per_tool_voxel;
     /* Copies the scene's bone and tool. The scene must outlive the state. */
     ost_status (*open)(const methods_scene *scene, const method_setup *setup, void **state, ost_error *err);
@@ -140,7 +140,7 @@ extern const method method_osteon, method_osteon_cl, method_thesis_chunks, metho
     method_yau_cl, method_zheng, method_zheng_cl, method_reza, method_reza_cl, method_dense_pair,
     method_single_buffer, method_sparse_buffer, method_octree, method_texture_cl;
 
-/* Returns method number `index` of methods_info_get. */
+/* Returns the method that methods_info_get(index) describes. */
 const method *method_get(int index);
 /* Returns the greatest number of bytes of memory that a method needs for a scene. */
 double method_needs(const method *method, const methods_scene *scene);

@@ -40,7 +40,7 @@ typedef enum methods_points {
 typedef struct methods_info {
     /* short name, such as "yau"; the suffix "-cl" denotes the variant for an OpenCL device, such as "yau-cl" */
     const char *name;
-    const char *title;  /* one line of text for tables and legends */
+    const char *title;  /* one-line description for tables and legends */
     const char *source; /* the publication, or the section of the thesis */
     methods_definition definition;
     bool device; /* true if the method runs on the device options->cl */
@@ -48,19 +48,17 @@ typedef struct methods_info {
 
 /* Returns the number of methods. The methods have a fixed order; the first is osteon's event. */
 int methods_count(void);
-/*
- * Returns the description of the method with the number `index`, 0 <= index < methods_count(). The strings are static.
- */
+/* Returns the description of method `index`, 0 <= index < methods_count(). Its strings are static. */
 const methods_info *methods_info_get(int index);
 
 typedef struct methods_options {
     const char *backend;  /* osteon's backend, such as "cpu" */
-    const char *cl;       /* device of the methods on OpenCL, such as "cl:platform=0,device=0"; NULL for no device */
-    int threads;          /* threads of all methods on the processor, including osteon's event; at least 1 */
+    const char *cl;       /* device for the OpenCL methods, such as "cl:platform=0,device=0"; NULL for none */
+    int threads;          /* number of threads for osteon's event and every other CPU method; at least 1 */
     int repeat;           /* number of repetitions; 0 selects 21, or fewer for events that take longer than 0.1 s */
-    bool quick;           /* true selects 3 repetitions and smaller scenes; the functions and names are the same */
+    bool quick;           /* true for 3 repetitions and smaller scenes */
     methods_points points;
-    const char *methods;  /* names of methods, separated by commas; NULL selects all methods */
+    const char *methods;  /* comma-separated names of methods; NULL for all */
     void (*show)(void *user, const char *text); /* called before a case is measured; may be NULL */
     void *user;
 } methods_options;
@@ -73,17 +71,17 @@ typedef struct methods_row {
     /* the scene */
     const char *tool;               /* "reamer" or "peg" */
     ost_pm tool_voxel, bone_voxel;  /* edge lengths */
-    int32_t tool_side, bone_side;   /* greatest dimension of the tool's grid, and dimension of the bone, in voxels */
+    int32_t tool_side, bone_side;   /* longest side of the tool's grid and side of the bone, in voxels */
     int64_t tool_voxels;            /* number of the tool's cutting voxels */
-    int64_t tool_points;            /* number of the tool's points of the kind options->points */
+    int64_t tool_points;            /* number of tool points, of the kind options->points */
     int chunk_size;
     int chunks;                     /* number of chunks with active voxels that the event processes (Alg. 2.10) */
     methods_points points;
     int threads;                    /* number of threads; 0 for a method on a device */
 
     /* the times of an event, in microseconds */
-    bench_figures fresh;  /* times of an event before which all voxels are restored */
-    bench_figures steady; /* times of a repeated event, in which no voxel remains to be removed */
+    bench_figures fresh;  /* times of an event with all voxels restored beforehand */
+    bench_figures steady; /* times of a repeated event, which has no voxel left to remove */
 
     /* the work and the result */
     /* number of bone voxels or tool points that the method transforms; 0 if the method does not count them */
@@ -92,7 +90,7 @@ typedef struct methods_row {
     int64_t expected;      /* number of voxels in osteon's set */
     int64_t missed, extra; /* numbers of voxels that are only in osteon's set, and only in the method's set */
     int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
-    bool exact; /* true if the method's set is the one that its definition requires; false is an error */
+    bool exact; /* true if the method's set equals the set that its definition requires; false is an error */
     /* memory in bytes of the bone's voxels; of the chunk table, positions, nodes or masks; and of the tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;
@@ -139,17 +137,17 @@ ost_status methods_resolutions(const methods_options *options, ost_tool_kind too
 
 /* ----------------------------------------------------------------- sampling */
 
-/* The comparison of tool points with bone voxels for one ratio of tool voxel size to bone voxel size. */
+/* A comparison of the voxels hit by tool points with osteon's set, for one ratio of voxel sizes. */
 typedef struct methods_sample {
     const char *tool;
     methods_points points;
     double ratio; /* edge of a tool voxel divided by the edge of a bone voxel */
     ost_pm tool_voxel, bone_voxel;
-    /* number of poses: 1 for a static event; if greater, the tool moves along its axis by half a bone voxel per pose */
+    /* number of poses: 1 for a static event; otherwise the tool moves half a bone voxel along its axis per pose */
     int poses;
     int64_t tool_points;
     int64_t expected;      /* number of voxels in osteon's set, the union over all poses */
-    int64_t found;         /* number of voxels that are in both sets */
+    int64_t found;         /* number of voxels in both osteon's set and the set of the tool points */
     int64_t missed, extra; /* same meaning as in methods_row */
     int64_t missed_inside;
     double missed_share;   /* missed / expected */
@@ -163,13 +161,13 @@ typedef struct methods_sample {
 ost_status methods_sampling(ost_tool_kind tool, methods_points points, int poses, const double *ratios, int count,
                             methods_sample *samples, ost_error *err);
 
-/* Values for a voxel in a slice. */
+/* Values of the voxels in a slice. The two sets are osteon's set and the set of the tool points. */
 enum {
-    METHODS_SLICE_NONE,          /* the voxel is in no set */
-    METHODS_SLICE_BOTH,          /* the voxel is in both sets */
-    METHODS_SLICE_MISSED,        /* the voxel is only in osteon's set */
-    METHODS_SLICE_MISSED_INSIDE, /* the voxel is only in osteon's set, and all six neighbours belong to osteon's set */
-    METHODS_SLICE_EXTRA          /* the voxel is only in the set of the tool points */
+    METHODS_SLICE_NONE,          /* in neither set */
+    METHODS_SLICE_BOTH,          /* in both sets */
+    METHODS_SLICE_MISSED,        /* only in osteon's set */
+    METHODS_SLICE_MISSED_INSIDE, /* only in osteon's set, which also contains all six neighbours */
+    METHODS_SLICE_EXTRA          /* only in the set of the tool points */
 };
 
 /* A slice of the bone perpendicular to z, through the middle of the removed voxels. */
@@ -180,7 +178,7 @@ typedef struct methods_slice {
 } methods_slice;
 
 /*
- * Computes a slice for the case of a call of methods_sampling with the same arguments. The caller frees *slice with
+ * Computes the slice for the case that methods_sampling measures with the same arguments. The caller frees *slice with
  * methods_slice_free.
  */
 ost_status methods_sampling_slice(ost_tool_kind tool, methods_points points, int poses, double ratio,

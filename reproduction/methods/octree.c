@@ -46,7 +46,7 @@ typedef struct task {
 
 typedef struct octree {
     const methods_scene *scene;
-    tree full, live; /* the live tree has the nodes of the full tree at the same indices */
+    tree full, live; /* events change live, whose nodes have the same indices as in full */
     int level;       /* level of the root, whose edge is 4 << level voxels */
     matrix_tool tool;
     pyramid cells;
@@ -172,7 +172,7 @@ static pyramid_found content_over(const octree *s, const int32_t u[3], int32_t e
     return pyramid_content(&s->cells, lo, hi, s->tool.dims);
 }
 
-/* Returns a word with a bit for each voxel of a brick. A bit is set if a cutting tool voxel covers the voxel. */
+/* Returns the hits in a brick as one word. A bit is set if a cutting tool voxel covers its voxel. */
 static uint64_t hits_of(const octree *s, const int32_t u[3])
 {
     const int32_t nx = s->tool.dims[0], ny = s->tool.dims[1], nz = s->tool.dims[2];
@@ -370,8 +370,8 @@ static ost_status open_octree(const methods_scene *scene, const method_setup *se
     return status;
 }
 
-/* Copies the nodes and bricks that overlap the event's box. No other part of the tree can change, and no index
-   changes. */
+/* Copies the nodes and bricks that overlap the event's box. This is sufficient because the event changes no other
+   part of the tree and no index. */
 static void restore_node(octree *s, int32_t index, int level, const int32_t corner[3])
 {
     if (index == 0 || !overlaps(&s->scene->event.box, corner, BRICK << level))

@@ -120,7 +120,7 @@ static ost_status result(void *state, method_set *set, ost_error *err)
     return status;
 }
 
-/* The amount of memory that a backend uses for the tool is not known. */
+/* The memory for the tool is unknown, because backends do not report it. */
 static void work(void *state, method_work *out)
 {
     own_event *s = state;

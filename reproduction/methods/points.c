@@ -30,7 +30,7 @@ static int16_t half_steps(int32_t i, int32_t dim)
     return (int16_t)(2 * i + 1 - dim);
 }
 
-/* Visits the points of a tool, block after block. If the lists have memory, stores the points and the blocks that
+/* Visits the points of a tool block by block. If the lists are allocated, stores the points and the blocks that
    contain points. Sets the number of blocks and returns the number of points. */
 static int64_t visit(method_points *points, const ost_tool_volume *tool, methods_points which, ost_dims block)
 {
