@@ -18,7 +18,7 @@
 /* Returns false, with the reason, if this processor lacks an instruction set that the baselines
    were built for. */
 bool bench_baseline_runs(char *reason, size_t size);
-/* set of the instruction sets that the baselines need, one bit each, in the order of BENCH_NATIVE_LIST */
+/* instruction sets that the baselines need, one bit each, in the order of BENCH_NATIVE_LIST */
 extern const uint32_t bench_native_needs;
 
 #define BENCH_NATIVE_LIST(X)                                                                                           \
@@ -31,21 +31,20 @@ extern const uint32_t bench_native_needs;
 
 /* ------------------------------------------------------------------ removal */
 
-/* A removal event as the thesis computes it (section 2.5): for each chunk, one kernel processes all
-   voxels of the chunk. */
+/* The thesis' removal event (section 2.5): one kernel per chunk, which processes all voxels of the chunk. */
 typedef struct bench_thesis_event {
     int chunk_count, chunk_size;
-    int16_t *const *chunks;       /* an array of chunk_size^3 densities for each chunk, x fastest */
-    /* position of each chunk's first voxel in the bone's grid */
+    int16_t *const *chunks;       /* per chunk: chunk_size^3 densities, x fastest */
+    /* per chunk: position of its first voxel in the bone's grid */
     const int32_t (*corners)[3];
-    float map[3][4];              /* affine matrix from bone voxels to tool voxels, row by row */
+    float map[3][4];              /* affine matrix from bone voxels to tool voxels, in row-major order */
     int32_t dims[3];              /* dimensions of the tool's grid */
-    const int16_t *tool;          /* each element is 0 or 1; x fastest */
+    const int16_t *tool;          /* 0 or 1 per voxel; x fastest */
 } bench_thesis_event;
 
 void bench_thesis_remove(const bench_thesis_event *event, int threads);
 
-/* A 64-byte aligned row of 32 densities. The store sets the densities whose bit is set in `hit` to 0. */
+/* A 64-byte aligned row of 32 densities. Bit i of `hit` is set if the store clears density i. */
 typedef struct bench_row_store {
     int16_t *row;
     uint32_t hit;
@@ -58,7 +57,7 @@ void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
 
-/* The method by which bytes are copied: memcpy of the C library, or stores that bypass the caches. */
+/* How bytes are copied: by memcpy of the C library or by stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
 /* Copies `in` to `out` until `bytes` bytes of `out` are written. Starts again at the beginning of `in` each time the

@@ -20,12 +20,12 @@
 
 typedef struct bench_options {
     const char *backend; /* options string of the backend, such as "cpu", "cpu:isa=avx2" or "ref" */
-    int threads;         /* number of threads of rows whose name does not end in /1 */
+    int threads;         /* number of threads for all rows except those whose name ends in /1 */
     int repeat;          /* number of repetitions; 0 selects the default of each row */
-    /* true to use few repetitions and small inputs; the names of the rows do not change */
+    /* true for few repetitions and small inputs; the names of the rows do not change */
     bool quick;
     double scale;        /* fraction of the 12,040,704 text lines that the row parse/text reads */
-    /* only rows whose names contain this text are measured; NULL selects all rows */
+    /* measures only rows whose names contain this text; NULL for all rows */
     const char *filter;
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
     void *user;
@@ -39,7 +39,7 @@ typedef struct bench_series {
     double *ns; /* owned */
 } bench_series;
 
-int64_t bench_now(void); /* time of CLOCK_MONOTONIC in ns */
+int64_t bench_now(void); /* returns the time of CLOCK_MONOTONIC in ns */
 void bench_series_add(bench_series *series, double ns);
 void bench_series_free(bench_series *series);
 /* Sorts the series and returns its quantile `share` (0 to 1) by nearest rank, or 0 if the series is
@@ -90,7 +90,7 @@ bench_row *bench_row_add(bench_table *table, const char *name, const char *unit,
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
 /* bench_row_ours and bench_row_baseline store the median, minimum and maximum of a series in the row, in the row's
-   unit. The parameter `what` is a description of the baseline. */
+   unit. `what` describes the baseline. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);
 void bench_row_extra(bench_row *row, const char *key, double value);

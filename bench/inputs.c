@@ -60,7 +60,7 @@ ost_status bench_cubic_make(ost_backend *backend, const ost_volume *rect, ost_vo
 
 /* -------------------------------------------------------------------- cuts */
 
-/* Computes the voxels of a block that remain outside a ball. Returns true if any voxel is removed. */
+/* Stores in `words` the voxels of a block that remain outside a ball. Returns true if any voxel is removed. */
 static bool carve_block(const ost_surface_block *b, const double at[3], double radius, uint32_t words[OST_BLOCK_ROWS])
 {
     bool any = false;

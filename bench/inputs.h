@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Functions that several measurements share to make their tools, grids and cuts. */
+/* Makes the tools, grids and cuts that several measurements share. */
 #ifndef OST_BENCH_INPUTS_H
 #define OST_BENCH_INPUTS_H
 

@@ -47,7 +47,7 @@ static void put_sphere(ost_mesh *mesh, size_t *vertex, size_t *triangle, ost_pm 
                        vec centre, double radius)
 {
     const size_t first = *vertex, north = first + meridians * rings, south = north + 1;
-    for (size_t r = 0; r <= rings + 1; r++) /* the last two are the poles */
+    for (size_t r = 0; r <= rings + 1; r++) /* the last two iterations add the poles */
         for (size_t m = 0; m < (r < rings ? meridians : 1); m++) {
             const double ring = r < rings ? (double)(r + 1) : r == rings ? 0 : (double)(rings + 1);
             const double polar = TURN / 2 * ring / (double)(rings + 1);
@@ -98,7 +98,7 @@ static vec knot_point(double t)
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err)
 {
     enum { U = 2048, V = 128 };
-    /* radius of the tube, and outer radius of the knot */
+    /* radius of the tube; outer radius of the knot */
     const double radius = 0.42, reach = 3 + radius;
     ost_status status = ost_mesh_init(out, (size_t)U * V, 2 * (size_t)U * V, err);
     if (status != OST_OK)
