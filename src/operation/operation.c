@@ -25,11 +25,11 @@ struct ost_operation {
     int64_t t_ns;      /* time of the loop's first tick */
     bool moved;        /* true if at least one tick was executed; `hand` is valid only then */
     ost_motor motor;
-    bool on;           /* true if the motor is switched on, so that it runs without a button being held */
+    bool on;           /* true if the motor is switched on and runs without a button being held */
     uint32_t active_actions; /* actions held in the last tick */
     _Atomic uint32_t keys;
-    int32_t tool;      /* index of the tool that is used if the device does not select a tool */
-    ost_pose hand;     /* pose of the last tick; the clutch is applied to it, but not the motor's rotation */
+    int32_t tool;      /* index of the tool to use if the device selects none */
+    ost_pose hand;     /* pose of the last tick, with the clutch applied and without the motor's rotation */
     haptic_clutch clutch;
     bool clutched;     /* true if the clutch is applied between device and hand */
     int32_t last_tool;
@@ -40,7 +40,7 @@ struct ost_operation {
     uint64_t dropout;  /* number of ticks of the current drop-out; 0 while the device is tracked */
     bool lifted;       /* true if the tool was lifted after the last executed tick */
     ost_operation_report report;
-    ost_record pending; /* record of the last tick, stored until the tick's duration is available */
+    ost_record pending; /* record of the last tick, held back until the duration of the tick is available */
     bool has_pending;
     ost_live_state seen; /* state published for viewers */
 };
@@ -111,7 +111,7 @@ static uint32_t at_most_32(uint64_t n)
 static void put(ost_operation *o, const ost_record *record)
 {
     if (o->options.recorder)
-        ost_recorder_put(o->options.recorder, record); /* the recorder itself counts records that it cannot store */
+        ost_recorder_put(o->options.recorder, record); /* the recorder counts the records that it cannot store */
 }
 
 static void note(ost_operation *o, int64_t t_ns, const char *text)
@@ -159,7 +159,7 @@ static void set_fault(ost_operation *o, ost_fault fault, int64_t t_ns)
     o->fault = fault;
 }
 
-/* Handles a tick without tracking. The force is 0, as in a fault, but a drop-out is not counted as an error. */
+/* Handles a tick without tracking. As in a fault, the force is 0, but a drop-out does not count as an error. */
 static void drop_out(ost_operation *o, int64_t t_ns)
 {
     ost_operation_report *r = &o->report;

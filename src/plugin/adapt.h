@@ -29,8 +29,8 @@ typedef struct plugin_backend {
     char name[PLUGIN_NAME];
 } plugin_backend;
 
-/* A host object refers to an object of the plugin. If `lost` is true, a call on the object has failed part-way, and the
-   object may then only be freed. */
+/* A host object that refers to an object of the plugin. `lost` is true after a call on the object has failed
+   part-way; the object may then only be freed. */
 typedef struct plugin_grid {
     ost_grid base;
     ost_plugin_grid *own;
@@ -74,7 +74,7 @@ static inline plugin_error_sink *adapt_listening(plugin_error_sink *t)
 
 /*
  * Converts the status that a plugin's function returned to an ost_status, and copies the plugin's error text to err. If
- * the status is OST_PLUGIN_LOST, also sets *lost to true. The pointer `lost` may be NULL.
+ * the status is OST_PLUGIN_LOST, also sets *lost to true. `lost` may be NULL.
  */
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
                            ost_error *err);

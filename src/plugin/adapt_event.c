@@ -28,7 +28,7 @@ static ost_plugin_map map_of(const ost_map *m, const ost_voxel_box *box)
     return to;
 }
 
-/* The receiver of a plugin's report. `status` is the error of the first wrong entry. */
+/* The receiver of a plugin's report. `status` is the error of the first invalid entry. */
 typedef struct sink {
     const plugin_backend *b;
     ost_removal_report *report;

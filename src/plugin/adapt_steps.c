@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps that precede the processing of voxels. A plugin may execute these steps itself; this file
-   then calls the plugin. */
+/* The steps that precede the processing of voxels. If a plugin implements one of these steps, its function is
+   called. */
 #include "plugin/adapt.h"
 
 #include <stdlib.h>

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The backend `plugin`, which calls external implementations: the host's side of the
- * interface include/osteon/plugin.h.
+ * The backend `plugin`, which calls external implementations: the host's side of the interface include/osteon/plugin.h.
  *
  *   plugin:FILE.so,options --load.c--> table --adapt.c--> ost_backend_ops
  *
- * Statuses, objects and reports returned by a plugin are checked here, so that an
- * error in a plugin causes a message and not a wrong result later.
+ * Checks the statuses, objects and reports that a plugin returns, so that an error in a plugin is reported at once and
+ * does not cause a wrong result later.
  */
 #ifndef OST_PLUGIN_PLUGIN_H
 #define OST_PLUGIN_PLUGIN_H

@@ -5,9 +5,9 @@
 
 #include <osteon/segment.h>
 
-/* Returns OST_ERR_RANGE if a value of a cut is outside the ranges in segment.h. */
+/* Returns OST_ERR_RANGE if a value in a cut exceeds the ranges given in segment.h. */
 ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err);
-/* For each voxel of row (y, z) whose centre belongs to the cut, sets in[x] to false. */
+/* Clears in[x] for each voxel of row (y, z) whose centre lies in the cut. */
 void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in);
 
 #endif

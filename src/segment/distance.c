@@ -31,7 +31,7 @@ static uint32_t nearer(uint32_t f, int64_t s, int64_t voxels)
 
 /* ------------------------------------------------------------------ along x */
 
-/* Fills `row` with the squared distances along x: 0 for voxels without a label. */
+/* Stores the squared distances along x in `row`; they are 0 for voxels without a label. */
 static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t *row)
 {
     const int32_t nx = sparse->dims.x;
@@ -40,7 +40,7 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
     for (uint32_t r = sparse->rows[i]; r < sparse->rows[i + 1];) {
         const int32_t begin = sparse->runs[r].begin;
         int32_t end = sparse->runs[r++].end;
-        /* another run begins where this run ends, so it has another label */
+        /* the next run begins where this run ends, so it has another label */
         while (r < sparse->rows[i + 1] && sparse->runs[r].begin == end)
             end = sparse->runs[r++].end;
         for (int32_t x = begin; x < end; x++) {
@@ -52,7 +52,10 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
 
 /* ---------------------------------------------------------- along y and z */
 
-/* Scratch for one column. From voxel start[q] on, the parabola of voxel vertex[q] is the lowest of the envelope. */
+/*
+ * Scratch for one column. The parabola of voxel vertex[q] is the lowest one from voxel start[q] up to start[q + 1] or
+ * the column's end.
+ */
 typedef struct envelope {
     uint32_t *f;
     int32_t *vertex, *start;

@@ -6,8 +6,8 @@
 #include "segment/sparse.h"
 
 /*
- * The maximum distance in micrometres. Greater distances are stored as this value, and so are all distances in
- * a grid that has no unlabelled voxel.
+ * The maximum distance in micrometres. Greater distances are clamped to it. All distances have this value if the grid
+ * has no unlabelled voxel.
  */
 enum { SEGMENT_DISTANCE_MAX = 65535 };
 

@@ -17,7 +17,7 @@ typedef struct block {
     const ost_volume *ct;
     ost_volume *labels;
     int32_t air, z, count; /* the block consists of the slices [z, z + count); a voxel below the density `air` is air */
-    /* true if the block is one slice, whose holes are two-dimensional: only x and y have a border */
+    /* true if the block is one slice, whose holes are two-dimensional: its border in z is ignored */
     bool is_slice;
     ost_segment *segments; /* if NULL, the voxels of a hole receive the negative of the surrounding label */
 } block;
@@ -36,10 +36,7 @@ static void has_no_label(void *user, int32_t y, int32_t z, bool *in)
         in[x] = row[x] == 0;
 }
 
-/*
- * For each component c that is a hole, stores the surrounding label in label[c]. For any other component, sets
- * open[c].
- */
+/* Stores the surrounding label in label[c] for each component c that is a hole, and sets open[c] for all others. */
 static void find_holes(const block *b, const segment_runs *runs, int16_t *label, bool *open)
 {
     const ost_dims d = b->ct->geometry.dims;

@@ -34,7 +34,7 @@ static uint32_t root(segment_run *items, uint32_t i)
     return i;
 }
 
-/* Joins two components. The root of the joined component is the earlier of their first runs. */
+/* Joins two components. The earlier of their first runs becomes the root. */
 static void join(segment_run *items, uint32_t a, uint32_t b)
 {
     a = root(items, a);
@@ -46,8 +46,8 @@ static void join(segment_run *items, uint32_t a, uint32_t b)
 }
 
 /*
- * Joins each run among [from, to) of a row with each run among [other, end) of a neighbouring row if the two
- * runs have an x in common.
+ * Joins the runs [from, to) of a row with those runs [other, end) of a neighbouring row that have an x in common with
+ * them.
  */
 static void join_rows(segment_run *items, size_t from, size_t to, size_t other, size_t end)
 {

@@ -15,8 +15,9 @@
 
 typedef struct segment_run {
     int32_t begin, end; /* voxels [begin, end) of the row */
-    uint32_t component; /* component's number; while runs are joined, the index of an earlier run of the same
-                         * component or of this run */
+    /* the component's number; while runs are being joined, the index of this run or of an earlier run of the
+     * component */
+    uint32_t component;
 } segment_run;
 
 typedef struct segment_runs {
@@ -27,7 +28,7 @@ typedef struct segment_runs {
     uint32_t components;
 } segment_runs;
 
-/* For each voxel x of row (y, z), sets in[x] to true if the voxel belongs to a component. */
+/* Sets in[x] for each voxel x of row (y, z) that belongs to a component. */
 typedef void segment_row(void *user, int32_t y, int32_t z, bool *in);
 
 /* Finds the connected components. The caller frees *out by segment_runs_free, even after a failure. */

@@ -17,9 +17,9 @@ enum { THRESHOLD = 120 };
 
 typedef struct job {
     const ost_volume *ct;
-    ost_segment_options options; /* the caller's options, with defaults in place of values of 0 */
+    ost_segment_options options; /* the caller's options; zeros are replaced with defaults */
     ost_volume *labels;
-    ost_segment *segments;       /* all components; after the call of rank(), only the components that have a label */
+    ost_segment *segments;       /* all components; after rank(), only those with a label */
     size_t count;
 } job;
 
@@ -57,7 +57,7 @@ static void extend(ost_segment *s, int32_t begin, int32_t end, int32_t y, int32_
     }
 }
 
-/* Counts the voxels of each component. The count is 0 if no voxel of the component is at or above the threshold. */
+/* Counts the voxels of each component. The count of a component is 0 if none of its voxels reaches the threshold. */
 static ost_status measure(job *j, const segment_runs *runs, ost_error *err)
 {
     const ost_dims d = j->ct->geometry.dims;
@@ -99,8 +99,8 @@ static int by_size(const void *a, const void *b)
 }
 
 /*
- * Assigns labels to the components that are large enough, from 1 in descending order of size. Stores the label
- * of component c in label[c]. A component that is too small keeps the label 0.
+ * Numbers the components that are large enough from 1, in descending order of size, and stores the numbers in label[c].
+ * Small components keep the label 0.
  */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {

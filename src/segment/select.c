@@ -5,7 +5,7 @@
 
 #include "core/integer.h"
 
-/* Returns the index of the voxel that contains a position along one axis, or -1 if it is outside the grid. */
+/* Returns the index, along one axis, of the voxel that contains a position. Returns -1 outside the grid. */
 static int64_t index_of(ost_pm at, ost_pm origin, ost_pm spacing, int32_t n)
 {
     const int64_t i = ost_floor_div(2 * (at - origin) + spacing, 2 * spacing);

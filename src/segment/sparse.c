@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 /*
- * Visits the runs of all rows. If out->runs is NULL, the runs are only counted; otherwise they are stored.
- * Returns false if the labelled voxels or the runs are too many for a 32-bit index.
+ * Counts the runs of all rows, and also stores them if out->runs is not NULL. Returns false if the number of labelled
+ * voxels or of runs exceeds a 32-bit index.
  */
 static bool visit(const ost_volume *labels, segment_sparse *out)
 {

@@ -106,7 +106,7 @@ static ost_status find_basins(const segment_sparse *sparse, const uint32_t *heig
     return OST_OK;
 }
 
-/* The voxels that were reached but whose neighbours were not yet visited, in a queue for each level of height. */
+/* Voxels that have been reached but whose neighbours have not been visited yet: one queue per level of height. */
 typedef struct flood {
     uint32_t *head, *tail; /* owned; LEVELS elements each; head[l] is NONE if the queue of level l is empty */
     uint32_t *next;        /* borrowed; one element per voxel */
@@ -123,8 +123,7 @@ static void append(flood *f, uint32_t level, uint32_t i)
 }
 
 /*
- * Step 2. A voxel above the current level is appended to the queue of the current level, so that levels only
- * descend.
+ * Step 2. A voxel above the current level is appended to the queue of the current level, so that the level never rises.
  */
 static void flood_pieces(const segment_sparse *sparse, const uint32_t *height, const basins *all, flood *f,
                          uint32_t *piece, uint32_t *pieces)
