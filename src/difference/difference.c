@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks the arguments of the public function, and copies the patterns that hold to its result. */
+/* Checks the arguments of ost_difference_find and copies the patterns that hold to its result. */
 #include <osteon/difference.h>
 
 #include <stdio.h>

@@ -57,7 +57,7 @@ typedef enum pattern {
 
 const char *ost_pattern_name(pattern p);
 
-/* The relation between a grid and `in`, the input from which the stage made the grid. */
+/* How the stage made the grid from its input `in`. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
     /* `in` is resampled: voxel (x, y, z) comes from voxel (source[0][x], source[1][y], source[2][z]) of `in`, or is a
@@ -67,23 +67,23 @@ typedef enum pattern_input {
     PATTERN_BEFORE       /* `in` is the bone before the event */
 } pattern_input;
 
-enum { PATTERN_WEIGHT_ONE = 1 << 15 }; /* sum of the two weights of an axis */
+enum { PATTERN_WEIGHT_ONE = 1 << 15 }; /* sum of the two weights on each axis */
 
 typedef struct pattern_view {
     const int16_t *a, *b;
     ost_dims dims, dims_b;    /* dims of the grids A and B; if they differ, only axis-swap is checked */
-    int32_t solid_a, solid_b; /* lowest value of a solid voxel */
+    int32_t solid_a, solid_b; /* lowest density or class of a solid voxel */
     bool tool;
     int chunk;                /* edge length of a chunk in voxels */
     pattern_input input;
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    /* For each axis, the weight of the voxel after the source voxel, in units of 1 / PATTERN_WEIGHT_ONE. A
-       voxel with the weight 0 is not read. */
+    /* per axis: weight of the voxel that follows the source voxel, in units of 1 / PATTERN_WEIGHT_ONE; if 0, that
+       voxel is not read */
     const int32_t *weight[3];
-    /* For each voxel, the number of samples in the batch that follow the voxel's last sample, or -1 if the voxel has no
-       sample. NULL if these numbers are unknown. */
+    /* per voxel: number of samples in the batch after the voxel's last sample; -1 for a voxel without samples; NULL
+       if unknown */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;

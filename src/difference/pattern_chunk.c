@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for chunks, and the rules for a last part of the work that was not done. */
+/* The rules of pattern.h for chunks and for lost tails. */
 #include "difference/pattern_parts.h"
 
 #include <string.h>
@@ -14,7 +14,7 @@ typedef struct chunk_counts {
     /* as_before is true if all voxels of B equal those of `in`; hit is true if at least one voxel of A differs from
        `in` */
     bool differs, as_before, hit;
-    bool solid_a, solid_b; /* only computed if `differs` is true */
+    bool solid_a, solid_b; /* valid only if `differs` is true */
 } chunk_counts;
 
 static int32_t end_of(int32_t begin, int32_t length, int32_t n)
@@ -35,7 +35,7 @@ static bool chunks_differ(const pattern_view *v, const int16_t *p, const int16_t
     return false;
 }
 
-/* Sets solid_a and solid_b to whether the chunk that begins at (x, y, z) has a solid voxel. */
+/* Stores in solid_a and solid_b whether grid A and grid B have a solid voxel in the chunk that begins at (x, y, z). */
 static void find_solid(const pattern_view *v, int32_t x, int32_t y, int32_t z, chunk_counts *l)
 {
     for (int32_t k = z; k < end_of(z, v->chunk, v->dims.z); k++)

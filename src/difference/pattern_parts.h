@@ -23,7 +23,7 @@ typedef struct pattern_scan {
     bool several;          /* true if B has more than one non-zero value in D */
 } pattern_scan;
 
-/* Returns true if the pattern holds, and then writes the evidence to text. */
+/* Returns true and writes the evidence to `text` if the pattern holds. */
 typedef bool pattern_rule(const pattern_scan *s, char *text);
 
 /* pattern_place.c */
@@ -37,7 +37,7 @@ pattern_rule ost_pattern_column_parity, ost_pattern_tool_class, ost_pattern_boun
 /* Writes the evidence to text. Always returns true. */
 bool ost_pattern_describe(char *text, const char *format, ...) OST_PRINTF(2, 3);
 
-/* Returns a density in the form in which the stage stores it. */
+/* Converts a density to the form in which the stage stores it. */
 int16_t ost_pattern_stored(const pattern_view *v, int16_t density);
 
 static inline bool pattern_same_dims(ost_dims a, ost_dims b)

@@ -11,7 +11,7 @@ static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0
 typedef struct reading {
     int step[3];
     const int *order;
-    int64_t row; /* length of a row in voxels; 0 selects the correct length */
+    int64_t row; /* length of a row in voxels; 0 for the correct length */
 } reading;
 
 /* Resamples voxel p from an input that is read as described by *how. Returns false if a source voxel is outside the
@@ -89,8 +89,7 @@ static bool arranged_equal(const pattern_view *v, const arrangement *how, int32_
     return solid || stride > 1;
 }
 
-/* Returns true if B is A in this arrangement. Checks a few voxels first, because most arrangements are already wrong
-   there. */
+/* Returns true if B is A in this arrangement. Checks a few voxels first, because these rule out most arrangements. */
 static bool arranged(const pattern_view *v, const arrangement *how)
 {
     return arranged_equal(v, how, 7) && arranged_equal(v, how, 1);

@@ -40,7 +40,7 @@ struct ost_live_channel {
     ost_live_state state[STATES];
     _Alignas(LINE) _Atomic unsigned middle;
     _Alignas(LINE) unsigned front; /* index of the viewer's buffer */
-    bool any;              /* used by the viewer; true if state[front] contains a state */
+    bool any;              /* used by the viewer; true once state[front] contains a state */
     uint32_t *seen;        /* owned; used by the viewer; the words of one chunk */
 
     _Alignas(LINE) unsigned back; /* index of the tick's buffer; this and all members below are used only by the tick */
@@ -61,7 +61,7 @@ static ost_status no_memory(ost_error *err)
     return ost_fail(err, OST_ERR_MEMORY, "out of memory for a snapshot of a bone");
 }
 
-/* Calls visit with the words of every chunk, in ascending order of chunk numbers. */
+/* Calls `visit` with the words of each chunk, in ascending order of chunk numbers. */
 static ost_status for_chunks(ost_live_channel *live, int64_t chunks,
                              void (*visit)(ost_live_channel *live, int32_t chunk, const uint32_t *words),
                              ost_error *err)
@@ -120,7 +120,7 @@ static ost_status make(ost_live_channel *live, ost_error *err)
     status = for_chunks(live, info.chunks, number, err);
     if (status != OST_OK)
         return status;
-    const size_t capacity = (size_t)live->slots + 1; /* the capacity is greater than 0, even if there are no slots */
+    const size_t capacity = (size_t)live->slots + 1; /* at least 1, even without slots */
     live->chunk_of = malloc(capacity * sizeof *live->chunk_of);
     live->words = malloc(capacity * live->chunk_words * sizeof(_Atomic uint32_t));
     live->dirty = calloc(dirty_words(live) + 1, sizeof(_Atomic uint64_t));
@@ -197,7 +197,7 @@ void ost_live_changed(ost_live_channel *live, const ost_removal_report *report)
     }
 }
 
-/* Publishes the first waiting slots. At most live->at_once slots are published. */
+/* Publishes the first waiting slots, at most live->at_once of them. */
 static ost_status publish_some(ost_live_channel *live, ost_error *err)
 {
     int32_t chunk[BUDGET_WORDS / 128] = {0}, slot[BUDGET_WORDS / 128]; /* a chunk of 16^3 voxels has 128 words */
