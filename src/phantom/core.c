@@ -32,9 +32,9 @@ typedef struct recipe {
     double jitter;     /* maximum displacement of a point, in cell widths */
     double strut;      /* radius of a strut in mm */
     double wall;       /* half thickness of a wall in mm */
-    double walls;      /* share of the possible walls that exist */
-    double radius;     /* radius of a core that is drilled along z, mm; 0 for a block */
-    int solid, grain;  /* density of the solid in HU, and variation of this density between positions */
+    double walls;      /* fraction of the pairs of neighbouring cells that have a wall between them */
+    double radius;     /* radius in mm of a core drilled along z; 0 for a block */
+    int solid, grain;  /* density of the solid in HU, and the variation of this density with position */
     int filling;       /* density of the filling between the struts, HU */
     int noise;         /* twice the standard deviation of the noise, HU */
 } recipe;
@@ -58,8 +58,8 @@ typedef struct seedling {
 } seedling;
 
 /*
- * Lists the points that the voxels of a block may need. `middle` is the centre of the block and `half` is half of
- * its diagonal, both in cell widths. Returns the number of points, at most NEAR_MAX.
+ * Lists the points that can be among the three nearest points of a voxel in a block. `middle` is the centre of the
+ * block and `half` is half of its diagonal, both in cell widths. Returns the number of points, at most NEAR_MAX.
  */
 static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, seedling out[NEAR_MAX])
 {
@@ -103,7 +103,7 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     for (int i = 0; i < n; i++) {
         if (out[i].far2 > reach * reach)
             continue;
-        /* Sorts the points by ascending distance, so that the function distance() rejects most points at once. */
+        /* Sorts the points by ascending distance, so that distance() can skip most of them. */
         seedling s = out[i];
         int slot = kept++;
         for (; slot > 0 && out[slot - 1].far2 > s.far2; slot--)
@@ -113,10 +113,7 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     return kept;
 }
 
-/*
- * Returns true if there is a wall between two cells. The order of the two cells does not affect the result, because
- * a sum is hashed.
- */
+/* Returns true if there is a wall between two cells. Hashes a sum, so that the order of the cells does not matter. */
 static bool has_wall(const recipe *r, const seedling *a, const seedling *b)
 {
     return ost_unit(ost_mix64(a->id + b->id), 1) < r->walls;

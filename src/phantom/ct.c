@@ -23,8 +23,7 @@
 
 #define ACTIVE 120 /* default threshold, for which the phantom is designed */
 /*
- * SHELL is the thickness of compact bone on the outer walls, mm. A plate that is thinner than twice this value has
- * no spongy core.
+ * SHELL is the thickness in mm of the compact bone on the outer walls. A plate thinner than 2 SHELL has no spongy core.
  */
 #define SHELL 1.4
 #define PLATE 1.9  /* thickness of compact bone under the cartilage in mm */
@@ -89,8 +88,8 @@ static ost_v3 to_lps(const pose *p, ost_v3 bone)
 /* ----------------------------------------------------------------- tissue */
 
 /*
- * Returns the density of the soft tissue, which is below 100 HU. Soft tissue consists of muscle, with sheets of fat
- * between the muscle bellies, and of the lung inside the chest.
+ * Returns the density of the soft tissue, which is below 100 HU: muscles separated by sheets of fat, and the lung
+ * inside the chest.
  */
 static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
 {
@@ -166,7 +165,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
 /* ---------------------------------------------------------------- humerus */
 
 #define HEAD_RADIUS 24.0
-#define TOUCHING 0.0     /* depth in mm by which the head extends into the cartilage */
+#define TOUCHING 0.0     /* depth in mm to which the head penetrates the cartilage */
 #define SHAFT_RADIUS 11.0
 #define SHAFT_LENGTH 90.0
 
@@ -175,7 +174,7 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
  * ball.
  */
 typedef struct humerus {
-    ost_v3 head, end; /* centre of the head, where the shaft's axis begins, and end of this axis */
+    ost_v3 head, end; /* ends of the shaft's axis: the centre of the head, and the far end */
     double size;      /* mm of this bone per mm of the mean shape */
 } humerus;
 
@@ -197,8 +196,8 @@ static double humerus_distance(const humerus *h, ost_v3 q)
 }
 
 /*
- * Returns the density of a voxel of the scapula's CT to which the humerus is added. The humerus has a compact shell
- * and is spongy inside.
+ * Returns the density of a voxel of the scapula's CT after adding the humerus, which has a compact shell and a spongy
+ * core.
  */
 static int16_t with_humerus(int16_t hu, double distance, double blur, uint64_t hash)
 {
@@ -217,7 +216,7 @@ typedef struct scanner {
     humerus humerus;
     pose pose;
     double blur;     /* width of the partial volume at a surface, in mm of the anatomy */
-    int64_t first[3]; /* index of this grid's first voxel in the grid to which the noise is aligned */
+    int64_t first[3]; /* index of this grid's first voxel in the grid by which the noise is indexed */
 } scanner;
 
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
