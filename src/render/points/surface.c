@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "render/points/extract.h"
 
+#include "render/points/block_words.h"
 #include "render/points/clip.h"
 #include "render/points/uncut.h"
 #include "render/points/renew.h"
@@ -109,7 +110,7 @@ static ost_status remember(const ost_surface *s, ost_surface_block *b, ost_error
     b->before = malloc(ROWS * sizeof *b->before);
     if (!b->before)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a block of the uncut bone");
-    ost_surface_words(&s->reference->volume, b->at, s->reference->threshold, b->before);
+    ost_block_words(&s->reference->volume, b->at, s->reference->threshold, b->before);
     return OST_OK;
 }
 
@@ -363,40 +364,6 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
 
 /* ------------------------------------------------------------ from volumes */
 
-/*
- * Returns one bit for each of the first `count` voxels of a row, 1 if the voxel is active; `count` is at most 32. Eight
- * bytes that are 0 or 1 become eight bits by a multiplication, whose partial products do not overlap.
- */
-static uint32_t row_word(const int16_t *voxels, int count, int16_t threshold)
-{
-    uint8_t active[SIDE] = {0};
-    uint32_t word = 0;
-    if (count == SIDE) /* compilers vectorise a loop whose length is constant */
-        for (int i = 0; i < SIDE; i++)
-            active[i] = voxels[i] >= threshold;
-    else
-        for (int i = 0; i < count; i++)
-            active[i] = voxels[i] >= threshold;
-    for (int i = 0; i < SIDE; i += 8) {
-        uint64_t eight;
-        memcpy(&eight, active + i, sizeof eight);
-        word |= (uint32_t)(eight * UINT64_C(0x0102040810204080) >> 56) << i;
-    }
-    return word;
-}
-
-void ost_surface_words(const ost_volume *v, const int32_t at[3], int32_t threshold, uint32_t words[OST_BLOCK_ROWS])
-{
-    const ost_dims d = v->geometry.dims;
-    const int x = at[0] * SIDE, count = d.x - x < SIDE ? d.x - x : SIDE;
-    memset(words, 0, ROWS * sizeof *words);
-    for (int k = 0; k < SIDE && at[2] * SIDE + k < d.z; k++)
-        for (int j = 0; j < SIDE && at[1] * SIDE + j < d.y; j++) {
-            const size_t row = (size_t)(at[1] * SIDE + j) + (size_t)d.y * (size_t)(at[2] * SIDE + k);
-            words[j + SIDE * k] = row_word(v->voxels + row * (size_t)d.x + x, count, (int16_t)threshold);
-        }
-}
-
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err)
 {
     if (!ost_geometry_equal(&surface->geometry, &volume->geometry))
@@ -406,7 +373,7 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
     for (at[2] = 0; at[2] < surface->blocks[2]; at[2]++)
         for (at[1] = 0; at[1] < surface->blocks[1]; at[1]++)
             for (at[0] = 0; at[0] < surface->blocks[0]; at[0]++) {
-                ost_surface_words(volume, at, threshold, occupancy);
+                ost_block_words(volume, at, threshold, occupancy);
                 ost_status status = ost_surface_set(surface, at, occupancy, err);
                 if (status != OST_OK)
                     return status;

@@ -118,12 +118,6 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
-/*
- * Computes the words of a block of a volume: bit x of words[y + 32 z] is set if voxel (x, y, z) of the block has at
- * least the density `threshold`, which must fit int16. Voxels outside the volume have no bit.
- */
-void ost_surface_words(const ost_volume *volume, const int32_t block[3], int32_t threshold,
-                       uint32_t words[OST_BLOCK_ROWS]);
 /* Sets the active voxels of all blocks from a volume. A voxel is active if its density is at least the threshold. */
 ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume, int32_t threshold, ost_error *err);
 

@@ -7,6 +7,7 @@
 
 #include "core/conditions.h"
 #include "render/marks.h"
+#include "render/points/block_words.h"
 
 enum { SIDE = OST_BLOCK, ROWS = OST_BLOCK_ROWS };
 /* docs/reference/metrics.md defines PLATE_MM. */
@@ -311,7 +312,7 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
     for (int a = 0; a < 3; a++)
         if (block[a] < 0 || SIDE * block[a] >= (a == 0 ? d.x : a == 1 ? d.y : d.z))
             return;
-    ost_surface_words(&g->volume, block, g->threshold, words);
+    ost_block_words(&g->volume, block, g->threshold, words);
     for (int z = 0; z < SIDE; z++)
         for (int y = 0; y < SIDE; y++) {
             const int32_t row[2] = {SIDE * block[1] + y, SIDE * block[2] + z};
