@@ -35,7 +35,7 @@ typedef struct reproduction {
 } reproduction;
 
 typedef enum reproduction_kind {
-    REPRODUCTION_TIMES,   /* times, which differ between machines */
+    REPRODUCTION_TIMES,   /* times, which differ from machine to machine */
     REPRODUCTION_COUNTS,  /* counts and lengths, which are equal on every machine */
     REPRODUCTION_PICTURES /* pictures, which are equal on every machine */
 } reproduction_kind;

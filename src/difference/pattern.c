@@ -65,7 +65,10 @@ static bool offset(const pattern_scan *s, char *text)
            ost_pattern_describe(text, "every voxel that differs is %d %s", abs(by), by > 0 ? "more" : "less");
 }
 
-/* Checks the densities of each chunk in the grid before and after the threshold was applied. */
+/*
+ * Compares both grids with `in`, the grid before densities below the threshold were set to 0. Either b has kept such
+ * densities, or b has lost densities of the lowest values of a chunk, as if its threshold were higher.
+ */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {
     const pattern_view *v = s->v;

@@ -95,7 +95,7 @@ static const ost_bar_node CORACOID[] = {
     {{109.5, 32, 18.5}, 4.6, 3.8, {0.4, -0.9, 0}},
 };
 
-/* The start of the spine at the neck, which has the shape of a rounded buttress. */
+/* The start of the spine at the neck: a rounded buttress. */
 static const ost_bar_node ROOT[] = {
     {{58, -7, 4}, 4, 2.6, {1, 0, 0}}, {{72, -7.5, 5}, 5.5, 3.6, {0, 0, 1}}, {{84, -4, 3}, 9, 6, {0, 0, 1}},
 };

@@ -67,7 +67,7 @@ static double at_centres(const source *s, double a, int n)
     return a < 0 ? 0 : a > n - 1 ? n - 1 : a;
 }
 
-/* Computes the colours of the one or two voxel rows between which position b lies. */
+/* Computes the colours of the row at position b or, if b lies between two rows, of both rows. */
 static void find_rows(const source *s, const plane *p, int through, double b, row_pair *rows)
 {
     const int j = (int)b;

@@ -101,10 +101,7 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/*
- * If the z axis of the tool's frame passes through the grid, returns 0. If it does not, returns the coordinate of the
- * grid's middle.
- */
+/* Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the middle of the grid. */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;

@@ -465,7 +465,7 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        /* the additional fact states that the orientation was assumed */
+        /* osteon adds a fact of its own: the orientation was assumed */
         assert_int_equal(meta.count, cases[i].metas + 1);
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));

@@ -219,7 +219,7 @@ static void place_cubes(check *c, const ost_cells *cells, const ost_split *split
         for (size_t i = 0; i < cubes->count; i++) {
             int64_t u = near ? check_range(c, from, to) - split->centre[a][check_range(c, 0, 7)]
                              : check_range(c, lo, hi);
-            if (check_chance(c, 8)) /* a part's centre is on a cell's border or one unit from it */
+            if (check_chance(c, 8)) /* places a part's centre on the border of a cell, or one unit away */
                 u = (check_range(c, -1, cells->dims[a]) - cells->margin) * (INT64_C(1) << cells->shift) -
                     split->centre[a][check_range(c, 0, 7)] + check_range(c, -1, 1);
             else if (check_chance(c, 16))

@@ -191,7 +191,7 @@ static uint64_t hash_of(const ost_smooth_mesh *mesh)
     return h;
 }
 
-/* Sets *closed to false if the inner side of the mesh may be visible from outside. */
+/* Sets *closed to false if the mesh has open edges or a negative volume, so that its inner side may be visible. */
 static ost_status check_closed(const ost_mesh *mesh, bool *closed, ost_error *err)
 {
     size_t open = 0;
