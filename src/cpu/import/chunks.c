@@ -6,7 +6,8 @@
  *   a task: the row of chunks at one (y, z) of the chunk grid
  *
  *     for every layer of bricks    four slices, from up to eight source slices
- *       for every chunk            tests whether one of its rows has an active voxel
+ *       for every source slice     finds the columns of chunks that have an active voxel in it
+ *       for every chunk            is skipped if it has no active voxel yet
  *         for every four rows      sixteen rows are written as a row of bricks
  *
  * Memory for a chunk is allocated at its first layer with an active voxel, and zeros are then written to its earlier
@@ -65,12 +66,9 @@ typedef struct task {
      * source row that is not also used for a smaller y.
      */
     int rows, first[N_MAX / 4];
-    /*
-     * `source` contains the source slices of the current layer, and `ahead` the source slices that the next layer uses
-     * and the current layer does not. Both lists are in ascending order, without duplicates.
-     */
-    size_t source[SLICES], ahead[SLICES];
-    int sources, aheads;
+    size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
+    int sources;
+    size_t next_source; /* the slice that is prefetched after the last element of source[] */
     /*
      * For group g of four y, box[g] contains the source rows in all source slices of the layer, as offsets
      * from view.voxels. The lists are set only if the view has weights.
@@ -78,34 +76,46 @@ typedef struct task {
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
     /*
-     * For each column of chunks, an offset from view.voxels. No source slice below this offset has an active voxel in
-     * the column.
+     * For each column of chunks, 1 plus the offset of the last source slice, among those searched so far, that has an
+     * active voxel in the column; 0 if there is none.
      */
-    size_t empty_columns[COLUMNS_MAX];
+    size_t last_active[COLUMNS_MAX];
+    size_t searched; /* 1 plus the offset of the last source slice that was searched; 0 before the first one */
+    /* for each source column x, the greatest density in the task's rows of the slice that is searched */
+    _Alignas(64) int16_t greatest[OST_DIM_MAX];
 } task;
 
-/*
- * Computes the taps of the layer of bricks that begins at slice z, and returns the number of taps. Also lists the
- * layer's source slices whose offsets are at least `above`.
- */
-static int list_slices(const filling *f, int32_t z, cpu_tap taps[4], size_t above, size_t list[SLICES], int *count)
+/* Computes the taps of the layer of bricks that begins at slice z, and lists the layer's source slices. */
+static void list_slices(const filling *f, task *t, int32_t z)
 {
-    const int slices = (int)min32(4, f->bone->base.geometry.dims.z - z);
-    *count = 0;
-    for (int k = 0; k < slices; k++) {
-        taps[k] = ost_cpu_view_tap(&f->view, 2, z + k);
-        for (int i = 0; i < taps[k].count; i++)
-            if (taps[k].from[i] >= (*count > 0 ? list[*count - 1] + 1 : above))
-                list[(*count)++] = taps[k].from[i];
+    const int32_t slices = min32(4, f->bone->base.geometry.dims.z - z);
+    t->slices = slices > 0 ? (int)slices : 0;
+    t->sources = 0;
+    for (int k = 0; k < t->slices; k++) {
+        t->z[k] = ost_cpu_view_tap(&f->view, 2, z + k);
+        for (int i = 0; i < t->z[k].count; i++)
+            if (t->sources == 0 || t->z[k].from[i] > t->source[t->sources - 1])
+                t->source[t->sources++] = t->z[k].from[i];
     }
-    return slices > 0 ? slices : 0;
+}
+
+/*
+ * Returns the source slice to prefetch while the last source slice of the layer at slice z is read: the slice after it,
+ * if the next layer uses this slice or a later one.
+ */
+static size_t next_source(const filling *f, const task *t, int32_t z)
+{
+    const cpu_tap tap = ost_cpu_view_tap(&f->view, 2, min32(z + 7, f->bone->base.geometry.dims.z - 1));
+    const size_t next = t->source[t->sources - 1] + f->view.slice, last = tap.from[tap.count - 1];
+    return next < last ? next : last;
 }
 
 static void enter_task(const filling *f, task *t, int32_t y0, int32_t height)
 {
     t->height = height;
     t->rows = 0;
-    memset(t->empty_columns, 0, (size_t)f->bone->chunk_dims.x * sizeof t->empty_columns[0]);
+    t->searched = 0;
+    memset(t->last_active, 0, (size_t)f->bone->chunk_dims.x * sizeof t->last_active[0]);
     for (int32_t y = 0; y < t->height; y++) {
         if (y % 4 == 0)
             t->first[y / 4] = t->rows;
@@ -116,13 +126,11 @@ static void enter_task(const filling *f, task *t, int32_t y0, int32_t height)
     }
 }
 
-static void enter_layer(const filling *f, task *t, int32_t z, bool last)
+static void enter_layer(const filling *f, task *t, int32_t z)
 {
-    cpu_tap next[4];
-    t->slices = list_slices(f, z, t->z, 0, t->source, &t->sources);
-    t->aheads = 0;
-    if (!last && t->sources > 0)
-        list_slices(f, z + 4, next, t->source[t->sources - 1] + 1, t->ahead, &t->aheads);
+    list_slices(f, t, z);
+    if (t->sources > 0)
+        t->next_source = next_source(f, t, z);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
         /* The taps ascend, so at most two of the source rows of y to y + 3 are also used for a smaller y. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
@@ -138,6 +146,20 @@ static void enter_layer(const filling *f, task *t, int32_t z, bool last)
 
 /* -------------------------------------------------------- active voxels */
 
+/* Sets greatest[x] to the maximum of greatest[x] and row[x] for each x < n. Prefetches the n elements of `next`. */
+static void max_row(const int16_t *restrict row, size_t n, int16_t *restrict greatest, const int16_t *next)
+{
+    enum { BLOCK = 32 }; /* the elements of a cache line; with a constant number, the compiler vectorizes the loop */
+    size_t x = 0;
+    for (; x + BLOCK <= n; x += BLOCK) {
+        __builtin_prefetch(next + x, 0, 2);
+        for (size_t i = x; i < x + BLOCK; i++)
+            greatest[i] = row[i] > greatest[i] ? row[i] : greatest[i];
+    }
+    for (; x < n; x++)
+        greatest[x] = row[x] > greatest[x] ? row[x] : greatest[x];
+}
+
 /*
  * Finds the source voxels along x from which the voxels x0 to x0 + width - 1 are computed. Sets *first to the first
  * source voxel and returns the number of source voxels.
@@ -150,44 +172,56 @@ static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *fir
 }
 
 /* Returns true if one of the source rows has an active voxel whose x is from `first` to first + span - 1. */
-static bool any_in_box(const filling *f, size_t slice, const size_t *row, int rows, int32_t first, int32_t span)
+static bool any_in_box(const filling *f, const int16_t *base, const size_t *row, int rows, int32_t first,
+                       int32_t span)
 {
     const int16_t threshold = (int16_t)f->bone->base.threshold;
     for (int32_t x = 0; x < span; x += N_MAX)
-        if (f->kernels->any_active(f->view.voxels + slice + first + x, row, rows, min32(span - x, N_MAX), threshold))
+        if (f->kernels->any_active(base + first + x, row, rows, min32(span - x, N_MAX), threshold))
             return true;
     return false;
 }
 
-/* Returns true if the source rows of the task have an active voxel among the source voxels of x0 to x0 + width - 1. */
-static bool any_gathered(const filling *f, const task *t, size_t slice, int32_t x0, int32_t width)
+/*
+ * Sets greatest[x] to the greatest density of source column x in the task's rows of the layer's source slice i. The
+ * rows of a slice are read completely and in ascending order, because the processor prefetches ascending addresses. It
+ * does not prefetch the next slice, which is distant, so that slice is prefetched here.
+ */
+static void find_greatest(const filling *f, task *t, int i)
 {
+    const size_t width = f->view.row, next = i + 1 < t->sources ? t->source[i + 1] : t->next_source;
+    memset(t->greatest, 0, width * sizeof t->greatest[0]);
+    for (int r = 0; r < t->rows; r++)
+        max_row(f->view.voxels + t->source[i] + t->row[r], width, t->greatest, f->view.voxels + next + t->row[r]);
+}
+
+/* Returns true if the slice for which `greatest` was computed has an active voxel in the chunk at x0. */
+static bool greatest_is_active(const filling *f, const task *t, bool run, int32_t x0, int32_t width)
+{
+    static const size_t one_row[1] = {0};
     int16_t gathered[N_MAX];
-    static const size_t first = 0;
-    for (int r = 0; r < t->rows; r++) {
-        f->kernels->gather_row(f->view.voxels + slice + t->row[r], f->view.map[0] + x0, width, gathered);
-        if (f->kernels->any_active(gathered, &first, 1, width, (int16_t)f->bone->base.threshold))
-            return true;
-    }
-    return false;
-}
-
-/* Returns true if the source rows of the current layer have an active voxel in column cx of chunks. */
-static bool sources_are_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
-{
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
+    /* If the view has no x indices, the source voxels are adjacent even where the grid ends within the chunk. */
+    if (f->linear || run || !f->view.map[0])
+        return any_in_box(f, t->greatest, one_row, 1, first, span);
+    f->kernels->gather_row(t->greatest, f->view.map[0] + x0, width, gathered);
+    return any_in_box(f, gathered, one_row, 1, 0, width);
+}
+
+/* Searches the source slices of the current layer that have not been searched yet for active voxels. */
+static void search_slices(const filling *f, task *t)
+{
+    const int32_t n = f->bone->base.chunk_size, columns = f->bone->chunk_dims.x;
     for (int i = 0; i < t->sources; i++) {
-        if (t->source[i] < t->empty_columns[cx])
+        if (t->source[i] < t->searched)
             continue;
-        /* If the view has no x indices, the source voxels are adjacent even where the grid ends within the chunk. */
-        const bool selected = !f->linear && !f->run[cx] && f->view.map[0];
-        if (selected ? any_gathered(f, t, t->source[i], x0, width)
-                     : any_in_box(f, t->source[i], t->row, t->rows, first, span))
-            return true;
-        t->empty_columns[cx] = t->source[i] + 1;
+        t->searched = t->source[i] + 1;
+        find_greatest(f, t, i);
+        for (int32_t cx = 0; cx < columns; cx++)
+            if (greatest_is_active(f, t, f->run[cx], cx * n, min32(n, f->bone->base.geometry.dims.x - cx * n)))
+                t->last_active[cx] = t->source[i] + 1;
     }
-    return false;
 }
 
 /*
@@ -203,7 +237,7 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
     /* skips the interpolation, because without an active source voxel, no result is active */
-    if (!any_in_box(f, 0, t->box[y / 4], t->boxes[y / 4], first, span))
+    if (!any_in_box(f, f->view.voxels, t->box[y / 4], t->boxes[y / 4], first, span))
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);
     return true;
@@ -229,9 +263,10 @@ static bool means_are_active(const filling *f, const task *t, int32_t x0, int32_
  * Returns true if the current layer has an active voxel in the chunk at column cx. The function is called for chunks
  * whose memory has not been allocated yet.
  */
-static bool layer_is_active(const filling *f, task *t, int32_t cx, int32_t x0, int32_t width)
+static bool layer_is_active(const filling *f, const task *t, int32_t cx, int32_t x0, int32_t width)
 {
-    return sources_are_active(f, t, cx, x0, width) && (!f->linear || means_are_active(f, t, x0, width));
+    return t->sources > 0 && t->last_active[cx] > t->source[0] &&
+           (!f->linear || means_are_active(f, t, x0, width));
 }
 
 /* ----------------------------------------------------------------- writing */
@@ -258,14 +293,6 @@ static void write_void_layer(const filling *f, cpu_chunk *chunk, int32_t z)
         rows[r] = nothing;
     for (int32_t y = 0; y < f->bone->base.chunk_size; y += 4)
         add(chunk, write_rows(f, chunk, rows, y, z));
-}
-
-/* Prefetches the source voxels of the next layer. Called while the current layer is written. */
-static void prefetch(const filling *f, const task *t, size_t from, int32_t y)
-{
-    for (int i = 0; i < t->aheads; i++)
-        for (int32_t j = y; j < y + 4 && j < t->height; j++)
-            __builtin_prefetch(f->view.voxels + t->ahead[i] + t->y[j].from[0] + from, 0, 3);
 }
 
 /*
@@ -299,11 +326,9 @@ static void find_rows(const filling *f, const task *t, int32_t x0, int32_t width
 static void write_layer(const filling *f, cpu_chunk *chunk, const task *t, int32_t x0, int32_t width, bool run,
                         int32_t z)
 {
-    const size_t from = (size_t)(f->view.map[0] ? f->view.map[0][x0] : x0);
     _Alignas(64) int16_t spare[16][OST_ROW_STRIDE];
     for (int32_t y = 0; y < f->bone->base.chunk_size; y += 4) {
         const int16_t *rows[16];
-        prefetch(f, t, from, y);
         find_rows(f, t, x0, width, run, y, spare, rows);
         add(chunk, write_rows(f, chunk, rows, y, z));
     }
@@ -319,7 +344,8 @@ static bool fill_task(const filling *f, int32_t cy, int32_t cz)
     enter_task(f, &t, cy * n, min32(n, dims.y - cy * n));
     cpu_chunk *chunks = bone->chunks + (int64_t)columns * (cy + (int64_t)bone->chunk_dims.y * cz);
     for (int32_t z = 0; z < n; z += 4) {
-        enter_layer(f, &t, cz * n + z, z + 4 == n);
+        enter_layer(f, &t, cz * n + z);
+        search_slices(f, &t);
         for (int32_t cx = 0; cx < columns; cx++) {
             const int32_t width = min32(n, dims.x - cx * n);
             if (!chunks[cx].density) {
