@@ -41,7 +41,7 @@ typedef struct bridge_signals {
 typedef struct bridge {
     const bridge_options *options;
     bridge_report *report;
-    /* `wake` is an eventfd that is signalled for each pose and at the end */
+    /* `wake` is an eventfd that is signalled for each new pose and at the end of the run */
     int socket, wake;
     pthread_t thread;
     link_key *key;
@@ -72,7 +72,7 @@ static void send_packet(bridge *b, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
     const size_t size = link_seal(b->key, p, bytes);
-    /* The call fails at once if no program listens. A simulation that starts later receives a later packet. */
+    /* If no simulation listens, send() fails at once. A simulation that starts later receives a later packet. */
     if (size && send(b->socket, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == (ssize_t)size)
         b->report->sent++;
 }
@@ -240,7 +240,7 @@ static void speak(bridge *b, const ost_servo_sample *sample, uint16_t flags)
     const uint64_t one = 1;
     b->bridge_signals[b->out.back] = (bridge_signals){b->given, sample->state.buttons, sample->state.tool, flags};
     newest_put(&b->out);
-    /* This write fails only if 2^64 - 1 poses have not been read. */
+    /* The write fails only if the eventfd's counter would exceed 2^64 - 2, its maximum. */
     if (write(b->wake, &one, sizeof one) < 0)
         return;
 }
@@ -342,7 +342,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     ost_status status = ost_servo_run(device, &how, tick, NULL, b, &b->report->loop, err);
     atomic_store(&b->stop, true);
     if (write(b->wake, &one, sizeof one) < 0) {
-        /* The failure has no effect, because the thread wakes at least every HELLO_MS. */
+        /* A failed write has no effect, because the thread wakes at least every HELLO_MS. */
     }
     pthread_join(b->thread, NULL);
     b->report->met = atomic_load(&b->met);

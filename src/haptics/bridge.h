@@ -14,8 +14,9 @@
  *
  *   force = f + K (p - x) . n - B v . n, never pulling    f, n, p, K, B: from the state; x, v: position and speed now
  *
- * The device renders no force if no state has arrived for BRIDGE_LIMP_MS or if the state has
- * LINK_AGAIN set. Afterwards the clutch engages again with the tool at its current position.
+ * The device renders no force if no state has arrived for BRIDGE_LIMP_MS, or if the newest state
+ * has LINK_AGAIN or LINK_ENDED set. After such an interruption, the clutch engages again with the
+ * tool at its current position.
  */
 #ifndef OST_HAPTICS_BRIDGE_H
 #define OST_HAPTICS_BRIDGE_H
@@ -63,8 +64,8 @@ void bridge_press(const link_packet *state, const double at[3], const double spe
                   double force_n[3]);
 
 /*
- * Runs until one of the conditions in bridge_options ends the run. Returns OST_ERR_UNAVAILABLE if
- * no simulation answers in time.
+ * Runs the bridge until one of the conditions in bridge_options ends the run. Returns
+ * OST_ERR_UNAVAILABLE if no simulation answers in time.
  */
 ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_report *report, ost_error *err);
 

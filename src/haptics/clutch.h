@@ -29,8 +29,8 @@ void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 
 haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 /*
- * Aligns the body's frame with the tool's start pose, whatever the body's first orientation is. Called for devices
- * whose axes have a fixed meaning, such as right and up.
+ * Aligns the body's frame with the tool's start pose, regardless of the body's first orientation. Drivers call this
+ * function for devices whose axes have a fixed meaning, such as right and up.
  */
 void haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages the clutch with the tool at its current position. */

@@ -3,14 +3,14 @@
  * A driver consists of a constant table in its own file and a line in table.c. The table has these functions:
  *
  *   usable   returns true if the device can be opened on this machine; otherwise writes the reason
- *   answers called only when devices are listed: opens the device to check properties that need an open device
+ *   answers opens the device to check that it responds; called only when devices are listed
  *   open     receives the part of the spec after the colon, "" if there is none
- *   read     polled devices: returns the pose for this tick; takes no lock, allocates no memory and does not wait;
- *            after OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h)
+ *   read     returns the pose for this tick; takes no lock, allocates no memory and does not wait; after
+ *            OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h)
  *   write    sends the wrench of this tick, under the same rules
- *   run      devices with their own clock: calls `beat` from the device's
- *            thread until it returns false, and then returns; read and write
- *            are called from within `beat`
+ *   run      for devices with their own clock: calls `beat` on the device's
+ *            thread until `beat` returns false, and then returns; read and
+ *            write are called from within `beat`
  */
 #ifndef OST_HAPTICS_DRIVER_H
 #define OST_HAPTICS_DRIVER_H

@@ -7,8 +7,9 @@
  *                                                                  |  low pass, limited step per tick
  *                                                                  '--> the device's pose
  *
- * A mouse jumps by pixels. The device follows with a time constant of 15 ms, at no more than 250 mm
- * and three revolutions per second. Such a motion is accepted by the pose check and can be swept.
+ * A mouse moves in steps of pixels. The device follows with a time constant of 15 ms, at no more
+ * than 250 mm/s and three revolutions per second. Such a motion is accepted by the pose check and
+ * can be swept.
  *
  * Forces are displayed but cannot be felt. Viewers read them from the live state.
  */
@@ -25,7 +26,7 @@ static const double STEP_M = 0.25e-3;         /* maximum motion per tick in m */
 struct ost_mouse_input {
     newest newest; /* passes the newest state from the window's thread to the device */
     ost_haptic_state state[NEWEST_SLOTS];
-    /* lifts[i] is the number of lifts before state[i] was set; `lifted` is the total number of lifts */
+    /* lifts[i] is the number of lifts up to and including state[i]; `lifted` is the total number of lifts */
     uint32_t lifts[NEWEST_SLOTS], lifted;
 };
 

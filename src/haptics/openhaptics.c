@@ -93,7 +93,7 @@ struct haptic_instance {
     unsigned device;
     haptic_workspace workspace;
     ost_haptic_limits limits;
-    /* While the vendor's thread runs, only this thread uses the following fields. */
+    /* While the vendor's thread runs, only that thread uses the fields from `beat` to `lost`. */
     haptic_beat *beat;
     void *user;
     ost_haptic_state state;
@@ -248,7 +248,7 @@ static unsigned frame(void *user)
     return more ? HD_CONTINUE : HD_DONE;
 }
 
-/* Waits until the vendor's thread has run its last frame. Returns false if this thread has stopped
+/* Waits until the vendor's thread has run its last frame. Returns false if that thread has stopped
    calling the function `frame`. */
 static bool wait_for(haptic_instance *h)
 {

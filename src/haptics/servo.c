@@ -15,7 +15,8 @@
  *   completion  time from the moment when it is due until the wrench is
  *               written; more than a period is a missed deadline
  *
- * Due times are absolute and never move. The world's clock counts the ticks that were executed.
+ * Due times are absolute: a late tick does not postpone later ticks. The world's clock counts the
+ * ticks that were executed.
  * `osteon bench --suite servo` measures the same loop with a tick that does nothing. The result
  * shows which deadlines are missed because of the machine alone.
  */
