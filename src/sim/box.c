@@ -8,7 +8,8 @@
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
- *   d   from the bone's box centre to the tool's, times 2, in the bone's frame
+ *   d   twice the vector from the centre of the bone's box to that of the tool's box,
+ *       in the bone's frame
  *   b   the full extents of the bone's box (twice the half extents)
  *   e   the full extents of the tool's box
  *   r   RHE(2^30 M / N): the rotation; the error of each entry is at most 1/2

@@ -16,8 +16,8 @@
  *
  *   glenoid-slow  the depth of glenoid-ream in a minute, starting close to the face, so that the
  *                 tool is always in contact; for tests of the servo loop and of devices
- *   glenoid-press a hand that presses, sweeps and wobbles for a minute or a given number of
- *                 ticks, with the force required for this (press.h)
+ *   glenoid-press the target of a hand that presses, sweeps and wobbles for a minute or a given
+ *                 number of ticks; it lies in the bone, so it requires a force (press.h)
  *
  * Depths are integers. The code uses only + - * /, rint and sqrt of doubles. Every machine rounds these operations in
  * the same way, so a path is the same on every machine.

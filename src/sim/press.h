@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the path glenoid-press: the target position of a hand that reams for any length of time.
+ * Computes the path glenoid-press: the target positions of a hand that reams for a given time.
  *
  *   depth   .                            sweep, seen along the axis
  *   -2 mm  |\  0.5 s: pressed in              .-----.

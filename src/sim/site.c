@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks the site before an operation: counts bone in front of the glenoid's face, and bone along the glenoid's
- * axis.
+ * Checks the site before an operation: counts the bone voxels in front of the glenoid's face, and measures the
+ * fraction of bone along the glenoid's axis.
  *
  *        near side        |  bone
  *                 .-------'        r
