@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
+ * Finds the points that touch bone (touch), or whose elastic layer is compressed by bone (press).
+ *
  *   touch                         press
  *      tool   |/////|               tool   |/////|
  *             '--.--'                      '--.--'

@@ -24,9 +24,7 @@ typedef struct contact_shell {
     size_t count;
     float at[3][OST_SHELL_MAX], inward[3][OST_SHELL_MAX];
     float outside[3][OST_SHELL_MAX]; /* position one voxel outward of each point, at which bone is looked up */
-    /*
-     * x and y of a unit vector; this vector is opposite to the motion of the point that is due to the tool's rotation
-     */
+    /* x and y components of the unit vector opposite to the point's velocity that is due to the tool's rotation */
     float against[2][OST_SHELL_MAX];
     float spin[OST_SHELL_MAX];       /* speed of the point in m/s that is due to the tool's rotation */
     float area[OST_SHELL_MAX];

@@ -21,7 +21,7 @@
  *   The sum of the stiffness of all points is limited to the stiffness of the
  *   coupling.
  *
- * All computations use the tool's frame (contact.h); the results are rotated back.
+ * All computations use the tool's frame (contact.h); the results are rotated into the bone's frame.
  */
 #include "core/conditions.h"
 
@@ -316,7 +316,7 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
 }
 
 /*
- * Maximum force of the coupling, more than a hand can exert. The limit takes effect if the device is far from the tool.
+ * Maximum force of the coupling, more than a hand can exert. The limit applies only if the device is far from the tool.
  */
 #define DEVICE_FORCE_MAX_N 300.0
 

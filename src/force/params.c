@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parameters that a file may set, by name, with their bounds and the source of
+ * Defines the parameters that a parameter file may set: their names, their bounds and the source of
  * each default.  docs/reference/force.md documents their meaning.
  *
  *   # comment lines and blank lines are skipped
