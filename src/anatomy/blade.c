@@ -13,7 +13,7 @@ enum {
     CELLS_MAX = 1 << 21, /* maximum number of cells; a scapula has about 40,000 cells of 1.5 mm */
     BINS = 50,
     ROWS = 60,
-    /* first and last bin, 30 to 72 mm medial of the face; in this range, the spine is always prominent */
+    /* the bins [MIDDLE_LO, MIDDLE_HI) are 30 to 72 mm medial of the face, where the spine is always prominent */
     MIDDLE_LO = 10,
     MIDDLE_HI = 24,
     STRAY_ROWS = 3  /* maximum difference in rows between the crest's positions in neighbouring bins */
@@ -138,8 +138,8 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
 }
 
 /*
- * Finds the extreme point of the bone in the direction `way`. The result is the mean position of all cells within
- * `within` mm of the extreme cell, moved along `way` to the extreme.
+ * Finds the extreme point of the bone in the direction `way`. The result is the mean position of all cells that are
+ * at most `within` mm behind the extreme cell along `way`. This position is then moved along `way` to the extreme.
  */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
 {

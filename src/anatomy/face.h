@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The face of the glenoid: rim, plane, centre and inward axis, from the surface that rays along the axis meet.
+ * Finds the face of the glenoid, that is, its rim, plane, centre and inward axis, from the surface that rays along the
+ * axis meet.
  *
  *              rim                     rim      from the axis outward, in 72 directions, the rim is the last
  *   outward     .-.      dish         .-.       position within 1 mm of the highest position so far, before the
