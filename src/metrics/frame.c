@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scapula's own frame, based on Friedman's line in three dimensions:
+ * Computes the scapula's own frame, which is based on Friedman's line in three dimensions:
  *
  *        GC--------> lateral = GC - TS        TS  trigonum: root of the spine on the medial border
  *        /|                                   GC  centre of the glenoid's face, from the plan

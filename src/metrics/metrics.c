@@ -99,8 +99,8 @@ static int density_at(const work *k, const ost_volume *volume, double u, double 
 }
 
 /*
- * Returns the position w, within half a step, at which a ray along w first meets bone. Returns NAN if the ray meets no
- * bone.
+ * Returns the position w at which a ray along w first meets bone, with an error of at most half a step. Returns NAN if
+ * the ray meets no bone.
  */
 static double ray(const work *k, const ost_volume *volume, double u, double v, double from)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The role, the size and the tip of a tool, from the voxels of its cutting part.
+ * Derives the role, the size and the tip of a tool from the voxels of its cutting part.
  *
  *         |z|          the axis is the z axis of the tool's frame if this axis passes
  *       .-'-'-.        through the cutting part; otherwise, it passes through the middle
