@@ -86,8 +86,8 @@ ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segmen
     if (status != OST_OK)
         return status;
     out->rows[rows] = out->count;
-    /* A root is the first run of its component. Its component therefore receives a number before any other run
-     * of the component is visited. */
+    /* The root of a component is its first run. A component therefore receives its number before its other runs are
+     * visited. */
     for (size_t i = 0; i < out->count; i++) {
         segment_run *run = &out->items[i];
         run->component = run->component == i ? out->components++ : out->items[run->component].component;

@@ -40,7 +40,7 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
 }
 
 /*
- * Computes near[a] and past[a] (segment_sparse_run) for each run of row i. The runs they refer to are those of row
+ * Computes near[a] and past[a] (segment_sparse_run) for each run of row i. Both are indices of runs of the row
  * `other`.
  */
 static void find_near(segment_sparse *s, size_t i, int a, size_t other)

@@ -22,8 +22,7 @@ enum { LEVELS = SEGMENT_DISTANCE_MAX + 1 };
 #define NONE UINT32_MAX
 
 typedef struct basin {
-    uint32_t parent; /* number of the basin to which this basin was joined; the basin's own number if it was not
-                      * joined */
+    uint32_t parent; /* number of the basin to which this basin was joined, or of this basin if it was not joined */
     uint32_t peak;   /* first voxel of the basin, which is also its highest */
 } basin;
 
@@ -75,7 +74,7 @@ static void sort(const segment_sparse *sparse, const uint32_t *height, uint32_t 
 }
 
 /*
- * Step 1. Basins are numbered in the order of their peaks. Of two basins, the one with the lower number is
+ * Performs step 1. Basins are numbered in the order of their peaks. Of two basins, the one with the lower number is
  * therefore the higher one; if both are equally high, its peak comes first in the grid.
  */
 static ost_status find_basins(const segment_sparse *sparse, const uint32_t *height, uint32_t depth,
@@ -123,7 +122,8 @@ static void append(flood *f, uint32_t level, uint32_t i)
 }
 
 /*
- * Step 2. A voxel above the current level is appended to the queue of the current level, so that the level never rises.
+ * Performs step 2. A voxel above the current level is appended to the queue of the current level, so that the level
+ * never rises.
  */
 static void flood_pieces(const segment_sparse *sparse, const uint32_t *height, const basins *all, flood *f,
                          uint32_t *piece, uint32_t *pieces)
