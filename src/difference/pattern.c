@@ -66,8 +66,9 @@ static bool offset(const pattern_scan *s, char *text)
 }
 
 /*
- * Compares both grids with `in`, the grid before densities below the threshold were set to 0. Either b has kept such
- * densities, or b has lost densities of the lowest values of a chunk, as if its threshold were higher.
+ * Checks the rule `threshold` against `in`, the grid before densities below the threshold were set to 0. The rule holds
+ * in two cases: at every voxel of D, B still contains a density below the threshold, or B lacks all of the lowest
+ * densities in every chunk that differs, as if the threshold were higher.
  */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {

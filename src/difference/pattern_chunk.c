@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for chunks and for lost tails. */
+/* Implements the rules of pattern.h for chunks and for lost tails. */
 #include "difference/pattern_parts.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for values at a wrong position. A rule finds where the reference has these values. */
+/* Implements the rules of pattern.h for values at a wrong position. Each rule searches for the position at which the
+   reference has these values. */
 #include "difference/pattern_parts.h"
 
 #include "core/integer.h"
@@ -162,8 +163,8 @@ static bool stepped(const pattern_scan *s, int dx, int dy, int dz)
     return met >= PATTERN_TELLING && 2 * met > s->count;
 }
 
-/* Returns true if every differing voxel has the value of one of its neighbours, and all these neighbours are in the
-   same octant. */
+/* Returns true if every differing voxel has the value of one of its seven neighbours in an octant. `way`, which is -1
+   or 1, selects the octant of negative or of positive offsets. */
 static bool resampled(const pattern_scan *s, int way)
 {
     PATTERN_EACH(s, p, i) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of pattern.h for rows, for the surface, and for neighbouring voxels. */
+/* Implements the rules of pattern.h for rows, for the surface, and for neighbouring voxels. */
 #include <osteon/mesh.h>
 
 #include "difference/pattern_parts.h"
