@@ -113,7 +113,7 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
     return kept;
 }
 
-/* Returns true if there is a wall between two cells. Hashes a sum, so that the order of the cells does not matter. */
+/* Returns true if there is a wall between two cells. The ids are added, so the order of the cells has no effect. */
 static bool has_wall(const recipe *r, const seedling *a, const seedling *b)
 {
     return ost_unit(ost_mix64(a->id + b->id), 1) < r->walls;

@@ -245,7 +245,7 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
     bool empty = at.bone > reach && at.cartilage > reach;
-    if (!empty) /* The pose is a rotation and a scale. The radius is increased by more than its rounding errors. */
+    if (!empty) /* The pose is a rotation and a scale. The added 1e-6 mm exceeds the rounding errors of the radius. */
         ost_scapula_near(&c->scapula, middle, 0.5 * ost_v3_length(ost_v3_sub(b, a)) / c->pose.scale + 1e-6, &part);
     for (int k = lo[2]; k < hi[2]; k++)
         for (int j = lo[1]; j < hi[1]; j++) {

@@ -16,7 +16,7 @@ ost_status ost_scan_blocks(const ost_scan *scan, double mm,
     for (int k = 0; k < dims[2]; k += size[2]) {
         if (o->progress && !o->progress(o->progress_user, "generating", (double)k / dims[2]))
             return ost_fail(err, OST_ERR_CANCELLED, "generating the phantom was cancelled");
-        /* The blocks of a layer differ in their cost, because only some of them contain bone. */
+        /* The schedule is dynamic, because blocks that contain bone take more time than other blocks. */
 #pragma omp parallel for schedule(dynamic, 8)
         for (int n = 0; n < count[0] * count[1]; n++) {
             const int lo[3] = {n % count[0] * size[0], n / count[0] * size[1], k};

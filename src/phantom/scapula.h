@@ -45,15 +45,15 @@ typedef struct ost_scapula_sample {
 
 ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);
 void ost_scapula_free(ost_scapula *scapula);
-/* The parts of the bars that determine the samples in a ball. They refer to the scapula. */
+/* The parts of the bars that determine the samples in a ball. The scapula must exist as long as the parts are used. */
 typedef struct ost_scapula_part {
     const ost_scapula *scapula;
     ost_bar_part crest, pillar, coracoid, root;
 } ost_scapula_part;
 
-/* Selects the parts for the ball around `centre`. A greater radius only costs time. */
+/* Selects the parts for the ball around `centre`. A greater radius increases the time but does not change samples. */
 void ost_scapula_near(const ost_scapula *scapula, ost_v3 centre, double radius, ost_scapula_part *part);
-/* Computes the sample at a point p of the part's ball. The result does not depend on the ball. */
+/* Computes the sample at a point p of the ball of `part`. The result does not depend on the ball. */
 void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *out);
 
 #endif
