@@ -155,7 +155,8 @@ typedef struct ost_scatter_report {
  * Scatters a batch of samples into a rect grid (AR-CT-4). A sample at p belongs to the voxel with the index (p -
  * origin) / spacing, rounded half to even. Batches must be passed in file order. The counts of each batch are added
  * to *report. The grid records which voxels have a density. If a sample is rejected or contradicts an earlier
- * sample, the report contains its line, and the content of the grid is undefined.
+ * sample, the function nevertheless returns OST_OK; the report then contains the line of the sample, and the content
+ * of the grid is undefined.
  */
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
@@ -174,14 +175,16 @@ OST_API const char *ost_resample_name(ost_resample rule);
 /*
  * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. With c =
  * cubic and s the spacing of rect, the cubic grid has dims = ceil(dims * s / c) and origin = rect origin + (c - s)
- * / 2, rounded half to even, on each axis (AR-CUB-1).
+ * / 2, rounded half to even, on each axis (AR-CUB-1). Returns OST_ERR_RANGE if `cubic` is not within 0.001 to 100 mm
+ * or if the cubic grid has more than OST_DIM_MAX voxels along an axis. The caller frees *out.
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);
 
 /*
  * Creates a bone from a cubic grid (AR-CHK). Voxels whose density is at least threshold are active; all other
- * voxels are stored as 0. chunk_size is 16, 32 or 64, and 1 <= threshold <= 32767.
+ * voxels are stored as 0. chunk_size is 16, 32 or 64, and 1 <= threshold <= 32767; otherwise the function returns
+ * OST_ERR_USAGE or OST_ERR_RANGE. Returns OST_ERR_USAGE if the voxels are not cubes. The caller frees *out.
  */
 OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                        ost_error *err);
@@ -263,13 +266,14 @@ typedef struct ost_voxelize_report {
 
 /*
  * Voxelizes one or two meshes that are snapped to the same grid (AR-VOX). A voxel that is solid in both meshes is
- * cutting. noncutting and report may be NULL.
+ * cutting. noncutting and report may be NULL. The caller frees *out.
  */
 OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                 ost_tool **out, ost_error *err);
 /*
- * Creates a tool by copying voxels from host memory (classes 0, 1 and 2; AR-TOOL-4). The caller frees *out.
+ * Creates a tool by copying voxels from host memory (AR-TOOL-4). Returns OST_ERR_INPUT if a voxel has a class other
+ * than 0, 1 and 2. The caller frees *out.
  */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /*
@@ -288,8 +292,8 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
 /*
  * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM): its
  * density becomes 0 and its occupancy bit is cleared. ost_bone_collide reports the same voxels without removing
- * them. *report is cleared first, and is undefined after an error. The tool's dims must be <=
- * OST_TOOL_DIM_REMOVE_MAX, and the event's maps must have been computed for this bone and this tool.
+ * them. *report is cleared first, and is undefined after an error. The event's maps must have been computed for this
+ * bone and this tool. Returns OST_ERR_RANGE if the tool has more than OST_TOOL_DIM_REMOVE_MAX voxels along an axis.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);

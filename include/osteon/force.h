@@ -57,11 +57,11 @@ typedef struct ost_force_params {
      * orientation. */
     double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, in N m s/rad */
-    /* Ratio to shaking_n of the force amplitude at the tooth-passing frequency; 0 means no vibration. */
+    /* Amplitude of the force at the tooth-passing frequency, as a ratio to shaking_n; 0 means no vibration. */
     double vibration;
     /*
-     * Ratio to shaking_n of the force amplitude perpendicular to the axis at the frequency of rotation; 0 means no
-     * runout.
+     * Amplitude of the force perpendicular to the axis at the frequency of rotation, as a ratio to shaking_n; 0 means
+     * no runout.
      */
     double runout;
     double teeth;              /* number of teeth that pass a fixed point during one revolution */
@@ -141,9 +141,9 @@ OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *de
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
 /*
- * Reads what removals have changed since the last step, if the bone is on a device. The next ost_force_step would read
- * it otherwise, and wait for the device. A program calls this function after it has written the force to the haptic
- * device. No result depends on the call. Returns the error of the bone's backend.
+ * If the bone is on a device, reads the voxels that removals have changed since the last step. Without this call, the
+ * next ost_force_step reads these voxels and waits for the device. A program calls this function after it has written
+ * the force to the haptic device. No result depends on the call. Returns the error of the bone's backend.
  */
 OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*

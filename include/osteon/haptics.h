@@ -64,7 +64,7 @@ typedef struct ost_haptic_info {
     bool available;
     char reason[256];        /* the reason why the device is not available, and how to make it available */
     double max_force_n;      /* maximum force, N; 0 if the device renders no force */
-    double max_stiffness_n_m;
+    double max_stiffness_n_m; /* maximum stiffness of a coupling that the device renders, N/m */
     int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
     ost_button buttons[OST_BUTTONS_MAX];
 } ost_haptic_info;

@@ -8,6 +8,9 @@
  *
  * ost_servo_run calls ost_operation_tick and ost_operation_done; its `user` argument is the operation.  Live,
  * scripted and simulated operations all use these functions.
+ *
+ * Threads: while ost_servo_run is running, only the servo thread may use the operation, except that one other thread
+ * may call ost_operation_keys.
  */
 #ifndef OSTEON_OPERATION_H
 #define OSTEON_OPERATION_H

@@ -2,7 +2,7 @@
 /*
  * Generated bones and parametric tools, so that all programs can be run without patient data.
  *
- * A phantom is a CT: densities in HU on a rect grid that has a size and spacing of Table 3.1 of the thesis. The
+ * A phantom is a CT: densities in HU on a rect grid whose size and spacing are taken from Table 3.1 of the thesis. The
  * densities include the partial volume effect, and noise that is generated from a seed. The same seed gives the same
  * grid on every machine, because the noise is computed with integers and no libm function except sqrt is used. meta
  * contains the position and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE),

@@ -2,6 +2,8 @@
 /*
  * Draws pictures without a display: slices through a volume, and a shaded view of its surface. The functions do not
  * affect the removal of voxels.
+ *
+ * Threads: the functions share no state; a volume that is passed as const may be read by several threads.
  */
 #ifndef OSTEON_PICTURE_H
 #define OSTEON_PICTURE_H

@@ -7,6 +7,8 @@
  * Every surface voxel is a point that covers a small rectangle of pixels.  A voxel is a candidate
  * for a pixel of its rectangle if the pixel's ray intersects the voxel's box; the pixel shows the
  * nearest candidate.  Nothing here affects the removal of voxels.
+ *
+ * Threads: the functions share no state; a volume that is passed as const may be read by several threads.
  */
 #ifndef OSTEON_RENDER_H
 #define OSTEON_RENDER_H

@@ -14,6 +14,9 @@
  * Data is only appended to the file.  If the process is killed or the power fails, at
  * most the last 100 ms are lost.  If the file is damaged, only the affected blocks are
  * lost, and the reader reports which ticks are missing.
+ *
+ * Threads: a header or an open session may be used by one thread at a time.  The comments of the
+ * recorder's functions state on which threads they may be called.
  */
 #ifndef OSTEON_SESSION_H
 #define OSTEON_SESSION_H
@@ -28,9 +31,9 @@ extern "C" {
 /* ---------------------------------------------------------------- header */
 
 /*
- * The description of a session, as keys and values in the order in which they were set. A key is [a-z0-9_.]{1,40}.
- * A value has up to OST_SESSION_VALUE bytes other than NUL. docs/spec/session.md lists the keys with a defined
- * meaning.
+ * The description of a session, as keys and values in the order in which they were set. A key matches the pattern
+ * [a-z0-9_.]{1,40}. A value has up to OST_SESSION_VALUE bytes other than NUL. docs/spec/session.md lists the keys
+ * with a defined meaning.
  */
 enum { OST_SESSION_KEY = 41, OST_SESSION_VALUE = 4096, OST_SESSION_KEYS_MAX = 128 };
 typedef struct ost_session_header ost_session_header;

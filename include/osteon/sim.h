@@ -24,7 +24,7 @@ typedef struct ost_world ost_world;
 
 typedef struct ost_world_options {
     bool sweep_off;                /* true if an event has only one pose, as in the thesis (AR-SWEEP-6) */
-    /* True to test every voxel of the bone, as in the definition of removal. For tests. */
+    /* True to test every voxel of the bone, as in the definition of removal. Intended for tests. */
     bool broad_phase_off;
     /* If 0, every tick is an event. Otherwise, the first tick of every period is an event (AR-REM-7). */
     int64_t removal_period_ns;
@@ -82,8 +82,8 @@ typedef struct ost_step_result {
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
- * Reads the same data as a step with the tool at this pose, without changing anything. When the tick is due, the
- * caches then contain code, tables and bone. Invalidates the report of the last step.
+ * Reads the same data as a step with the tool at this pose, without changing the bone or the state of the world. When
+ * the tick is due, the caches then contain its code, tables and bone. Invalidates the report of the last step.
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
@@ -143,7 +143,7 @@ OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glen
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
-/* Counts the active voxels that a tool covers at the given pose, with cutting or noncutting voxels. */
+/* Counts the active voxels that the solid voxels of a tool cover at the given pose. */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
                                     ost_error *err);
 

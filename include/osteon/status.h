@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 /*
- * X(name, exit status of the command, text)
+ * The list of statuses. Each entry has the form X(name, exit status of the command, general text).
  *
  *   OST_OK               done
  *   OST_ERR_DIFFER       a check failed or two grids differ
