@@ -51,7 +51,7 @@ typedef struct bridge_report {
     bool met;                       /* set if a simulation has answered */
     bool busy;                      /* set if the simulation already has another bridge */
     bool ended;                     /* set if the simulation has sent its last packet */
-    double peak_n;
+    double peak_n;                  /* maximum force on the device in N */
     ost_times round_trip;           /* time from sending a pose to receiving the state that answers this pose */
 } bridge_report;
 

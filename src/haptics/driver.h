@@ -17,7 +17,7 @@
 
 #include <osteon/haptics.h>
 
-typedef struct haptic_instance haptic_instance; /* defined by each driver */
+typedef struct haptic_instance haptic_instance; /* state of an open device; each driver defines this struct */
 typedef bool haptic_beat(void *user);
 
 typedef struct haptic_driver {

@@ -233,7 +233,7 @@ static int send_command(haptic_instance *h, struct lws *wsi)
     h->sent_ns = ost_clock_ns();
     const int written = lws_write(wsi, capacity + LWS_PRE, (size_t)length, LWS_WRITE_TEXT);
     h->has_ended = last;
-    return last || written < length ? -1 : 0; /* -1 closes the connection */
+    return last || written < length ? -1 : 0; /* the return value -1 closes the connection */
 }
 
 static int receive(haptic_instance *h, struct lws *wsi, const void *bytes, size_t size)

@@ -29,12 +29,12 @@ enum {
 typedef enum link_type { LINK_HELLO = 1, LINK_POSE = 2, LINK_STATE = 3 } link_type;
 
 enum {
-    LINK_SEEN = 1,   /* set in a pose if the device holds the tool */
-    LINK_ENDED = 2,  /* set in the last pose or state packet of a run */
-    /* set in a state if the pose was too far away; the bridge must then release its clutch and engage it again at the
-       tool's position */
+    LINK_SEEN = 1,   /* flag of a pose packet: the device holds the tool */
+    LINK_ENDED = 2,  /* flag of the last pose or state packet of a run */
+    /* flag of a state packet: the pose was too far away, so the bridge must release its clutch and engage it again at
+       the tool's position */
     LINK_AGAIN = 4,
-    /* set in a state if the simulation is already connected to another bridge */
+    /* flag of a state packet: the simulation is already connected to another bridge */
     LINK_BUSY = 8
 };
 

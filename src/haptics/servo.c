@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The servo loop.
+ * Runs the servo loop.
  *
  *   due 0      due 1      due 2      due 3      due 4
  *    |--wake--[read, tick, write]--| . . .      |         every tick in time
@@ -247,7 +247,7 @@ static int64_t stolen_ms(void)
         }
     }
     fclose(file);
-    return count == 8 ? field[7] * 10 : -1; /* the field counts hundredths of a second */
+    return count == 8 ? field[7] * 10 : -1; /* the unit of the field is a hundredth of a second */
 }
 
 ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A histogram to which a tick can add durations. Adding a duration takes two divisions and the computation of an index,
-   but no search and no floating-point arithmetic. */
+/* Implements histograms to which a tick can add durations. Adding a duration takes two divisions and the computation of
+   an index, but no search and no floating-point arithmetic. */
 #include <osteon/haptics.h>
 
 void ost_times_add(ost_times *times, uint64_t ns)

@@ -70,7 +70,7 @@ typedef struct goes {
 } goes;
 
 struct haptic_instance {
-    int socket, stop;      /* `stop` is an eventfd */
+    int socket, stop;      /* `stop` is an eventfd that ends the thread */
     pthread_t thread;
     link_key *key;
     char where[OST_HAPTIC_TEXT];
