@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The built-in paths: the peg hole, then reaming (thesis 2.5).
+ * Generates the built-in paths: the peg hole, then reaming (thesis 2.5).
  *
  *        approach            advance        dwell     retreat
  *   -8 mm -------> 0 (face) --------> depth ----> depth -------> -8 mm

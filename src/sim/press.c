@@ -15,10 +15,10 @@ enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBB
 #define PRESSED 12.0   /* depth after PRESS_TICKS in mm */
 #define CREEP 1.5e-4   /* increase of the depth in mm per tick */
 #define DEEPEST 24.0
-#define BREATH 1.5    /* mm */
-#define SWEEP_X 4.0   /* mm */
+#define BREATH 1.5    /* amplitude of the motion along the axis in mm */
+#define SWEEP_X 4.0   /* half axis of the ellipse along x in mm; SWEEP_Y is the half axis along y */
 #define SWEEP_Y 6.0
-#define LEAN 0.0262   /* half of 3 degrees, in radians */
+#define LEAN 0.0262   /* half of the lean, which is 3 degrees, in radians */
 
 static press_wheel wheel(double p)
 {

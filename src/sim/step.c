@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * One tick (thesis, Algs. 2.7-2.10).
+ * Executes one tick (thesis, Algs. 2.7-2.10).
  *
  *   tick: tool, pose, motor speed
  *     motor on, and removal due?                             no: only the tool moves
