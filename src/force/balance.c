@@ -54,7 +54,7 @@ static inline __attribute__((always_inline)) void add_points(const balance *e, c
 
 void ost_balance_solve(balance *e, double u[6])
 {
-    double share[OST_SHELL_MAX]; /* b of each point, or 0 if the point does not press */
+    double share[OST_SHELL_MAX]; /* resistance b of each point in N s/m; 0 if the point does not press */
     memcpy(share, e->b, e->count * sizeof *share);
     for (int set = 0; set < SETS; set++) {
         double m[6][6] = {{0}}, rhs[6];

@@ -16,11 +16,11 @@
 #include <osteon/force.h>
 
 typedef struct balance {
-    int axes;              /* 3 or 6 */
+    int axes;              /* number of components of u: 3 or 6 */
     double spring[6];      /* coefficient of the springs for each component of u */
     double pull[6];
     size_t count;          /* number of points */
-    double b[OST_SHELL_MAX];
+    double b[OST_SHELL_MAX]; /* resistance of each point in N s/m */
     /* part of each point's speed of advance, in m/s, that does not depend on u */
     double given[OST_SHELL_MAX];
     double j[6][OST_SHELL_MAX];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two force laws (docs/reference/force.md).
+ * Implements the two force laws (docs/reference/force.md).
  *
  *   energy    device o~~~spring, damper~~~o tool | points: f = b * advance
  *
@@ -51,7 +51,7 @@ typedef struct grip {
     double velocity[3]; /* filtered velocity of the device in m/s */
     double turning[3];  /* filtered angular velocity of the device in rad/s */
     double drag[3];     /* lateral force of cutting in N, low-pass filtered */
-    double drag_nm[3];
+    double drag_nm[3];  /* torque of this force in N m, low-pass filtered */
     double spun;        /* angle in rad by which the tool has rotated */
     double turned;      /* sum in rad of the angles by which ost_force_motor has turned the pose */
 } grip;
@@ -79,7 +79,7 @@ ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params
         return ost_fail(err, OST_ERR_USAGE, "a force needs a bone");
     ost_status status = ost_force_params_check(&chosen, err);
     if (status == OST_OK)
-        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* also copies a bone that is on a device to host memory */
+        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* this call copies a bone on a device to host memory */
     if (status != OST_OK)
         return status;
     ost_force *f = calloc(1, sizeof *f);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The safety layer between the computed force and the device:
+ * Implements the safety layer between the computed force and the device:
  *
  *   force --> finite? --> enabled, fresh? --> ramp --> saturation --> slew --> passivity --> device
  *
@@ -63,7 +63,8 @@ static void passivity(ost_safety *s, const double moved[3], double period_s, dou
     const double square = moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2];
     if (s->energy_j >= 0 || square <= 0 || s->params.max_damping <= 0)
         return;
-    double damping = -s->energy_j * period_s / square; /* in N s/m; chosen so that damping * |v|^2 * period = -energy */
+    /* The damping, in N s/m, dissipates the generated energy within a tick: damping * |v|^2 * period = -energy. */
+    double damping = -s->energy_j * period_s / square;
     if (damping > s->params.max_damping)
         damping = s->params.max_damping;
     for (int a = 0; a < 3; a++)

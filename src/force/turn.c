@@ -9,7 +9,7 @@
 
 void ost_turn_between(const double a[4], const double b[4], double out[3])
 {
-    const double w = a[0], x = -a[1], y = -a[2], z = -a[3]; /* conjugate */
+    const double w = a[0], x = -a[1], y = -a[2], z = -a[3]; /* conjugate of a */
     const double real = b[0] * w - b[1] * x - b[2] * y - b[3] * z;
     const double imaginary[3] = {b[0] * x + b[1] * w + b[2] * z - b[3] * y, b[0] * y - b[1] * z + b[2] * w + b[3] * x,
                                  b[0] * z + b[1] * y - b[2] * x + b[3] * w};
