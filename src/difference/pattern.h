@@ -79,11 +79,11 @@ typedef struct pattern_view {
     const int16_t *in;
     ost_dims in_dims;
     const int32_t *source[3];
-    /* per axis: weight of the voxel that follows the source voxel, in units of 1 / PATTERN_WEIGHT_ONE; if 0, that
-       voxel is not read */
+    /* for each axis, the weight of the voxel that follows the source voxel, in units of 1 / PATTERN_WEIGHT_ONE; if the
+       weight is 0, that voxel is not read */
     const int32_t *weight[3];
-    /* per voxel: number of samples in the batch after the voxel's last sample; -1 for a voxel without samples; NULL
-       if unknown */
+    /* for each voxel, the number of samples in the batch after the voxel's last sample; -1 for a voxel without samples;
+       the pointer is NULL if these numbers are unknown */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;
@@ -92,7 +92,7 @@ enum { PATTERN_TEXT = 200 };
 typedef struct pattern_list {
     bool holds[PATTERNS];
     char text[PATTERNS][PATTERN_TEXT]; /* evidence for each pattern that holds, in the order of the patterns */
-    pattern of_all;                    /* the class */
+    pattern of_all;                    /* class of the difference */
 } pattern_list;
 
 /* Checks all patterns. The dims or at least one voxel must differ. */
