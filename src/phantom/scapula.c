@@ -147,9 +147,9 @@ static double body_half(const ost_scapula *s, double x, double z)
            medial = ost_outline_to_tag(&s->body, EDGE_MEDIAL, x, z);
     double half = 1.15 + 2.2 / (1 + square(lateral / 7) * (1 + square(lateral / 7))) +
                   1.15 / (1 + square(medial / 4) * (1 + square(medial / 4)));
-    half += 2.6 * ost_smooth(64, 90, x) * bump(z, -4, 30);          /* thicker toward the neck */
-    half += 1.1 * bump(x, 14, 26) * bump(z, -108, 26);              /* thicker at the inferior angle */
-    half += 0.8 * bump(x, 26, 14) * bump(z, 36, 14);                /* thicker at the superior angle */
+    half += 2.6 * ost_smooth(64, 90, x) * bump(z, -4, 30);          /* the body is thicker toward the neck */
+    half += 1.1 * bump(x, 14, 26) * bump(z, -108, 26);              /* the body is thicker at the inferior angle */
+    half += 0.8 * bump(x, 26, 14) * bump(z, 36, 14);                /* the body is thicker at the superior angle */
     return half;
 }
 
