@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A watershed in two steps, each in descending order of the height:
+ * Implements a watershed in two steps, each in descending order of the height:
  *
  *   height
  *     |    A                    1. basins grow from their highest voxels.  At a pass between
