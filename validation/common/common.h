@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A comparison of backends with each other cannot find a mistake that all backends have in common. These checks compare
- * the reference with results that do not depend on any program:
+ * Checks the reference against results that do not depend on any program. A comparison of backends with each other
+ * cannot find a mistake that all backends have in common. There are three kinds of checks:
  *
  *   golden     small grids, computed by hand from docs/spec/arithmetic.md
  *   volume     bodies whose volume is given by a formula
  *   relation   two computations that must give the same value for each voxel
  *
- * They take well under a second, and every campaign runs them again. Checks that an installed program
+ * The checks take well under a second, and every campaign runs them. Checks that an installed program
  * cannot perform are listed with the test that performs them.
  */
 #ifndef OST_VALIDATION_COMMON_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks small grids whose voxels were computed by hand. The derivation stands before each check. */
+/* Checks small grids whose voxels were computed by hand. The comment of each check derives the expected values. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks of the laws of docs/spec/arithmetic.md (AR-LAW). A law states that two computations give the same voxels.
-   The bones, tools and poses are random. */
+/* Checks the laws of docs/spec/arithmetic.md (AR-LAW). A law states that two computations give the same voxels. The
+   bones, tools and poses are random. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks of bodies whose volume is given by a formula. If the borders of a body lie between voxel centres, the volume
-   of its voxels must be exact. If they do not, the volume may deviate by at most the volume of the border's voxels. */
+/* Checks bodies whose volume is given by a formula. If the borders of a body lie between voxel centres, the volume of
+   its voxels must be exact. If they do not, the volume may deviate by at most the volume of the border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -56,6 +56,8 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
 }
 
 /*
+ * Checks the volume of a ball with a radius of 10 mm in voxels of 0.5 mm.
+ *
  * If a voxel's centre is more than half a voxel diagonal below the surface, the voxel lies completely inside the ball.
  * If its centre is more than half a diagonal above the surface, the voxel lies completely outside. The volume of the
  * voxels is therefore between the volumes of two balls, whose radii are smaller and larger by half a diagonal. The
