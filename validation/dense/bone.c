@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bones that store one density and one occupancy flag per voxel. Chunks are not stored; only their numbers are used
-   (AR-CHK, AR-DIG-2). */
+/* Implements bones that store one density and one occupancy flag per voxel. Chunks are not stored; only their numbers
+   are used (AR-CHK, AR-DIG-2). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

@@ -40,9 +40,8 @@ typedef enum deviation_stage {
 } deviation_stage;
 
 /*
- * X(kind, name, stage, unit, effect, cause, survival: when the mistake acts but changes nothing)
- *
- * The unit is the object for which one random decision is made.
+ * The list of mistakes. Each entry has the form X(kind, name, stage, unit, effect, cause, survival). The unit is the
+ * object for which one random decision is made. The survival states when the mistake acts but changes no result.
  */
 #define DEVIATION_LIST(X)                                                                                              \
     /* samples to rect grid */                                                                                         \

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stages from samples to the rect grid and from the rect grid to the cubic grid (AR-CT-4 to 6, AR-CUB). */
+/* Implements the stages from samples to the rect grid and from the rect grid to the cubic grid (AR-CT-4 to 6,
+   AR-CUB). */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rotation of a motor. This file computes the cosines; src/core reads them from a table. The cosines times 2^30
-   differ by at least 10^-6 from every midpoint between two integers, so errors in their last digits have no effect. */
+/* Computes the rotation of a motor. The cosines are computed here, whereas src/core reads them from a table. The
+   cosines times 2^30 differ by at least 10^-6 from every midpoint between two integers, so errors in their last digits
+   have no effect. */
 #include "validation/dense/steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const int64_t turn = 60000000000; /* the U of AR-MOTOR */
+static const int64_t turn = 60000000000; /* one revolution in units of 1 rpm * 1 ns, the U of AR-MOTOR */
 
 static wide way_of(int64_t from, int64_t to, int64_t rpm)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "validation/dense/steps.h"
 
-/* Returns P of AR-SWEEP-3. */
+/* Returns the dot product of the quaternions of two poses, the P of AR-SWEEP-3. */
 static wide dot(const ost_pose *a, const ost_pose *b)
 {
     const int32_t p[4] = {a->qw, a->qx, a->qy, a->qz}, q[4] = {b->qw, b->qx, b->qy, b->qz};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic of the thesis as printed, in float32. If `fused` is true, products
- * that are added to a value use fmaf, as with a compiler that contracts expressions.
+ * Implements the arithmetic of the thesis as printed, in float32. If `fused` is true,
+ * a product that is added to a value is computed by fmaf, as by a compiler that
+ * contracts expressions.
  *
  *   Alg. 2.1   bounds and centres of a tool's voxels      dense_thesis_bounds, _row
  *   Alg. 2.3   the rect grid's dims                       dense_thesis_rect
@@ -164,7 +165,7 @@ typedef struct boxes {
     float matrix[3][4];
     float bone[3], tool[3]; /* half extents of the boxes */
     float bone_voxel, tool_voxel;
-    int32_t chunk_lo[3], chunk_hi[3]; /* half-open */
+    int32_t chunk_lo[3], chunk_hi[3]; /* half-open range of the chunks that the tool can reach */
 } boxes;
 
 /* Returns the dot product a . (x, y, z, 1). */

@@ -43,7 +43,7 @@ void dense_tool_free(ost_tool *base)
 
 /* ------------------------------------------------------------- one row */
 
-/* How a call reads its meshes: correctly, or with a deliberate mistake. */
+/* Specifies how a call reads its meshes: correctly, or with a deliberate mistake. */
 typedef struct manner {
     deviant *m;
     bool own;     /* true if the mistake of m belongs to this stage */

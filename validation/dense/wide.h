@@ -12,7 +12,7 @@
 
 enum { WIDE_LIMBS = 8 };
 typedef struct wide {
-    bool negative; /* always false for 0 */
+    bool negative; /* true if the integer is negative; always false for 0 */
     uint32_t limb[WIDE_LIMBS];
 } wide;
 
