@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Signatures of a bundle, in its folder signatures/.
+ * Makes and checks the signatures of a bundle, which are in its folder signatures/.
  *
  *   manifest.json, protocol.json, cases.jsonl --> in-toto statement v1 with a test-result v0.1 predicate
  *                                                       |
