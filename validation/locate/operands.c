@@ -127,7 +127,7 @@ static void chunk_operands(const scene *s, const trace *ref, compare_range in_re
 
 typedef struct crossing_sums {
     int32_t winding, total;
-    uint32_t times, owners; /* for parity */
+    uint32_t times, owners; /* used only by the parity rule */
     int shown;
 } crossing_sums;
 
