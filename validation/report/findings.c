@@ -277,7 +277,7 @@ static void fault_stages(const page *p, const json_t *all, const json_t *kinds)
     fault_head(p, "Mistakes in");
     for (size_t i = 0; i < count; i++) {
         const char *stage = evidence_text(json_array_get(kinds, i), "stage");
-        /* unsigned, because numbers from an untrusted bundle may overflow the sums */
+        /* the sums are unsigned, because numbers from an untrusted bundle may overflow them */
         uint64_t sum[FAULT_COUNTS] = {0};
         bool first = true;
         size_t alike = 0;

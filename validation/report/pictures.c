@@ -59,7 +59,7 @@ static int16_t voxel_of(const trace_block_view *b, size_t i)
     int16_t wide;
     if (b->voxel_bytes == 1)
         return b->voxels[i];
-    memcpy(&wide, b->voxels + 2 * i, 2); /* memcpy, because the voxels of a block need not be aligned */
+    memcpy(&wide, b->voxels + 2 * i, 2); /* memcpy is used, because the voxels of a block need not be aligned */
     return wide;
 }
 
