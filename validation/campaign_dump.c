@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Dumps in a campaign: folders of grids that are compared like the results of a backend. */
+/* Reads the dumps of a campaign. A dump is a folder of grids that are compared like the results of a backend. */
 #include "validation/campaign_parts.h"
 
 #include <stdio.h>

@@ -61,9 +61,9 @@ typedef struct runner {
     int batches, begun, done;
     batch alive[ALIVE];       /* the open batches; batch n is element n % ALIVE */
     int *ends;                /* owned; for each batch, the index after its last case */
-    /* owned; for each backend, true if it failed for good, so that no more workers are started */
+    /* owned; for each backend, true if it failed permanently, so that no more workers are started */
     bool *gone;
-    /* owned; for each backend that failed for good, the result of all its remaining cases */
+    /* owned; for each backend that failed permanently, the result of all its remaining cases */
     case_result *last_words;
     slot slots[WORKERS_MAX];
     int running, finished;    /* number of running workers, and of completed pairs of case and backend */

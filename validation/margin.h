@@ -31,7 +31,7 @@
 #include "validation/scene.h"
 
 enum {
-    MARGIN_ONE = 1 << 20, /* one voxel */
+    MARGIN_ONE = 1 << 20, /* length of one voxel in the unit of margins */
     /*
      * The number of bins of a histogram. Bin 0 contains margins of 0, bin b contains margins with 2^(b-1) <= margin <
      * 2^b, and the last bin contains margins of one voxel or more.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of the import stages: the position of a sample, the choice of a layer, and the threshold. */
+/* Computes the margins of the import stages: the position of a sample, the choice of a layer, and the threshold. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>
@@ -14,9 +14,9 @@
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* maximum distance that a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
+    /* maximum distance by which a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
     int64_t leave;
-    /* minimum distance that a sample outside the voxel must move to enter it; -1 if there is no such sample */
+    /* minimum distance by which a sample with the other value must move to enter the voxel; -1 if there is none */
     int64_t enter;
 } moved;
 
@@ -53,7 +53,7 @@ static void meet_sample(const ost_geometry *g, const ost_sample *sample, moved *
         for (int a = 0; a < 3; a++) {
             const int64_t there = index[a] + d[a];
             inside = inside && there >= 0 && there < n[a];
-            /* twice the distance from the voxel's centre to the border */
+            /* twice the distance from the sample to the border towards the neighbour d */
             const int64_t away = d[a] == 0 ? 0 : s[a] - 2 * off[a] * d[a];
             gap = away > 0 && share_of(away, 2 * s[a]) > gap ? share_of(away, 2 * s[a]) : gap;
             const int64_t out = share_of(s[a] - 2 * (off[a] < 0 ? -off[a] : off[a]), 2 * s[a]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Margins of events: the distance from a bone voxel's position in the tool to the nearest tool voxel that would give
-   the other result, over the poses of the event. */
+/* Computes the margins of events: the distance from a bone voxel's position in the tool to the nearest tool voxel that
+   would give the other result, over the poses of the event. */
 #include "validation/margin_parts.h"
 
 #include <stdlib.h>

@@ -42,7 +42,7 @@ ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *gr
     if (status != OST_OK)
         return status;
     const size_t bytes = (size_t)ost_dims_count(dims) * sizeof(int16_t);
-    int16_t *voxels = malloc(bytes); /* memcpy, because the voxels of a trace need not be aligned */
+    int16_t *voxels = malloc(bytes); /* a copy, because the voxels of a trace need not be aligned */
     if (!voxels)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %zu bytes", bytes);
     memcpy(voxels, block.voxels, bytes);

@@ -34,7 +34,7 @@ ost_status perform_other_lattice(performer *p, ost_error *err)
     ost_grid *grid = NULL;
     if (s->slices)
         return OST_OK;
-    for (size_t i = 0; i < n; i++) /* in reverse order, so that the case's first sample comes last */
+    for (size_t i = 0; i < n; i++) /* the order is reversed, so that the case's first sample comes last */
         samples[i] = s->samples[n - 1 - i];
     ost_status status = ost_grid_create(p->backend, &other, &grid, err);
     if (status == OST_OK)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The import of a case: samples or slices -> rect grid -> cubic grid -> chunks. */
+/* Runs the import of a case: samples or slices -> rect grid -> cubic grid -> chunks. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static ost_status record_grid(performer *p, const ost_grid *grid, ost_error *err
     const ost_dims dims = ost_grid_geometry(grid)->dims;
     const int32_t lo[3] = {0, 0, 0};
     int16_t *voxels = trace_block(p->w, lo, dims, 2);
-    /* without memory, `voxels` is NULL, and trace_end returns the error */
+    /* if memory is exhausted, `voxels` is NULL, and trace_end returns the error */
     return voxels ? ost_grid_download(grid, 0, dims.z, voxels, err) : OST_OK;
 }
 

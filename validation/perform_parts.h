@@ -95,9 +95,9 @@ ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, o
 /* ---- perform_before.c: these functions write no records. They are called only without a watch, because a watch counts
    the backend's calls. */
 
-/* Before the case: scatters its first samples into a grid with another lattice. */
+/* Scatters the case's first samples into a grid with another lattice, before the case runs. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
-/* Before the case: converts a small grid to chunks of another size. */
+/* Converts a small grid to chunks of another size, before the case runs. */
 ost_status perform_other_chunks(performer *p, ost_error *err);
 /* Collides tool i with a bone whose voxel size differs from that of the case's bone. */
 ost_status perform_other_bone(performer *p, int i, ost_error *err);

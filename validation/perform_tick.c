@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ticks of a case: poses and maps, the event on the backend, its report, and the leaves that the event changed. */
+/* Runs the ticks of a case: poses and maps, the event on the backend, its report, and the leaves that it changed. */
 #include "validation/perform_parts.h"
 
 #include <stdlib.h>
@@ -201,7 +201,7 @@ static ost_status step_of_second(performer *p, size_t i, ost_step_result *r, boo
     const steps_event e = steps_next(&p->history, i, &p->grids[tick->tool], p->geometry.spacing.x);
     const ost_density_classes classes = classes_of(p);
     *refused = e.refused;
-    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* an empty range, to be extended */
+    p->range = (ost_step_result){.chunk_lo = {INT32_MAX, INT32_MAX, INT32_MAX}}; /* empty; widen_range extends it */
     ost_status status = record_steps(p, i, e.refused, e.removal, e.count, &e.from, err);
     *r = p->range;
     r->removal = e.removal;

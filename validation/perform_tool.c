@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tools of a case. A tool's meshes are snapped by src/core, by the second implementation or by the backend, and
-   then voxelized. */
+/* Makes the tools of a case. A tool's meshes are snapped by src/core, by the second implementation or by the backend,
+   and then voxelized. */
 #include "validation/perform_parts.h"
 
 #include <string.h>

@@ -10,7 +10,7 @@
 static const struct {
     const char *name, *about;
     int count[PLAN_TIERS];
-    int named; /* number of cases if the family is requested by name; 0: as many as in the tier */
+    int named; /* number of cases if the family is requested by name; 0 means as many as in the tier */
 } families[PLAN_FAMILIES] = {
     [PLAN_IMPORT] = {"import", "random CTs: scatter, resampling, chunks", {8, 48, 240}, 0},
     [PLAN_MESH] = {"mesh", "tools from simple to hostile meshes", {8, 48, 240}, 0},

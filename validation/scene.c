@@ -199,7 +199,7 @@ static ost_status make_small(const plan_case *c, scene *s, draw *d, ost_error *e
        hundreds of poses. */
     if (status == OST_OK && s->world.sweep_off)
         status = scene_add_border_poses(s, d, err);
-    /* an event whose hits exceed the voxels of a chunk, and that leaves some bone */
+    /* adds an event with more hits than a chunk has voxels; some bone remains after it */
     if (status == OST_OK && c->number % 4 == 0) {
         s->chunk_size = 16;
         status = scene_add_crossing(s, err);

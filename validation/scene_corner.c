@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A case for backends that exclude a cube of 8^3 bone voxels by the distance from the cube's middle to the
+ * Makes a case for backends that exclude a cube of 8^3 bone voxels by the distance from the cube's middle to the
  * tool. Each tool has one voxel. At the tool's pose one corner of the cube [8, 16)^3 lies about a hundredth
  * of a tool voxel inside the tool, in the direction of the cube's diagonal:
  *

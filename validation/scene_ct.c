@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Random CTs as samples. The bone has the shape of solids, shells or speckle, and critical densities: the
+ * Makes random CTs as samples. The bone has the shape of solids, shells or speckle, and critical densities: the
  * threshold and its neighbours, the borders of classes, the ends of int16. A sample lies up to an eighth of
  * a voxel away from its lattice point. Some voxels have two samples.
  */

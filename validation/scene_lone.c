@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two of the six types of cases that scene_reach.c describes:
+ * Makes two of the six types of cases of scene_reach.c:
  *
  *   lone      chunks in a row along x; in each of them only the voxels of one
  *             column are active: successive chunks have this column at successive
@@ -95,7 +95,7 @@ ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_er
                 add_sample(s, x, y, z, draw_between(d, 0, never ? THRESHOLD - 1 : 3000));
     if (status == OST_OK)
         status = scene_add_bar(s, (ost_dims){29, 30, 31}, 0, cube, err);
-    /* omitted in the smoke tier, because preparing this tool takes longer than the rest of the case */
+    /* the smoke tier omits the thin tool, because preparing this tool takes longer than the rest of the case */
     const bool thin = c->tier != PLAN_SMOKE;
     if (status == OST_OK && thin)
         status = scene_add_thin_tool(s, cube / 2, err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Ticks at which tools are in the bone. A pose is chosen at random in double precision and then
- * quantised like a device's pose (AR-POSE), so that all backends get the same integers.
+ * Makes ticks at which tools are in the bone. A pose is chosen at random in double precision and
+ * then quantised like a device's pose (AR-POSE), so that all backends get the same integers.
  */
 #include "validation/scene_parts.h"
 
@@ -66,7 +66,7 @@ static ost_status drawn_turn(draw *d, double q[4])
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err)
 {
     ost_status status = ost_path_init(&s->path, count, err);
-    s->world.sweep_off = true; /* no sweeps, because the poses are unrelated */
+    s->world.sweep_off = true; /* sweeps are off, because the poses are unrelated */
     for (size_t i = 0; i < count && status == OST_OK; i++) {
         const ost_pm3 at = drawn_target(s, d);
         const double none[3] = {0, 0, 0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Cases for situations that require a certain size or position. There are six types of cases, which
+ * Makes cases for situations that require a certain size or position. There are six types of cases, which
  * alternate. Two types, `lone` and `emptied`, are in scene_lone.c; the other four are:
  *
  *   large    a sparse CT of samples; 1025 x 65 x 65 bone voxels, made from 32
@@ -177,7 +177,7 @@ static void rod_ticks(scene *s, draw *d, int32_t tool)
     ost_pm3 at = g->origin;
     for (int i = 0; i < ROD_TICKS; i++) {
         ost_pose *pose = &next_tick(s, tool)->pose;
-        if (i % 2 == 0) { /* the next tick moves a short way, in tens of poses */
+        if (i % 2 == 0) { /* in the next tick, the tool moves by a short distance, in tens of poses */
             at.x = near_tie(d, g->origin.x + s->cubic * draw_between(d, 10, RODS_X - 10), voxel);
             at.y = near_tie(d, g->origin.y + s->cubic * draw_between(d, 10, RODS_Y - 10), voxel);
             at.z = near_tie(d, g->origin.z + s->cubic * draw_between(d, 10, RODS_Z * 7 / 10 - 10), voxel);
@@ -202,7 +202,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
     s->resample = (ost_resample)(kind % 3);
     s->chunk_size = kind % 2 ? 32 : 64;
     s->threshold = 120;
-    s->slices = 29; /* more than 2^17 voxels per call, and fewer slices in the last call */
+    s->slices = 29; /* each call uploads more than 2^17 voxels; the last call uploads fewer slices */
     s->batch = 1 << 16;
     s->samples = malloc((size_t)ost_dims_count(s->rect.dims) * sizeof *s->samples);
     if (!s->samples)
@@ -225,7 +225,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK) /* two words per row; the numbers of rows and of layers are a power of two plus three */
+    if (status == OST_OK) /* a row has two words; the numbers of rows and of layers are a power of two plus three */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,
@@ -323,7 +323,7 @@ static ost_status make_hollow(scene *s, draw *d, ost_error *err)
     hollow_tick(s, 0, 98, 10, 25, 0);
     hollow_tick(s, 1, 40, 32, 3, 1 << 11);
     hollow_tick(s, 2, 40, 32, 3, 1 << 12);
-    hollow_tick(s, 1, 40, 32, 3, 0); /* oblique, so that rows of the bone cross rows of the tool */
+    hollow_tick(s, 1, 40, 32, 3, 0); /* this tool is oblique, so that rows of the bone cross rows of the tool */
     const double none[3] = {0, 0, 0}, slanted[4] = {0.8, 0.36, 0.48, 0};
     ost_pose *pose = &s->path.ticks[s->path.count - 1].pose;
     const ost_pm3 at = pose->t;

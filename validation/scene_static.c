@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The static events of the thesis (Figs. 3.6 and 3.7, Tables 3.3 to 3.5): one pose of the reamer at three voxel sizes
- * and one pose of the peg drill, on a bone of 128^3 active voxels of 0.47 mm; then events with both tools at the other
- * chunk sizes. Poses and densities are the same as in `osteon bench --suite removal` (bench/scene.c).
+ * Makes the static events of the thesis (Figs. 3.6 and 3.7, Tables 3.3 to 3.5): one pose of the reamer at three voxel
+ * sizes and one pose of the peg drill, on a bone of 128^3 active voxels of 0.47 mm; then events with both tools at the
+ * other chunk sizes. Poses and densities are the same as in `osteon bench --suite removal` (bench/scene.c).
  */
 #include "validation/scene_parts.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Meshes for tools, from simple to degenerate. Corners are random integers, so that every machine generates
- * the same triangles.
+ * Makes meshes for tools, from simple to degenerate. Corners are random integers, so that every machine
+ * generates the same triangles.
  */
 #include "validation/scene_parts.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A list of the unfinished folders and the workers that must be removed when a
- * signal ends this process.
+ * Stores the list of the unfinished folders and the workers that must be removed
+ * when a signal ends this process.
  *
  *   signal_cleanup_folder, signal_cleanup_worker --signal--> signal_cleanup_end: workers are
  *                                                killed, folders removed

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5), written only from the text of
- * docs/spec/arithmetic.md. The bytes have the order of the tables in that document. The hash function is the library's.
+ * Computes the digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5). The code was written only
+ * from the text of docs/spec/arithmetic.md; the bytes have the order of the tables in that document. The hash function
+ * is that of the library.
  */
 #include "validation/steps_record.h"
 
@@ -127,8 +128,8 @@ static ost_status root_digest(const ost_geometry *g, int32_t threshold, uint64_t
 }
 
 /*
- * The leaves are added one by one. The array `pending` has one tree of 2^k leaves for each set bit k of
- * `leaves`, the largest tree first. When two trees have the same size, they are joined.
+ * Computes the digest of a bone by adding its leaves one by one. The array `pending` has one tree of 2^k leaves for
+ * each set bit k of `leaves`, the largest tree first. When two trees have the same size, they are joined.
  */
 ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
                              ost_error *err)

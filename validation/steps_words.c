@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The names of the words of step records. Also determines which of these words are bounds. */
+/* Returns the names of the words of step records, and determines which of these words are bounds. */
 #include "validation/steps_record.h"
 
 #include <stdio.h>

@@ -231,7 +231,7 @@ static ost_status reap(runner *r, ost_error *err)
         int state;
         if (waitid(P_PID, (id_t)r->slots[i].pid, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || !info.si_pid)
             continue;
-        /* sent before waitpid, because the process id may be reused afterwards */
+        /* the signal is sent before waitpid, because the process id may be reused afterwards */
         kill(-r->slots[i].pid, SIGKILL);
         while (waitpid(r->slots[i].pid, &state, 0) < 0)
             if (errno != EINTR)

@@ -82,7 +82,7 @@ bool trace_word_is_bound(trace_stage stage, size_t word)
 {
     return stage == TRACE_STEPS
                ? steps_word_is_bound(word)
-               /* boxes_meet, and the range of chunks */
+               /* the words of boxes_meet and of the range of chunks */
                : stage == TRACE_TICK && (word == 2 || (word >= 4 && word < 10));
 }
 

@@ -23,7 +23,7 @@
 typedef struct part {
     ost_tool_geometry grid;
     int fraction_bits;
-    uint64_t vertices, triangles, dropped; /* counts */
+    uint64_t vertices, triangles, dropped; /* numbers of vertices, triangles and dropped triangles */
     uint64_t vertices_at, triangles_at;    /* offsets in bytes from the beginning of the file */
     uint64_t raw_vertices, raw_triangles, raw_vertices_at, raw_triangles_at; /* the mesh before snapping */
 } part;
@@ -338,10 +338,11 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 }
 
 /*
- * The estimate includes rect, cubic, chunks and the bone at the end, each tool, and for each tick the
- * leaves that it changes. Of the leaves that the tool covers, a tick changes only those at the tool's
- * border in which bone remains. One leaf per tick is several times the amount that slow cutting changes. If
- * the estimate is too small and the disk becomes full, the campaign ends.
+ * Estimates the size of a case's trace in bytes. The estimate includes rect, cubic, chunks and the bone at
+ * the end, each tool, and for each tick the leaves that it changes. Of the leaves that the tool covers, a
+ * tick changes only those at the tool's border in which bone remains. One leaf per tick is several times the
+ * amount that slow cutting changes. If the estimate is too small and the disk becomes full, the campaign
+ * ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The user's own files as cases. The files are read once, before any backend
+ * Stores the user's own files as cases. The files are read once, before any backend
  * runs, and stored as the integers that every backend gets.
  *
  *   CT, meshes, paths --the command reads and checks--> user_case_begin, _samples, _end

@@ -28,7 +28,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
 typedef enum worker_end {
     WORKER_DONE,
     WORKER_FAILED,  /* the exit status was not 0; text is the last line that the worker wrote to stderr */
-    WORKER_CRASHED, /* ended by a signal */
+    WORKER_CRASHED, /* a signal ended the worker */
     WORKER_LATE     /* the worker was killed because it exceeded its time limit */
 } worker_end;
 
