@@ -3,7 +3,7 @@
  * The `dhd` driver: Force Dimension's delta, omega, sigma and lambda devices and Novint's Falcon,
  * through the library of the vendor's SDK.
  *
- * The library's functions act on the calling thread and use SI units; x points toward the operator,
+ * The library's functions run in the calling thread and use SI units; x points toward the operator,
  * y to the operator's right, and z up. An id of -1 selects the device that was opened last. The
  * return values 1 (the function was called again too soon) and 2 (a motor is at its limit) are not
  * failures.
@@ -77,7 +77,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 
 static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    /* the device's axis y points right, z points up, and x points toward the operator */
+    /* The device's y points to the right, z up, and x toward the operator. */
     static const int axes[3] = {1, 2, 0};
     int64_t percent = 100;
     char reason[256];

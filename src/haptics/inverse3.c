@@ -6,10 +6,10 @@
  *   service <--force-- thread <--newest-- write, in the tick      JSON over a WebSocket,
  *   service --state--> thread --newest--> read, in the tick       127.0.0.1, port 10001
  *
- * The service answers each force with a state and sends nothing else. The thread sends the newest
- * force one millisecond after the previous one, or zero if there is none. Units are metres and
- * newtons; x points to the right, y away from the operator, and z up. The tool's orientation is
- * that of the grip; without a grip, it does not change.
+ * The service answers each force with a state and sends nothing else. After each state, the thread
+ * sends the newest force, or zero if there is none, but no sooner than one millisecond after the
+ * previous force. Units are metres and newtons; x points to the right, y away from the operator,
+ * and z up. The tool's orientation is that of the grip; without a grip, it does not change.
  *
  * The device moves the tool relative to its start. If more than a few ticks pass without a state,
  * the motion afterwards continues from the tool's current position. After half a second without a

@@ -8,7 +8,7 @@
  * Memory is locked so that no tick waits for a page. If locked memory is not limited, later allocations are locked too.
  * If it is limited, they are not locked, because locking could make them fail.
  *
- * The loop runs on the last core, because most interrupts are handled by the first cores.
+ * If a core is reserved for the loop, it is the last core, because most interrupts are handled by the first cores.
  */
 #include "haptics/realtime.h"
 

@@ -17,6 +17,7 @@
  *
  * Due times are absolute: a late tick does not postpone later ticks. The world's clock counts the
  * ticks that were executed.
+ *
  * `osteon bench --suite servo` measures the same loop with a tick that does nothing. The result
  * shows which deadlines are missed because of the machine alone.
  */
