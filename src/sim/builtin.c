@@ -92,7 +92,7 @@ static quat facing(vec a)
 {
     if (a.z <= 0)
         return normalised((quat){1 - a.z, a.y, -a.x, 0});
-    /* Half a turn about x maps -z to +z. The remaining rotation is much less than half a turn. */
+    /* Half a turn about x maps -z to +z. The remaining rotation is less than a quarter turn. */
     return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
 }
 

@@ -30,8 +30,8 @@
 enum { SLAB = 8 };
 
 /*
- * Returns true if an active voxel is in the zone. w is the voxel's position along the axis in mm, and r2 is the
- * square of the voxel's distance from the axis in mm^2.
+ * Returns true if a voxel is in the zone. w is the voxel's position along the axis in mm, and r2 is the square of the
+ * voxel's distance from the axis in mm^2.
  */
 typedef bool zone(const double *limits, double w, double r2);
 
