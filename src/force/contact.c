@@ -112,8 +112,8 @@ typedef struct to_voxels {
 } to_voxels;
 
 /*
- * Computes the map for a pose. Returns false if the pose is not finite. Also returns false if no point of the tool,
- * extended by `more` (m), can lie in the grid.
+ * Computes the map for a pose. Returns false if the pose is not finite, if the tool's reach is REACH_MAX or more, or if
+ * no point of the tool, extended by `more` (m), can lie in the grid.
  */
 static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more,
                      to_voxels *map)

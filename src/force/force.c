@@ -315,9 +315,8 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
     }
 }
 
-/*
- * Maximum force of the coupling, more than a hand can exert. The limit applies only if the device is far from the tool.
- */
+/* Maximum force of the coupling, and maximum sum of the points' forces in the law `instant`. It is more than a hand can
+   exert, and is reached only if the device is far from the tool or deep in the bone. */
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*

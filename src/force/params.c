@@ -211,7 +211,10 @@ static const char *end_of(const char *text)
     return end;
 }
 
-/* Converts a decimal to a double. The result is correctly rounded if the decimal has at most 15 digits. */
+/*
+ * Converts a decimal to a double. The result is correctly rounded if the decimal has at most 15 digits and an exponent
+ * from -22 to 22.
+ */
 static double real_of(const ost_decimal *d)
 {
     double value = (double)d->mantissa, ten = 1;
