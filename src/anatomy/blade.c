@@ -260,8 +260,8 @@ static void follow_crest(const relief *s, crest *out)
 }
 
 /*
- * Returns the medial coordinate of the blade's border at a given superior coordinate. Also computes the mean
- * coordinate across the blade.
+ * Returns the medial coordinate of the blade's border at a given superior coordinate. Sets *across to the mean
+ * coordinate, along the blade's normal, of the cells at the border.
  */
 static double border(const anatomy_cells *cells, const frame *f, double superior, double *across)
 {

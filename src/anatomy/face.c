@@ -95,8 +95,9 @@ static double median5(double v[5])
 }
 
 /*
- * Finds the rim. The surface may climb to another part of the bone, such as the root of the coracoid. In such a
- * direction, the rim is accepted only if its distance is close to that of the neighbouring directions.
+ * Finds the rim. In each direction, the rim is accepted only if its distance is close to the median of the
+ * neighbouring directions. The surface may climb to another part of the bone, such as the root of the coracoid. In
+ * such a direction, the permitted difference is only half as great.
  */
 void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {

@@ -13,7 +13,10 @@ static bool is_bone(const ost_anatomy_bone *bone, int16_t value)
     return value >= bone->low && value <= bone->high;
 }
 
-/* Counts the bone voxels in each block of by[0] x by[1] x by[2] voxels. The first block begins at voxel first[]. */
+/*
+ * Computes the share of bone voxels in each block of by[0] x by[1] x by[2] voxels. The first block begins at voxel
+ * first[].
+ */
 static void count_blocks(const ost_anatomy_bone *bone, const int32_t first[3], const int32_t last[3],
                          const int32_t by[3], anatomy_field *f)
 {
@@ -131,7 +134,7 @@ ost_status anatomy_field_fill(anatomy_field *f, ost_error *err)
             }
         }
     }
-    /* Surface cells keep their share. A surface cell has a share of at least 0.5 and lies next to the outside. */
+    /* Cells with a share of at least 0.5 keep their share, so the surface does not move. */
     for (i = 0; i < cells; i++)
         if (!outside[i] && f->share[i] < 0.5f)
             f->share[i] = 1;

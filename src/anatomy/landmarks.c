@@ -22,8 +22,9 @@
 #define FINE_MM 0.7     /* cell width of the fine field around the face */
 #define ROUND_MM 36.0   /* half width of the fine field */
 #define HEAD_MM 15.0 /* maximum distance between the humeral head's centre and the centre of the glenoid's curvature */
-#define VAULT_MM 11     /* depth behind the face, in mm, that is checked for bone */
-#define FREE_MM 15      /* depth in front of the face, in mm, that is checked for free space */
+/* numbers of positions, 1 mm apart, that are checked for bone behind the face and for free space in front of it */
+#define VAULT_MM 11
+#define FREE_MM 15
 
 /* A coarse field of the complete bone, and its cells that are bone. */
 typedef struct coarse {
@@ -153,7 +154,10 @@ static ost_status fine_make(const ost_anatomy_bone *bone, const double at[3], an
     return status == OST_OK ? anatomy_field_smooth(out, err) : status;
 }
 
-/* Selects, among the candidates for which a rim and a blade are found, the one with the greatest area. */
+/*
+ * Selects, among the candidates for which a rim and a blade are found, the one whose rim was found in the greatest
+ * share of the directions.
+ */
 static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const ost_sphere *spheres, int count,
                          anatomy_field *fine, proposal *best, int *chosen, ost_error *err)
 {
@@ -200,8 +204,8 @@ static double apart(const double a[3], const double b[3])
 }
 
 /*
- * Returns the angle between two unit vectors in degrees. Computes the arctangent by halving the angle, arctan x
- * = 2 arctan(x / (1 + sqrt(1 + x^2))), followed by a series.
+ * Returns the angle between two unit vectors in degrees, or 90 if it is greater. The arctangent is computed by halving
+ * the angle, arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))), and then by a series.
  */
 static double angle_deg(const double a[3], const double b[3])
 {

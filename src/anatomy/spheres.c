@@ -181,8 +181,8 @@ static bool seen_from(const search *s, const double centre[3], const anatomy_poi
 }
 
 /*
- * Returns the radius, in steps of 0.5 mm, at which the points within COARSE_MM of the sphere cover the greatest
- * share of the sphere.
+ * Returns the radius in mm, a multiple of 0.5, at which the points within COARSE_MM / 2 of the sphere cover the
+ * greatest share of the sphere.
  */
 static double best_radius(const search *s, const double centre[3])
 {
