@@ -19,8 +19,8 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define MARGIN_MM 1.0
 #define WINDOW_MM 0.5   /* the axis of a reamer is the mean axis over the deepest half millimetre */
 /*
- * Minimum depth at which the hole's wall is measured. At a depth below WALL_MM, the search would find the empty space
- * in front of the face.
+ * Minimum depth at which the hole's wall is measured. At a depth of less than WALL_MM, the search would find the empty
+ * space in front of the face.
  */
 #define ENTRY_MM 6.0
 #define WALL_MM 6.0
