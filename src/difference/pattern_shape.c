@@ -4,7 +4,7 @@
 
 #include "difference/pattern_parts.h"
 
-/* Returns the end of the complete run of solid voxels in g that begins at x. Returns x if no run begins there or if
+/* Returns the end of the complete run of equal voxels in g that begins at x. Returns x if no run begins there or if
    the run continues beyond `end`. */
 static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
 {
@@ -76,8 +76,9 @@ bool ost_pattern_tool_class(const pattern_scan *s, char *text)
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* Returns the side of the surface on which a voxel of A lies: 1 (solid) or 0, or the class of a tool voxel. Returns
-   -1 if the voxel was not bone before the event. */
+/* Returns the side of the surface on which a voxel of A lies: 1 if it is solid, otherwise 0. Returns the class of a
+   tool voxel. If the input is the bone before an event, returns 1 if the event removed the voxel, 0 if the voxel
+   remained, and -1 if it was not bone before. */
 static int side_of(const pattern_view *v, int64_t i)
 {
     if (v->tool)
