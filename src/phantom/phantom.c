@@ -107,7 +107,7 @@ static ost_status lay_out(const box *b, const ost_phantom_options *o, double sca
 }
 
 /*
- * Mirrors the volume at x = 0, which is the midline of the body. The left scapula therefore has the negative x
+ * Mirrors the volume at x = 0, which is the midline of the body. The left scapula therefore has the negated x
  * coordinates of the right scapula.
  */
 static void mirror(ost_volume *v)
