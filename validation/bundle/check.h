@@ -3,7 +3,7 @@
  * Checks a bundle. The check does not need the machine that made the bundle. It has these parts:
  *
  *   folder              contains exactly the files of the manifest, of allowed types and sizes (folder.h)
- *   log                 its hash chain and its lines (log.h)
+ *   log                 has an intact hash chain and the required lines (log.h)
  *   protocol, cases     are compared with the plan (planned.h)
  *   measured files      are compared with each other (planned.h)
  *   verdicts            follow from the digests of each backend's trace (judge.h)
