@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SETS = 8 };
+enum { SETS = 8 }; /* maximum number of iterations; if the set still changes then, the last solution is used */
 
 /*
  * Solves m * u = b with a Cholesky decomposition in place. m must be symmetric and positive definite; only its upper

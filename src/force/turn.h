@@ -10,7 +10,7 @@
  * vector is twice the sine of half the angle.
  */
 void ost_turn_between(const double a[4], const double b[4], double out[3]);
-/* Multiplies q by a rotation about z by `angle` in radians. The arrays q and `out` may be the same. */
+/* Multiplies q on the right by a rotation about z by `angle` in radians. The arrays q and `out` may be the same. */
 void ost_turn_about_axis(const double q[4], double angle, double out[4]);
 /* Copies the quaternion of a pose. */
 void ost_turn_quaternion(const ost_pose *pose, double q[4]);
