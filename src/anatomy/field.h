@@ -37,8 +37,8 @@ void anatomy_field_free(anatomy_field *field);
  */
 ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
 /*
- * Smooths the field with the weights 1, 2, 1 along an axis. Axes whose cells are more than 1.5 times as wide as
- * the narrowest cells are skipped.
+ * Smooths the field along each axis with the weights 1/4, 1/2, 1/4. Axes whose cells are more than 1.5 times as wide
+ * as the narrowest cells are skipped.
  */
 ost_status anatomy_field_smooth(anatomy_field *field, ost_error *err);
 

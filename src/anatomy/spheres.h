@@ -7,7 +7,7 @@
 /* Finds spheres on a surface, as ost_spheres_find does. *count may be 0. The options must be within their ranges. */
 ost_status anatomy_spheres(const anatomy_surface *surface, const ost_sphere_options *options, ost_sphere *out,
                            int most, int *count, ost_error *err);
-/* Replaces each option that is 0 with its default, then checks the ranges of all options. */
+/* If both radii are 0, sets them to their defaults. Then checks the ranges of all options. */
 ost_status anatomy_sphere_options(ost_sphere_options *options, ost_error *err);
 /* Returns OST_ERR_USAGE or OST_ERR_RANGE if the bone has no voxels or its values are out of range. */
 ost_status anatomy_bone_check(const ost_anatomy_bone *bone, ost_error *err);
