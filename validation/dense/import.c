@@ -383,7 +383,8 @@ static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect,
     return made;
 }
 
-/* Returns the voxel that is read for (x, y, z). The memory layout is correct, or wrong if swapped or padded is true. */
+/* Returns the density that is read for voxel (x, y, z). The memory layout is correct, or wrong if swapped or padded is
+   true. */
 static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t z, bool swapped, bool padded)
 {
     const ost_dims d = rect->base.geometry.dims;
@@ -396,7 +397,7 @@ static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t
 }
 
 /* Returns a * (ONE - w) + b * w. The scale of the result is 2^15 times the scale of a and b. Three applications, along
-   z, then y, then x, give the weighted sum of all eight values. */
+   x, then y, then z, give the weighted sum of all eight values. */
 static int64_t mixed(int64_t a, int64_t b, int32_t w)
 {
     return a * (ONE - w) + b * w;

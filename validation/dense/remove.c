@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs events on dense arrays (AR-REM, AR-CLS). First makes all marks, then the report, and then removes the voxels. */
+/* Runs events on dense arrays (AR-REM, AR-CLS): makes the marks of all poses, then makes the report, and then removes
+   the voxels. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>
