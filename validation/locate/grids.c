@@ -109,7 +109,8 @@ static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, o
     return *source && *weight;
 }
 
-/* Returns an array that contains, for each voxel, the number of samples after the voxel's last sample in the batch. */
+/* Returns an array that contains, for each voxel, the number of samples that follow the voxel's last sample in the same
+   batch, or -1 if the voxel has no sample. */
 static int32_t *samples_behind(const scene *s)
 {
     const ost_geometry *g = &s->rect;

@@ -19,14 +19,15 @@ typedef struct grids {
     uint32_t item;
     ost_dims dims;
     int16_t *ref, *got;  /* owned; the densities, or the classes of a tool, of both backends */
-    /* owned; input of the stage: the previous bone (ticks), the cubic grid (chunks) or the rect grid (cubic); may be
-       NULL */
+    /* owned; input of the stage: the previous bone (ticks), the cubic grid (chunks, resample) or the rect grid (cubic);
+       may be NULL */
     int16_t *before;
     ost_dims before_dims;
     int32_t *source[3];  /* owned; for the cubic grid, the source voxel of each voxel on each axis; otherwise NULL */
     /* owned; weights of the voxels after the source voxels along each axis; only for the cubic grid */
     int32_t *weight[3];
-    /* owned; for each voxel, the number of samples after its last sample; only for the rect grid */
+    /* owned; for each voxel, the number of samples that follow its last sample in the same batch, or -1 if it has no
+       sample; only for the rect grid */
     int32_t *behind;
 } grids;
 

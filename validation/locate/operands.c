@@ -127,7 +127,7 @@ static void chunk_operands(const scene *s, const trace *ref, compare_range in_re
 
 typedef struct crossing_sums {
     int32_t winding, total;
-    uint32_t times, owners; /* used only by the parity rule */
+    uint32_t times, owners; /* number of crossings up to the voxel, and in the entire row */
     int shown;
 } crossing_sums;
 
