@@ -81,7 +81,7 @@ static void report_verdict(void *user, const char *text)
         report_problem(d, BUNDLE_DIFFERENT, EVIDENCE_CASES, text);
 }
 
-/* Reads a file into *out. If the file is not valid, reports a problem and sets *out to NULL. */
+/* Reads protocol.json into *out. If the file is absent or not valid, reports a problem and sets *out to NULL. */
 static ost_status read_protocol(const derivation *d, json_t **out, ost_error *err)
 {
     ost_error why = {0};

@@ -19,7 +19,8 @@
  *   tick 311 -\n        a dump (dump.h) has no such record
  *
  * The digest of a record of stage "failed" excludes the error text, because backends may report a refusal
- * in different words. If two lines are equal, compare.h finds no difference between their records.
+ * in different words. If two lines are equal, compare.h finds no difference between their records,
+ * except in bounds (trace_word_is_bound), which are not part of any digest.
  */
 #ifndef OST_VALIDATION_DIGESTS_H
 #define OST_VALIDATION_DIGESTS_H

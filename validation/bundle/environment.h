@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes environment.json. The file describes the system, the processor, threads, the rounding state, the locale, and
- * the environment variables that affect drivers and threads. It also contains the compiler, its flags, and the SHA-256
- * of the program's own file.
+ * Makes environment.json. The file describes the system, the processor, the number of cores, the rounding mode, the
+ * locale, and the environment variables that affect drivers and threads. It also contains the compiler, the program's
+ * version, and the SHA-256 of the program's own file.
  */
 #ifndef OST_VALIDATION_ENVIRONMENT_H
 #define OST_VALIDATION_ENVIRONMENT_H

@@ -51,8 +51,9 @@ bool evidence_refused(const json_t *one);
  *   NOT COMPARED  there are no results, because there is no backend or all cases were refused or not run
  *   NOT COMPLETE  no result differs, but some cases of the protocol are missing
  *
- * The member equal is true only for EQUAL. The member evidence is false if the tier or the choice of
- * backends covers too little; the sentences of not_shown state what is not covered.
+ * The member equal is true only for EQUAL. The member evidence is false if the cases cover too little (the
+ * tier is smoke, or only some of the tier's cases were run) or if nothing was compared. The sentences of
+ * not_shown state what is not covered.
  */
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
 

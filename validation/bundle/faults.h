@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes sensitivity.json. The file contains the counts for each mistake, the sums of these counts, the false alarms,
- * and the command that repeats the run.
+ * Makes sensitivity.json. The file contains the counts for each kind of mistake, the sums of these counts, the number
+ * of false alarms, and the seed, with which the run can be repeated.
  */
 #ifndef OST_VALIDATION_FAULTS_H
 #define OST_VALIDATION_FAULTS_H
@@ -22,9 +22,10 @@ void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
 
 /*
  * Makes the content of sensitivity.json, owned by the caller:
- * {injected, triggered, changed, detected, localized, survived, false_alarms, clean_runs, proved,
- * statement, mistakes_in,
+ * {injected, triggered, changed, detected, localized, survived, not_detected, not_localized, false_alarms,
+ *  clean_runs, proved, statement, mistakes_in, seed, first_problem,
  *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}.
+ * The member first_problem is absent if there was no problem.
  */
 ost_status faults_json(const sensitivity *s, json_t **out, ost_error *err);
 

@@ -51,8 +51,8 @@ static const struct {
 
 static const char *const folders[] = {"pictures", "cases"};
 
-/* Returns true if the name of a file in a subfolder is allowed. In pictures/ and cases/ a name consists of small
-   letters, digits and dashes, and ends in `ending`. In signatures/, for which ending is NULL, any plain name is
+/* Returns true if the name of a file in a subfolder is allowed. In pictures/ and cases/ a name consists of lower-case
+   letters, digits and dashes, followed by `ending`. In signatures/, for which ending is NULL, any plain name is
    allowed. */
 static bool within(const char *name, const char *folder, const char *ending)
 {

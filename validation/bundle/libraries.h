@@ -11,8 +11,8 @@
 #include <jansson.h>
 #include <osteon/digest.h>
 
-/* Makes [{file, soname, linked, build_id, size, sha256, package, version, maintainer}], sorted by file; owned by the
-   caller. */
+/* Makes [{file, soname, linked, build_id, size, sha256, package, version, licence, maintainer}], sorted by file; owned
+   by the caller. */
 ost_status libraries_loaded(json_t **out, ost_error *err);
 
 /* Computes the SHA-256 of a file in hexadecimal. */

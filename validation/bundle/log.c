@@ -24,8 +24,8 @@ static void counts_of(const json_t *summary, char text[TEXT])
                               case_verdict_name((case_verdict)v));
 }
 
-/* Computes the digest of the file in row `row` of the table in folder.c. Sets *there to false if the file is absent
-   or the log does not contain its digest. */
+/* Writes the name and the digest of the file in row `row` of the table in folder.c. Sets *there to false if the file is
+   absent or if the log need not contain its digest. */
 static ost_status bound_file(const char *folder, size_t row, char text[TEXT], bool *there, ost_error *err)
 {
     folder_about about;

@@ -3,10 +3,10 @@
  * Makes manifest.json, which lists every file of a bundle with its size and SHA-256, sorted by name, and
  * contains two root digests:
  *
- *   root     all files
- *   results  the files whose content depends only on the cases, the code and the list of backends (see
- *            folder.c); two runs with the same list have the same root, independently of the machine, its
- *            drivers and the time
+ *   root          all files
+ *   results_root  the files whose content depends only on the cases, the code and the list of backends (see
+ *                 folder.c); two runs with the same list have the same results_root, independently of the
+ *                 machine, its drivers and the time
  *
  * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 || digest of the file). The
  * text of the manifest is canonical, so any change of a byte in the manifest itself is detected. The

@@ -6,7 +6,7 @@
  *   protocol.json --tier, seed, shard, only, case--> plan --> the protocol again: every key must be equal
  *                                                      '--> the cases of cases.jsonl, in this order, with the inputs
  *                                                           of the plan (except those of the user's own files)
- *   devices.json, tools.json, environment.json, times.json, sensitivity.json: if they name a run, it must be this one
+ *   devices.json, tools.json, environment.json, times.json, sensitivity.json: must come from the run of this protocol
  *
  * The check detects, for example, a smoke campaign labelled as standard, a missing case or backend, and a
  * file from another run or another build.

@@ -52,7 +52,7 @@ void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 /*
  * Checks every file in signatures/. If trust is not NULL, there must be at least one signature, and each
  * signature must be by a trusted key. If trust is NULL, envelopes are read and compared with the bundle,
- * but no signature is verified. Sets *out to [{file, by, meaning, claimed_time, result, keys[], checked,
+ * but no signature is verified. Sets *out to [{file, by, meaning, claimed_time, keys[], checked, stamped,
  * time_stamp}], which the caller owns.
  */
 ost_status sign_check(const char *folder, const sign_trust *trust, bundle_problem *problem, void *user, int *found,

@@ -3,7 +3,7 @@
  * Makes the traceability table, which relates requirements, tests, results and files in both directions:
  *
  *   docs/requirements.csv --docs/check-requirements --table, at build time--> requirements.csv of a bundle
- *   requirements.csv, cases, common.json, suite.json --trace_write--> trace.csv
+ *   requirements.csv, cases, common.json, suite.json --trace_table_write--> trace.csv
  *
  * trace.csv has a row for each requirement. The row lists the requirement's tests, the stages or checks of
  * this bundle that cover the requirement, their results, and the files that contain the results. Rows for
