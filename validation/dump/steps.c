@@ -175,8 +175,8 @@ static bool read_snap(reader *r, const json_t *o, const uint8_t *ref)
         !expect(r, json_is_array(vertices), "vertices", "an array of vertices") ||
         !read_mesh(r, json_array_get(meshes, 0)) || (count == 2 && !read_mesh(r, json_array_get(meshes, 1))))
         return false;
-    /* If the file has no second mesh, the words of the second mesh are 0. If the reference has no second mesh either,
-       these words are copied from the reference. */
+    /* If neither the file nor the reference has a second mesh, the words of the second mesh are copied from the
+       reference. If only the file has none, these words are 0. */
     const bool none = trace_word_at(ref, MESH_WORDS + 9) == 0;
     for (size_t i = MESH_WORDS; i < 2 * MESH_WORDS && count == 1; i++)
         trace_word(r->w, none ? trace_word_at(ref, i) : 0);
