@@ -16,7 +16,7 @@ static const char *about_kind(const char *kind)
     return strcmp(kind, "golden") == 0 ? "by hand" : strcmp(kind, "volume") == 0 ? "by volume" : "by law";
 }
 
-/* Writes the sums in a sentence such as "By hand: 9 of 9; by volume: 4 of 4; by law: 11 of 11." */
+/* Writes the sums in a sentence such as "Passed by hand: 9 of 9; by volume: 4 of 4; by law: 11 of 11." */
 static void common_sums(const page *p, const json_t *checks)
 {
     static const char *const kinds[] = {"by hand", "by volume", "by law"};

@@ -4,7 +4,7 @@
  *
  *   audit.log          the time of its first line
  *   environment.json   machine, processor, the paths that backends entered; for merged shards {"1/3": ...}
- *   devices.json       OpenCL devices that were compared
+ *   protocol.json      OpenCL devices that were compared
  */
 #include <stdlib.h>
 #include <string.h>

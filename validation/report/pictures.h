@@ -42,14 +42,14 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 typedef struct picture_keeper {
     evidence_sink *sink;
     void *user;
-    int drawn[PICTURES_BACKENDS]; /* for each backend, the number of pictures made so far */
+    int drawn[PICTURES_BACKENDS]; /* for each backend, the number of cases with pictures so far */
     ost_error err; /* the first error */
 } picture_keeper;
 void pictures_of_difference(void *keeper, const campaign *c, int case_index, int subject_index, const trace *got,
                             compare_range in_got);
 
-/* Copies pictures from the bundles of shards in a folder. Copies only those pictures that a single run would have
-   made. The parameters protocol and cases are those of the complete campaign. */
+/* Copies pictures and small cases (reproduce.h) from the bundles of shards in a folder. Copies only those pictures that
+   a single run would have made. The parameters protocol and cases are those of the complete campaign. */
 ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                               void *user, ost_error *err);
 
