@@ -64,8 +64,8 @@ ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, co
 /* Adds the counts of b to those of a. Sets the maximum of a to the greater of both maxima. */
 void margins_add(margins *a, const margins *b);
 
-/* Returns [{"stage", "voxels", ..., "max", "bins"}], without the stages in which no voxel differs. The caller owns
-   the array. */
+/* Returns [{"stage", "voxels", ..., "max", "bins"}], without the stages in which neither a voxel nor a report differs.
+   The caller owns the array. */
 json_t *margins_json(const margins *m);
 
 /* Returns the unit in which a stage's margins are given, such as "tool voxel". */

@@ -94,8 +94,8 @@ void plan_free(plan *p);
 /* Generates the case with an identifier. Returns false if the tier has no such case. */
 bool plan_find(plan_tier tier, uint64_t seed, const char *id, const plan_user *user, plan_case *out);
 
-/* Returns an estimate of the size of a case's trace in bytes. The estimate is based on measurements. The traces of
-   generated cases are considerably smaller. */
+/* Returns an estimate of the size of a case's trace in bytes. The estimate is based on measurements. The traces of most
+   generated cases are considerably smaller than the estimate. */
 uint64_t plan_trace_bytes(const plan_case *c);
 
 #endif

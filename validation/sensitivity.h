@@ -47,7 +47,9 @@ typedef struct sensitivity {
     /* number of mistakes that changed a result, and number of those that were detected and located every time */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
-    char first_problem[300]; /* the first undetected mistake or false alarm, and the command that repeats it */
+    /* the first mistake that was not detected or not located, or the first false alarm, with the seeds that repeat it;
+       "" if there is none */
+    char first_problem[300];
 } sensitivity;
 
 /* Returns the number of injections in the first pass of a tier. In the smoke tier each mistake is made once, in every
