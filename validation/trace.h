@@ -86,10 +86,14 @@ void trace_flags(trace_writer *w, uint64_t flags);
 /* ---------------------------------------------------------- reading a trace */
 
 /*
- * A dump (dump.h) may be incomplete. Its trace then gets records of the reference in place of the missing
- * data. These records are marked by flags and are not compared.
+ * The flags of a record:
+ *
+ *   TRACE_STAND_IN  the record takes the place of missing data and is not compared: a dump (dump.h) may be
+ *                   incomplete, and a backend need not implement every function
+ *   TRACE_NO_WORDS  the words are copied from the reference, because a dump has no reports
+ *   TRACE_BOUNDS    the record contains bounds (trace_word_is_bound)
+ *   TRACE_MADE      the backend computed the contents of the record itself instead of receiving them
  */
-/* TRACE_MADE: the backend computed the contents of the record itself instead of receiving them. */
 enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
