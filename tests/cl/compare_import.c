@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the kernels of the import with the reference: rect grids and their reports, cubic grids, and chunks (word by
- * word).
+ * Compares the import kernels with the reference. The tests compare rect grids and their reports, cubic grids, and
+ * chunks (word by word).
  */
 #include "cl/machine.h"
 
@@ -143,14 +143,14 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int b = 0; b < batches; b++) {
         const size_t count = (size_t)rng_range(rng, 1, m->small ? 60 : 400);
         ost_sample *samples = zeros(count, sizeof *samples);
-        /* spread of the densities: many different ones, or only a few */
+        /* The densities are from the complete range of int16, or only from -3 to 2. */
         const int spread = rng_range(rng, 0, 1) ? 32767 : 2;
         for (size_t i = 0; i < count; i++) {
             samples[i].x = some_coordinate(rng, g.geometry.origin.x, g.geometry.spacing.x, g.geometry.dims.x, clean);
             samples[i].y = some_coordinate(rng, g.geometry.origin.y, g.geometry.spacing.y, g.geometry.dims.y, clean);
             samples[i].z = some_coordinate(rng, g.geometry.origin.z, g.geometry.spacing.z, g.geometry.dims.z, clean);
             samples[i].density = (int32_t)rng_range(rng, -spread - 1, spread);
-            /* if mixed, several samples may have the same line */
+            /* In a mixed batch, several samples may have the same line. */
             samples[i].line = (uint32_t)(mixed ? rng_range(rng, 0, 20) : (int64_t)i);
         }
         if (mixed)
@@ -260,7 +260,7 @@ typedef struct pool {
 
 typedef struct slab {
     int32_t z0, z1, first, weights;
-    int16_t *voxels; /* owned, like the array `layers` */
+    int16_t *voxels; /* The slab owns `voxels` and `layers`. */
     int32_t *layers;
     size_t count, layer_count;
 } slab;
@@ -332,7 +332,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    /* in voxels of a kind other than 0, about `solid` of 21 voxels are active */
+    /* Runs of kind 0 are empty. In all other runs, about `solid` of 21 voxels are active. */
     const int solid = (int)rng_range(rng, 0, 20);
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {
@@ -392,7 +392,7 @@ static void chunks_round(machine *m, test_rng *rng)
     const size_t capacity = p.used ? p.used : 1;
     p.density = zeros(capacity * p.voxels, 2);
     p.words = zeros(capacity * p.voxels / 32, 4);
-    if (!by_items) { /* the kernels that do not run by items write every element of a slot */
+    if (!by_items) { /* ost_chunk_store_layers must write every element of a slot. */
         memset(p.density, 0x55, capacity * p.voxels * 2);
         memset(p.words, 0x55, capacity * p.voxels / 8);
     }

@@ -101,7 +101,7 @@ static plan plan_event(const bone_pool *p, const ost_removal_event *event, const
         }
         ost_cl_pose_reach(&e.poses[k]);
     }
-    /* the blocks are in cyclic order, beginning with a random block */
+    /* The blocks are in cyclic order, beginning with a random block. */
     const int64_t turn = rng_range(rng, 0, (int64_t)most - 1);
     for (size_t i = 0; i < most; i++) {
         const int32_t b = (int32_t)((i + (size_t)turn) % most);
@@ -299,7 +299,7 @@ static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 
 static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
 {
-    /* edges of tool voxels in thousandths of the edge of a bone voxel */
+    /* edge lengths of tool voxels, in thousandths of the edge length of a bone voxel */
     static const int64_t shares[] = {3000, 2128, 1064, 1000, 900, 750, 400, 150, 63};
     ost_error err = {0};
     const ost_pm s = 470 * UM;
@@ -321,7 +321,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     if (rng_range(rng, 0, 3) == 0)
         for (size_t i = 0; i < voxel_count(&g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
-    if (rng_range(rng, 0, 3) == 0) /* some chunks are absent */
+    if (rng_range(rng, 0, 3) == 0) /* Sets half of the voxels to 0, so that some chunks are absent. */
         memset(voxels, 0, voxel_count(&g) / 2 * sizeof *voxels);
 
     scene_event scene;
@@ -330,7 +330,7 @@ static void removal_round(machine *m, test_rng *rng, ost_backend *ref)
     for (int k = 0; k < poses; k++) {
         assert_ok(ost_map_make(&pose, &g, &volume.geometry, &scene.maps[k], &err));
         scene.boxes[k] = (ost_voxel_box){.hi = {g.dims.x, g.dims.y, g.dims.z}};
-        if (rng_range(rng, 0, 2) == 0) /* makes a random box, which may exclude a part of the tool */
+        if (rng_range(rng, 0, 2) == 0) /* Replaces the box by a random box, which may exclude a part of the tool. */
             for (int a = 0; a < 3; a++) {
                 scene.boxes[k].lo[a] = (int32_t)rng_range(rng, -3, 40);
                 scene.boxes[k].hi[a] = (int32_t)rng_range(rng, scene.boxes[k].lo[a], 75);

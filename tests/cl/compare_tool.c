@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compares the kernels of the voxelizer with the reference, the reach in cells with its definition, and the fingerprint
-   with the list of expected results. */
+/* Compares the voxelizer kernels with the reference, the reach in the cells of a tool with the definition of the reach,
+   and the fingerprint with the list of expected results. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"
@@ -113,7 +113,7 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    /* if `over` is true, the kernel adds to the count; if `over` is false, it must overwrite the value 99 */
+    /* If `over` is true, the kernel adds to the count; otherwise, it must overwrite the value 99. */
     of_tile[2] = over ? counts[2] : 99;
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;

@@ -48,7 +48,7 @@ enum test_kernel {
     K_COUNT
 };
 
-/* An argument of a kernel. If bytes > 0 it is a buffer; if not, it is a 32-bit number. */
+/* An argument of a kernel. It is a buffer if bytes > 0; otherwise, it is a 32-bit number. */
 typedef struct kernel_arg {
     void *data;
     size_t bytes;
@@ -88,7 +88,7 @@ struct machine {
    the items and the number of additional items beyond the range. */
 machine *machine_as_c(uint64_t seed, int rows);
 
-/* Returns the number of iterations, at most OST_CL_TURNS, that a loop in one work item can run on this machine.
+/* Returns the number of iterations, at most OST_CL_TURNS, that a loop in one work item can execute on this machine.
    Fails the test if the loop's result is wrong. */
 uint32_t machine_turns(machine *m);
 

@@ -87,7 +87,7 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     test_rows = base->rows;
     uint64_t size[3], all = 1;
     for (int a = 0; a < 3; a++) {
-        /* a dimension of 1 is not extended, because kernels may ignore it */
+        /* A dimension of 1 is not extended, because kernels may ignore it. */
         size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0);
         all *= size[a];
     }
@@ -123,7 +123,7 @@ static void launch(machine *base, enum test_kernel kernel, const kernel_arg *arg
     run_items(base, kernel, copies, range);
     for (unsigned i = 0; i < count; i++)
         if (args[i].bytes > 0) {
-            /* inputs are copied as well, because the kernel must not change them */
+            /* Inputs are copied back as well, because the kernel must not change them. */
             memcpy(args[i].data, copies[i].data, args[i].bytes);
             free(copies[i].data);
         }

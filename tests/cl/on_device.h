@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions shared by the tests of the cl backend. These tests need OpenCL and a device. If one of these is missing,
+ * Functions shared by the tests of the cl backend. These tests need OpenCL and a device. If either is missing,
  * the tests are skipped, and the reason is printed. Binaries are cached in the build folder. OST_TEST_CL selects the
- * device, OST_TEST_ONLY the tests:
+ * device, and OST_TEST_ONLY selects the tests:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
  *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open
@@ -20,8 +20,9 @@
 enum { SKIPPED = 77 };
 
 /*
- * Drivers keep memory until the program ends, and some leak a little. This suppression would
- * also hide OpenCL objects that osteon does not release; tests/cl/shim.c counts those.
+ * Drivers keep memory until the program ends, and some leak a little, so leaks in drivers are
+ * suppressed. The suppression also hides OpenCL objects that osteon does not release; tests/cl/shim.c
+ * counts these objects.
  */
 #if defined __SANITIZE_ADDRESS__
 const char *__lsan_default_suppressions(void);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The part of OpenCL C 1.2 that the kernels of src/cl/kernels need to be compiled as C11. This
- * makes the compiler's warnings, the sanitizers and a debugger available for them. A kernel
- * becomes a function that is called once for every item; test_item is the item's number.
+ * The part of OpenCL C 1.2 that is needed to compile the kernels of src/cl/kernels as C11. The
+ * compiler's warnings, the sanitizers and a debugger then work on the kernels. A kernel becomes a
+ * function that is called once for every work item; test_item is the number of the work item.
  */
 #ifndef OST_TESTS_CL_OPENCL_C_H
 #define OST_TESTS_CL_OPENCL_C_H
@@ -124,7 +124,7 @@ static inline ulong rotate(ulong x, ulong by)
 #define atomic_and(p, x) __atomic_fetch_and(p, x, __ATOMIC_RELAXED)
 #define atomic_xor(p, x) __atomic_fetch_xor(p, x, __ATOMIC_RELAXED)
 #define atomic_xchg(p, x) __atomic_exchange_n(p, x, __ATOMIC_RELAXED)
-/* Items are called one after the other, so minimum and maximum need not be atomic here. */
+/* Work items are executed one after the other, so minimum and maximum need not be atomic here. */
 static inline uint test_max_u32(volatile uint *p, uint x) { uint old = *p; *p = x > old ? x : old; return old; }
 static inline uint test_min_u32(volatile uint *p, uint x) { uint old = *p; *p = x < old ? x : old; return old; }
 static inline int test_max_i32(volatile int *p, int x) { int old = *p; *p = x > old ? x : old; return old; }

@@ -5,7 +5,7 @@
 # Covers: REQ-OPTIONAL
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# reason TEXT: checks the reason that the file out contains for the backend cl
+# reason TEXT: checks in the file `out` that the backend cl is not available and that the reason contains TEXT
 reason() {
     i=0
     while name=$(value "backends.$i.name") && [ -n "$name" ]; do

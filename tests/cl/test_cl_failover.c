@@ -137,7 +137,7 @@ static void any_call_may_fail(void **state)
         int16_t *expected = content(plain.bone, &p.g), *got = malloc(voxel_count(&p.g) * sizeof *got);
         assert_non_null(got);
         if (ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err) != OST_OK) {
-            assert_true(!moved && shim_failed()); /* in some rounds, the failure occurs only in this download */
+            assert_true(!moved && shim_failed()); /* In some rounds, the failure occurs only in this download. */
             go_on(&failing, other);
             late++;
             assert_ok(ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err));

@@ -15,7 +15,7 @@ grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL
 mkdir -p "$build/tests/cl/cache"
 export XDG_CACHE_HOME="$build/tests/cl/cache"
 
-# After FAIL_AT launches all calls that use the queue fail; without FAIL_AT the launches are counted.
+# After FAIL_AT launches, all calls that use the queue fail. If FAIL_AT is not set, the launches are only counted.
 cat >failing.c <<'END'
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120

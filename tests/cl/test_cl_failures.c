@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a small session repeatedly. Each OpenCL call of the session fails in one run, and in a second run
- * the device is also lost from this call on. In each run the following must hold:
+ * Runs a small session repeatedly. For each OpenCL call of the session, this call fails in one run; in a
+ * second run, the device is also lost from this call on. In each run, the following must hold:
  *
  *   - the status is not OST_OK, and the message names the device
  *   - there is no crash, and every OpenCL object is released
@@ -117,7 +117,7 @@ static void check_upload(const session *s, const ost_bone *bone)
     free(now);
 }
 
-/* The content of a grid is unknown after a failed upload. Checks that the grid is lost. */
+/* Checks that a grid is lost after a failed upload, because its content is then undefined. */
 static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
 {
     ost_error err = {0};
@@ -126,7 +126,7 @@ static void check_grid(const session *s, const ost_grid *grid, int16_t *voxels)
     assert_non_null(strstr(err.text, "is lost"));
 }
 
-/* Samples one voxel of each slice, and compares the densities with those after `done` events. */
+/* Samples one voxel of each slice, and compares the densities with the expected densities after `done` events. */
 static ost_status sample_column(const session *s, const ost_bone *bone, int done, ost_error *err)
 {
     enum { SLICES = 100 };
@@ -169,7 +169,7 @@ static ost_status run_events(const session *s, ost_bone *bone, const ost_tool *t
     return status;
 }
 
-/* Runs all stages once. Stops at the first failure. */
+/* Runs all stages once. Returns at the first failure. */
 static ost_status run_session(const session *s, ost_error *err)
 {
     const ost_geometry flat = {.dims = {10, 5, 1}, .spacing = {500 * UM, 500 * UM, 500 * UM}};
@@ -263,7 +263,7 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Returns true for calls whose failure does not have to fail the session. After a failed query, the backend chooses
+/* Returns true for calls whose failure need not make the session fail. After a failed query, the backend chooses
    another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
 static bool may_be_overcome(enum shim_call call)
 {
@@ -316,8 +316,8 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
-/* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills them failed
-   and the failure was reported only later, they must be created again. */
+/* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills them fails
+   and the failure is reported only later, they must be created again. */
 static void late(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the force while a device removes bone. The backends cl and ref make the same operation: a hand presses a
+ * Tests the force while a device removes bone. The backends cl and ref perform the same operation: a hand presses a
  * rotating tool into bone. In each tick, the force is computed, and the tool's pose is passed to the world, which
  * removes bone. A difference in one sampled voxel would change the force, the tool's pose and all later ticks.
  * Therefore all forces, all reports and the final grids must be equal.

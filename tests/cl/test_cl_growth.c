@@ -4,7 +4,7 @@
  * each kind, and the resident size of the process is measured.
  *
  * The test runs 4,000 events, or 100,000 with OST_TEST_LONG=1. During the first tenth, objects
- * are created once or grow to their final size. After it
+ * are created once or grow to their final size. After that:
  *   - every event releases every object that it creates
  *   - the size of the process stays the same within 4 MiB, so that the long test
  *     detects a growth of 42 bytes per event
@@ -75,7 +75,7 @@ static void opened_and_closed(void **state)
     assert_all_released();
     const enum shim_object needed[] = {SHIM_CONTEXT, SHIM_QUEUE, SHIM_PROGRAM, SHIM_KERNEL, SHIM_BUFFER};
     for (size_t k = 0; k < sizeof needed / sizeof needed[0]; k++)
-        assert_true(shim_objects(needed[k]).created >= 5); /* proves that the shim counts this type of object */
+        assert_true(shim_objects(needed[k]).created >= 5); /* This proves that the shim counts this kind of object. */
 }
 
 typedef struct scene {
@@ -139,7 +139,7 @@ static void many_events(void **state)
         for (int k = 0; k < count; k++)
             poses[k] = random_pose(&rng, lo, hi);
         const ost_removal_event *event = event_of(s.event, &s.g, s.tool[1], poses, count);
-        for (int k = 0; k < count; k++) /* a tool's corner is 4.5 * sqrt(3) < 8 voxels from its middle */
+        for (int k = 0; k < count; k++) /* A corner of the tool is 4.5 * sqrt(3) < 8 voxels from the tool's centre. */
             for (int a = 0; a < 3; a++) {
                 const int32_t at = (int32_t)((a == 0   ? poses[k].t.x
                                               : a == 1 ? poses[k].t.y

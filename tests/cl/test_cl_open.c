@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the opening of a device: options; devices that are refused because of what they report
- * or compute; a build that fails; and a cache that is damaged, owned by others, invalid or
- * missing.
+ * Tests the opening of a device. The tests cover the options, devices that are refused because of
+ * a property that they report or a result that they compute, a build that fails, and a cache that
+ * is damaged, owned by others, invalid or missing.
  */
 #include "cl/on_device.h"
 
@@ -110,7 +110,7 @@ static const void *answer;
 static size_t answer_size;
 
 /*
- * Returns the value of the test for one query of device information. Passes all other queries to the
+ * Returns the test's answer to the query of the property `requested`. Passes all other queries to the
  * device.
  */
 static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
@@ -253,12 +253,12 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* the size selects the read of the fingerprint's results; flip_at selects word 6 of item 500 */
+    flip_size = 100000; /* This size selects the read of the fingerprint results. flip_at selects word 6 of item 500. */
     flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* the size selects every read; the first read is the layout, in which the value 3 is changed */
+    flip_size = 1; /* This size selects every read. The first one reads the layout, in which value 3 is changed. */
     flip_at = 12;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
@@ -303,7 +303,7 @@ static void ends_loops(void **state)
     ost_backend_close(backend);
     char named[256];
     snprintf(named, sizeof named, "%s%skernels=cpu", own_options(), own_options()[0] ? "," : "");
-    /* a kernel set that the user chose is not replaced */
+    /* A kernel set that the user chose is not replaced. */
     assert_int_equal(try_open(&api, named, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "too early for kernels=cpu"));
     turns_given = OST_CL_TURNS_LEAST - 1;
@@ -350,7 +350,7 @@ static void too_many_poses(void **state)
     turns_given = TURNS;
     assert_ok(ost_cl_open_with(&api, own_options(), &backend, &err));
     backend->ops = &ost_backend_cl;
-    turns_given = 0; /* from here on, reads return the results of the device */
+    turns_given = 0; /* From here on, reads return the results of the device. */
 
     const ost_pm s = OST_PM_PER_MM / 2;
     const ost_geometry g = cubic_geometry(SIDE, SIDE, SIDE, s, (ost_pm3){0, 0, 0});
@@ -412,7 +412,7 @@ static void build_fails(void **state)
     ost_cl_api api = ost_cl_loader;
     char before[4096];
     snprintf(before, sizeof before, "%s", getenv("XDG_CACHE_HOME"));
-    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* no driver can create this cache folder, even as root */
+    setenv("XDG_CACHE_HOME", "/dev/null/no-folder", 1); /* No driver can create this cache folder, even as root. */
     api.clCreateProgramWithSource = broken_source;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "clBuildProgram"));
@@ -486,7 +486,8 @@ static bool on_platform(const char *name)
     return is;
 }
 
-/* Makes a new folder for the caches of the following backends. PoCL's cache stays where it was, `before`. */
+/* Makes a new folder for the caches of the following backends. PoCL's cache stays in the old folder, which `before`
+   receives. */
 static void begin_cache(char *folder, char *before, size_t size)
 {
     snprintf(before, size, "%s", getenv("XDG_CACHE_HOME"));
@@ -505,7 +506,7 @@ static void end_cache(const char *folder, const char *before)
 
 /*
  * On PoCL, the first program that a process builds from its source is not stored, because PoCL would compile all its
- * kernels. The second program is stored. Must be the first test that opens a device.
+ * kernels. The second program is stored. This test must be the first test that opens a device.
  */
 static void first_program(void **state)
 {
@@ -557,7 +558,7 @@ static void cache_damage(void **state)
     }
     memcpy(bad, good, size);
     bad[size] = 0;
-    write_all(path, bad, size + 1); /* the entry is one byte longer than its length field states */
+    write_all(path, bad, size + 1); /* The entry is one byte longer than its length field states. */
     assert_false(opened_from_cache());
 
     /* If the binary is invalid but its magic, length, key and checksum are right, it is passed to the driver. Only an
@@ -579,7 +580,7 @@ static void cache_damage(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* Tests a file in place of the cache's folder, and a folder that cannot be created. */
+    /* The path of the cache is that of a file, and then that of a folder that cannot be created. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);

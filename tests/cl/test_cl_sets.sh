@@ -16,7 +16,7 @@ export XDG_CACHE_HOME="$build/tests/cl/cache"
 device=$(sed -n 's/^  \(cl:platform=[0-9]*,device=[0-9]*\)  *yes.*/\1/p' devices | head -n 1)
 [ -n "$device" ] || skip "no OpenCL device can be used here"
 
-# A device that ends long loops cannot run the kernel set for CPUs; the other set is still compared.
+# A device that ends long loops cannot run the kernel set for CPUs. In this case, only the other set is compared.
 sets=gpu
 "$osteon" voxelize builtin:peg --backend "$device,kernels=cpu" --voxel 1 --out peg.nrrd >/dev/null 2>why && sets="cpu gpu"
 [ "$sets" != gpu ] || grep -q 'too early for kernels=cpu' why || fail "kernels=cpu: $(cat why)"

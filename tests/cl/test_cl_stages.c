@@ -276,7 +276,7 @@ static void shared(void **state)
     test_rng rng = rng_seeded("shared");
     pair p = open_pair(NULL);
     for (int round = 0; round < 30; round++) {
-        const bool large = round % 5 == 4; /* buffers of one megabyte or more are reused */
+        const bool large = round % 5 == 4; /* The backend reuses buffers of one megabyte or more. */
         const ost_pm side = rng_range(&rng, 100, 900) * UM;
         const ost_geometry g = {
             .dims = {(int32_t)rng_range(&rng, 1, large ? 140 : 40),
@@ -345,7 +345,7 @@ static void voxelizer(void **state)
     for (size_t w = 0; w < workgroup_count(); w++) {
         pair p = open_pair(workgroups[w]);
         for (int round = 0; round < 25; round++) {
-            /* a great depth gives long triangles, which are in the lists of many slices */
+            /* A great depth gives long triangles, which are in the lists of many slices. */
             const int32_t depth = round == 24 ? 200 : 24;
             const ost_dims dims = {(int32_t)rng_range(&rng, 2, 24), (int32_t)rng_range(&rng, 2, 24),
                                    (int32_t)rng_range(&rng, round == 24 ? 150 : 2, depth)};
@@ -518,7 +518,8 @@ static void sample_twice(ost_backend *backend, ost_bone *bone, const ost_geometr
     ost_tool_free(tool);
 }
 
-/* A path that was not entered was never compared. If the kernel set has such a path, the test fails. Must run last. */
+/* Fails if a path of the kernel set was never entered, because such a path was not compared. Must run as the last
+   test. */
 static void entered(void **state)
 {
     ost_error err = {0};

@@ -46,7 +46,7 @@ static const struct {
     int rows;
     size_t group;
 } ways[] = {{256, 1}, {1, 64}, {16, 16}, {4, 7}};
-/* SMALL_WAYS is the number of ways tested on a simulator, the first in the table: removal by blocks and by rows */
+/* A simulator runs only the first SMALL_WAYS entries of the table: removal by blocks and removal by rows. */
 enum { WAYS = sizeof ways / sizeof *ways, SMALL_WAYS = 2 };
 static machine *machines[DEVICES * WAYS];
 static int machine_count, rounds_given;
@@ -128,7 +128,7 @@ static void floats(void **state)
 
 int main(void)
 {
-    /* rusticl is off by default; Mesa's compiler is independent of other drivers' compilers */
+    /* rusticl is off by default. It is tested because Mesa's compiler is independent of other drivers' compilers. */
     setenv("RUSTICL_ENABLE", "llvmpipe", 0);
     find_devices();
     if (device_count == 0) {
