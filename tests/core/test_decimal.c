@@ -227,7 +227,7 @@ static void q30_agrees_with_long_division(void **state)
         ost_decimal d = decimal(text);
         int64_t scaled;
         assert_true(ost_decimal_scale(&d, UINT64_C(1) << 30, &scaled, NULL));
-        /* The error |scaled * 10^12 - m * 2^30| is at most 10^12 / 2; if it is equal, scaled is even. */
+        /* The error |scaled * 10^12 - m * 2^30| is at most 10^12 / 2. In a tie, scaled is even. */
         __int128 off = (__int128)scaled * INT64_C(1000000000000) - ((__int128)m << 30);
         off = off < 0 ? -off : off;
         assert_true(off < INT64_C(500000000000) || (off == INT64_C(500000000000) && scaled % 2 == 0));
@@ -318,7 +318,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* the greatest possible product, 1.8 * 10^37, divided by 10^37 */
+    /* This is the greatest possible product, 1.8 * 10^37, divided by 10^37. */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));
@@ -326,7 +326,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     ost_pm pm;
     assert_true(ost_pm_from_binary(8000.0, &pm));
     assert_int_equal(pm, OST_LENGTH_MAX);
-    assert_false(ost_pm_from_binary(0x1.f400000000001p12, &pm)); /* the next double */
+    assert_false(ost_pm_from_binary(0x1.f400000000001p12, &pm)); /* the next double above 8000 */
 }
 
 int main(void)

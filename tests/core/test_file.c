@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that the guarded opening of files accepts only regular files and links to them, and
- * does not block. The error for an absent file differs from the error for an unreadable one.
+ * Tests that only regular files and links to them can be opened for reading, and that the opening of
+ * a file does not block. The error for an absent file differs from the error for an unreadable one.
  * Covers: REQ-REGULAR-FILES
  */
 #include "harness.h"
@@ -178,7 +178,7 @@ static void a_stream_is_a_file(void **state)
         assert_memory_equal(bytes, "four", 4);
         close(file.fd);
     }
-    /* The names of regular files must keep their meaning. */
+    /* ost_file_spool must have no effect on the names of regular files. */
     put("plain", "four");
     assert_ok(ost_file_spool(at("plain"), &err));
     assert_false(ost_file_is_stream(at("plain")));

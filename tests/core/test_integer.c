@@ -80,7 +80,7 @@ static void the_divider_divides(void **state)
         case 2: n += random_wide(&rng, 127) % d; break;
         default: break;
         }
-        /* makes the dividend an exact multiple, because the quotient may not exceed the bound */
+        /* The quotient must not exceed the bound, so the dividend is replaced by an exact multiple of the divisor. */
         if (q == most || q == -most)
             n = q * d;
         ost_i128 remainder;

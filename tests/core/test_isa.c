@@ -111,7 +111,7 @@ static void this_machine(void **state)
     ost_error err = {0};
     ost_isa isa;
     unsetenv("OSTEON_ISA");
-    printf("# chosen here: %s\n", ost_isa_name(ost_isa_best())); /* .ci/oldcpu reads this */
+    printf("# chosen here: %s\n", ost_isa_name(ost_isa_best())); /* .ci/oldcpu reads this line. */
     assert_true(ost_isa_available(OST_ISA_SCALAR));
     assert_true(ost_isa_available(ost_isa_best()));
     assert_false(ost_isa_available(OST_ISA_COUNT));
@@ -126,7 +126,7 @@ static void this_machine(void **state)
     setenv("OSTEON_ISA", "scalar", 1);
     assert_ok(ost_isa_choose(NULL, &isa, &err));
     assert_int_equal(isa, OST_ISA_SCALAR);
-    /* an explicit argument takes precedence over the environment */
+    /* An explicit argument takes precedence over the environment. */
     assert_ok(ost_isa_choose(ost_isa_name(ost_isa_best()), &isa, &err));
     assert_int_equal(isa, ost_isa_best());
     setenv("OSTEON_ISA", "avx3", 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a motor's rotation: the phase is exact, the tool's poses are right, and each row of a
- * path is divided into as many ticks as it needs.
+ * Tests a motor's rotation: the phase is exact, the tool's poses are correct, and the intervals
+ * between the rows of a path are divided into the required number of ticks.
  *
  * Covers: AR-MOTOR-2, AR-MOTOR-4, AR-MOTOR-7
  */
@@ -114,14 +114,14 @@ static void rows_become_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    /* at 200 rpm the interval has 3 parts, because U / 3 is greater than 2 U / 8 */
+    /* At 200 rpm, this interval has 3 parts, because U / 3 is greater than 2 U / 8. */
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
     path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms correspond to 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* a lifted row is one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
     path.ticks[4].tool = 1;                     /* a row that follows a row with another tool is also one tick */
-    /* a row with its own speed, as in a path from a session, is unchanged */
+    /* A row with its own speed, as in a path from a session, is unchanged. */
     path.ticks[5] = row(3137, 50, 70);
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));
@@ -187,7 +187,7 @@ static void rows_too_far_apart_are_refused(void **state)
     path.ticks[1].pose = (ost_pose){.qx = OST_Q30_ONE};
     assert_int_equal(ost_motor_path(&path, 200, &(ost_motor){0}, &err), OST_ERR_RANGE);
     assert_memory_equal(&path, &same, sizeof path);
-    /* if the motor is off, no angle is swept and no limit applies */
+    /* If the motor is off, no angle is swept and no limit applies. */
     assert_ok(ost_motor_path(&path, 0, &(ost_motor){0}, &err));
     assert_int_equal(path.count, 2);
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
