@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens the reference and the CPU backend with every instruction set of this machine and several thread
- * counts. Events of any size are divided among the threads. Also generates tools of several shapes.
+ * Functions that open the reference and the CPU backend with every instruction set of this machine and with
+ * several thread counts, and functions that generate tools of several shapes. The CPU backends divide events
+ * of any size among their threads.
  */
 #ifndef OST_TESTS_CPU_TEAM_H
 #define OST_TESTS_CPU_TEAM_H
@@ -66,7 +67,7 @@ typedef enum form { HEMISPHERE, PEG, TOOTHED_SHELL, PLATE, NOISE, SOLID, EMPTY, 
 
 static inline uint8_t form_at(form f, test_rng *rng, const int32_t d[3], int32_t x, int32_t y, int32_t z)
 {
-    /* Distances from the middle are doubled, so that they are integers. */
+    /* Distances from the centre are doubled, so that they are integers. */
     const int64_t cx = 2 * x + 1 - d[0], cy = 2 * y + 1 - d[1], r = d[0] < d[1] ? d[0] : d[1];
     const int64_t flat = cx * cx + cy * cy, high = 2 * z + 1;
     switch (f) {

@@ -45,7 +45,7 @@ static int16_t *random_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {
     int16_t *voxels = malloc((size_t)count * sizeof *voxels);
     assert_non_null(voxels);
-    /* The array consists of runs of three types: zeros, arbitrary values, and values near the threshold. */
+    /* The array consists of runs of four kinds: zeros, arbitrary values, values near the threshold, and INT16_MIN. */
     int kind = 0;
     for (int64_t i = 0, left = 0; i < count; i++, left--) {
         if (left == 0) {
@@ -342,7 +342,7 @@ static void samples_to_rect(void **state)
                 samples[i] = (ost_sample){.x = p[0], .y = p[1], .z = p[2], .density = (int32_t)rng_range(&rng, -3, 3)};
                 if (wild && i % 1000 == 999)
                     samples[i].y = rng_range(&rng, 0, 1) ? INT64_MAX : INT64_MIN;
-                /* two samples may have the same line number */
+                /* Two samples may have the same line number. */
                 samples[i].line = (uint32_t)(i / (size_t)rng_range(&rng, 1, 2));
             }
             for (int b = 0; b < 2; b++)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the memory of a complete scapula as a bone of the CPU backend. The number of densities in its
- * active chunks is the number in the thesis (Table 3.2: 202 chunks of 32^3, 13.2 MB). Occupancy adds a
- * sixteenth of this size. The total of occupancy, tables and unused space may be at most a tenth of it.
+ * Measures the memory of a complete scapula as a bone of the CPU backend. The size of the densities in its
+ * active chunks equals the size in the thesis (Table 3.2: 202 chunks of 32^3, 13.2 MB). Occupancy adds a
+ * sixteenth of this size. Occupancy, tables and unused space together may add at most a tenth of it.
  *
  * The memory is measured in two ways: as reported by the backend, chunk by chunk, and as the
  * growth of this process's anonymous memory, as reported by the system.
@@ -89,7 +89,7 @@ static void a_scapula_is_small(void **state)
     assert_true(info.resident_bytes <= most);
     if (before >= 0 && alone_in_memory()) {
         assert_true(grown <= most);
-        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* the measurement must include the chunks */
+        assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* The measurement must include the chunks. */
     }
     ost_bone_free(bone);
     ost_backend_close(backend);
@@ -107,7 +107,7 @@ static void an_uploaded_bone_too(void **state)
     ost_bone_info info;
     assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err));
     assert_ok(ost_backend_open("cpu:threads=2", &backend, &err));
-    ct.geometry.spacing.z = ct.geometry.spacing.x; /* the phantom is flattened, because a bone needs equal spacings */
+    ct.geometry.spacing.z = ct.geometry.spacing.x; /* A bone needs equal spacings, so the phantom is flattened. */
     for (int n = 16; n <= 64; n *= 2) {
         assert_ok(ost_bone_create(backend, &ct.geometry, n, 120, &bone, &err));
         assert_ok(ost_bone_upload(bone, 0, ct.geometry.dims.z, ct.voxels, &err));

@@ -57,7 +57,7 @@ static ost_voxel_box some_box(test_rng *rng, const ost_geometry *g)
 static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 {
     int16_t *voxels = random_densities(rng, g, (int)rng_range(rng, 1, 8));
-    if (rng_range(rng, 0, 3) == 0) /* the full range of densities */
+    if (rng_range(rng, 0, 3) == 0) /* These densities are from the full range of int16. */
         for (size_t i = 0; i < voxel_count(g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
     if (rng_range(rng, 0, 3) == 0) /* the first half is empty, so that chunks are absent */

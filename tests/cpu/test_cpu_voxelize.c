@@ -29,7 +29,7 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
     ost_voxelize_report report;
     uint64_t *bits[2] = {aligned_alloc(64, size), aligned_alloc(64, size)};
     assert_true(bits[0] && bits[1]);
-    for (int both = 0; both < 2; both++) { /* without noncutting bits, the cutting bits may be filled in place */
+    for (int both = 0; both < 2; both++) { /* Without noncutting bits, the cutting bits may be filled in place. */
         memset(bits[0], 0x5a, size);
         memset(bits[1], 0x5a, size);
         assert_ok(ost_cpu_voxelize((const cpu_backend *)backend, cutting, noncutting, rule, &report,
@@ -64,7 +64,7 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
     assert_ok(ost_backend_open(spec, &backend, &err));
     if (tiny)
         ost_cpu_sharing_init(((cpu_backend *)backend)->sharing, 1, 0);
-    for (int again = 0; again < 2; again++) { /* the first call must not affect the second */
+    for (int again = 0; again < 2; again++) { /* The first call must not affect the second. */
         memset(&report, 0x5a, sizeof report);
         assert_ok(ost_voxelize(backend, cutting, noncutting, rule, &report, &tool, &err));
         assert_ok(ost_tool_download(tool, &volume, &err));
@@ -112,13 +112,13 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
                     if (!ost_isa_available((ost_isa)isa))
                         continue;
                     if (v == 1 && !(all && t % 2 == 0) && (ost_isa)isa != ost_isa_best())
-                        /* not tested, because opening an Embree device takes longer than voxelizing these grids */
+                        /* Embree is omitted, because opening its device takes longer than voxelizing these grids. */
                         continue;
                     snprintf(spec, sizeof spec, "cpu:isa=%s,threads=%d,voxelizer=%s", ost_isa_name((ost_isa)isa),
                              threads[t], voxelizers[v]);
                     if (ost_backend_open(spec, &backend, &err) == OST_ERR_UNAVAILABLE)
-                        continue; /* the build has no Embree; "triangles" is always available, see the test
-                                     `options` below */
+                        continue; /* This build has no Embree. The test `options` checks that "triangles" is
+                                     always available. */
                     ost_backend_close(backend);
                     compare_one(spec, threads[t] > 1 || tiny_too++ % 2, cutting, noncutting, (ost_fill_rule)rule,
                                 expected, &report, what);
@@ -210,7 +210,7 @@ static ost_snapped_mesh make_sphere(ost_dims dims, uint32_t rings, uint32_t sect
         for (uint32_t k = 0; k < sectors; k++) {
             const uint32_t k1 = (k + 1) % sectors, a = i * sectors + k, b = (i + 1) * sectors + k,
                            c = (i + 1) * sectors + k1, d = i * sectors + k1;
-            make_triangle(&mesh, a, b, c); /* at the poles, one of these two triangles is degenerate */
+            make_triangle(&mesh, a, b, c); /* At the poles, one of these two triangles is degenerate. */
             make_triangle(&mesh, a, c, d);
         }
     return mesh;
