@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The state that a call must leave unchanged, in addition to the registers that a
- * compiler preserves:
+ * Calls a kernel and checks the processor state that it must leave unchanged, in
+ * addition to the registers that a compiler preserves:
  *
- *   x86-64    MXCSR and the x87 control word; no x87 register in use
- *             (MMX would leave registers in use); the upper halves of the
- *             vector registers are zero, because baseline code is slow
- *             otherwise (checked only where the compiler clears them; gcc
- *             does not below -O2)
+ *   x86-64    MXCSR and the x87 control word. After the call, no x87 register
+ *             may be in use (MMX code would leave registers in use), and the
+ *             upper halves of the vector registers must be zero, because
+ *             baseline code is slow otherwise. The upper halves are checked
+ *             only if the compiler clears them, which gcc does from -O2 on.
  *   AArch64   FPCR
  *
  * The exception flags (inexact and so on) may change.
@@ -122,7 +122,7 @@ static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 static void state_init(void)
 {
     float eight[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-    has_avx = __builtin_cpu_supports("avx"); /* ost_isa_available allows more in tests/simd/portable */
+    has_avx = __builtin_cpu_supports("avx"); /* In tests/simd/portable, ost_isa_available allows more. */
     if (has_avx) {
         state_prepare();
         use_upper(eight);
@@ -201,7 +201,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-/* call_seen is the number of the call that was running at the last tick of the watchdog */
+/* call_seen is the number of the call that was running at the last tick of the watchdog. */
 static volatile sig_atomic_t call_number, call_seen;
 
 static void land(int sig, siginfo_t *info, void *context)

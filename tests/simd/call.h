@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel and describes an error in a sentence. There are three types of errors: a fault, a call that does not
- * end, and processor state that was not restored. For a fault, the sentence describes the address.
+ * Calls a kernel and describes an error in a sentence. There are three kinds of errors: a fault, a call that does not
+ * end, and processor state that was not restored. For a fault, the sentence also describes the address.
  */
 #ifndef OST_TESTS_SIMD_CALL_H
 #define OST_TESTS_SIMD_CALL_H
@@ -18,7 +18,7 @@ typedef enum call_end { CALL_RETURNED, CALL_FAULT, CALL_STATE } call_end;
 
 /*
  * Sets the time limit of a call in seconds of CPU time. A call that exceeds the limit is ended after at
- * most twice this time. Must be called once before the first call_kernel.
+ * most twice this time. This function must be called once before the first call of call_kernel.
  */
 void call_watch(double seconds);
 /* Calls `kernel` through `call`. If the result is not CALL_RETURNED, `text` describes the error. */

@@ -39,7 +39,7 @@ typedef struct check {
     int number;    /* number of the case, counted from 0; a test may use special values in the first cases */
     uint64_t seed; /* seed of the run */
     check_fn *scalar, *other;
-    /* used by run.c */
+    /* The following members are used only by run.c. */
     check_result result;
     const char *name, *isa;
     bool quiet;

@@ -60,7 +60,7 @@ static void test_brick_row(check *c)
     const bool same_rows = check_chance(c, 4);
     const int16_t **rows = check_input(c, "rows", 16, sizeof *rows, sizeof *rows);
     for (int r = 0; r < 16; r++) {
-        if (r > 0 && same_rows && check_chance(c, 2)) { /* as in padding, a row is equal to the previous row */
+        if (r > 0 && same_rows && check_chance(c, 2)) { /* As in padding, this row is equal to the previous row. */
             rows[r] = rows[r - 1];
             continue;
         }
@@ -137,7 +137,7 @@ static void test_any_active(check *c)
     for (int r = 0; r < count; r++)
         for (int x = 0; x < width; x++)
             base[row[r] + (size_t)x] = some_density(c, threshold, 0);
-    /* for 0, no voxel is active; for 1, one voxel is active; for 2, the last voxel is active */
+    /* 0 if no voxel is active, 1 if one random voxel is active, 2 if only the last voxel is active */
     const int active = (int)check_range(c, 0, 2);
     const int r = active == 2 ? count - 1 : (int)check_range(c, 0, count - 1),
               x = active == 2 ? width - 1 : (int)check_range(c, 0, width - 1);

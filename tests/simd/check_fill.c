@@ -30,9 +30,9 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * Makes the crossings of one row. The parameter `kind` selects no crossings (0), alternately entering and
- * leaving (1), not closed (2), random (3), at every centre (4), or both signs at one centre (5). If the
- * mesh is inside out, the caller exchanges the planes.
+ * Makes the crossings of one row. The parameter `kind` selects the crossings: none (0), alternately entering
+ * and leaving (1), those of an open mesh (2), random ones (3), one at every centre (4), or some with both signs at
+ * one centre (5). If the mesh is inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -52,7 +52,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         }
         inside = !inside;
     }
-    if (kind == 1 && inside) { /* the row must end outside the mesh */
+    if (kind == 1 && inside) { /* The row must end outside the mesh. */
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
@@ -169,7 +169,7 @@ static void test_fill(check *c)
     memset(before, 0, 2 * plane_words * sizeof *before);
     memset(spill, 0, all * ((size_t)nx + 1) * sizeof *spill);
     memset(row_state[0], 0, all);
-    /* if below 6, all rows are of this kind; if not, each row has a kind of its own */
+    /* If one_kind is below 6, all rows are of this kind; otherwise, each row has its own kind. */
     const int one_kind = (int)check_range(c, 0, 12);
     for (size_t r = 0; r < all; r++) {
         const int kind = one_kind < 6 ? one_kind : check_chance(c, 4) ? (int)check_range(c, 0, 5) : one_kind % 2;

@@ -3,7 +3,7 @@
  * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
  * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
- * near three types of borders: a base beyond the first is uncertain and must be computed by division, a
+ * near three kinds of borders: a base beyond the first is uncertain and must be computed by division, a
  * base beyond the second does not exist, and a block beyond the third is out of reach.
  *
  * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
@@ -469,7 +469,7 @@ static void test_match_tables(check *c)
     }
 }
 
-/* Computes the tables of all instruction sets, because the caller does not know which kernel reads them. */
+/* Computes the tables of all instruction sets, so that any kernel can read the tables that it needs. */
 static void make_tables(ost_match *match)
 {
     if (!match->windows && !match->wide)
@@ -490,7 +490,7 @@ static void test_match(check *c)
     ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
-    if (check_chance(c, 8)) /* a shape for larger bone voxels has no windows */
+    if (check_chance(c, 8)) /* The shape for larger bone voxels has no windows. */
         shape->windows = shape->wide = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     make_tables(match);
@@ -570,7 +570,7 @@ static void test_take(check *c)
     int32_t *number = check_input(c, "number", count, sizeof *number, sizeof *number);
     uint64_t *hits = check_input(c, "hits", count, sizeof *hits, sizeof *hits);
     some_numbers(c, number, count, bricks);
-    /* number of hits in each brick: 0 means one, 1 any number, 2 all voxels */
+    /* 0 if each brick has one hit, 1 if each brick has a random number of hits, 2 if all voxels are hit */
     const int full = (int)check_range(c, 0, 2);
     for (size_t i = 0; i < count; i++)
         hits[i] = full == 2 ? UINT64_MAX : full == 1 ? rng_next(&c->rng) | 1 : UINT64_C(1) << check_range(c, 0, 63);
@@ -578,9 +578,9 @@ static void test_take(check *c)
     void *density[2];
     check_outputs(c, "density", voxels, sizeof(int16_t), 64, density);
     int16_t *d = density[0];
-    /* densities: 0 means the maximum, 1 densities near borders, 2 any densities */
+    /* 0 if all densities are the maximum, 1 if they are next to class borders, 2 if they are random */
     const int dense = (int)check_range(c, 0, 2);
-    for (size_t i = 0; i < voxels; i++) { /* voxels that are not hit may have any density */
+    for (size_t i = 0; i < voxels; i++) { /* Voxels that are not hit may have any density. */
         int64_t v = dense == 0 ? take->highest : check_range(c, 1, take->highest);
         if (dense == 1 && take->borders > 0)
             v = take->border[check_range(c, 0, take->borders - 1)] - check_range(c, 0, 1);
@@ -597,7 +597,7 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    /* the tally begins with values other than zero, because the kernel must add to it */
+    /* The tally begins with values other than zero, because the kernel must add to it. */
     for (int i = 0; i < OST_CLASS_MAX; i++) {
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;

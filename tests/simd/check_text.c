@@ -90,17 +90,17 @@ static size_t some_line(check *c, const ost_text_pattern *p, const ost_text_colu
     else if (!p->carriage && way == 1)
         out[n++] = '\r';
     const size_t at = n > 0 ? (size_t)check_range(c, 0, (int64_t)n - 1) : 0;
-    if (way == 2 && n > 0) { /* a byte changed */
+    if (way == 2 && n > 0) { /* A byte is changed. */
         out[at] = (char)(out[at] ^ (1 << check_range(c, 0, 7)));
         out[at] = out[at] == '\n' ? 'n' : out[at];
-    } else if (way == 3 && n > 0) { /* a byte missing */
+    } else if (way == 3 && n > 0) { /* A byte is missing. */
         memmove(out + at, out + at + 1, n - at - 1);
         n--;
-    } else if (way == 4) { /* a byte added */
+    } else if (way == 4) { /* A byte is added. */
         memmove(out + at + 1, out + at, n - at);
         out[at] = some_byte(c);
         n++;
-    } else if (way == 5) { /* only the beginning of the line is written */
+    } else if (way == 5) { /* Only the beginning of the line is written. */
         n = check_chance(c, 3) ? 0 : at;
     }
     return n;
@@ -148,8 +148,8 @@ static void test_match(check *c)
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
         check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
                    begins[a.matched]))
-        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* beyond the matches both buffers
-                                                                               contain poison */
+        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* Beyond the matches, both
+                                                                               buffers contain poison. */
 }
 
 static void bench_match(check_bench *b)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernels vox_mark and vox_keys with triangles of every type in tiles.
+ * Checks of the kernels vox_mark and vox_keys with triangles of every kind in tiles.
  *
  * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are small
  * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across the entire
@@ -86,7 +86,7 @@ static void some_mesh(check *c, int f, ost_dims dims, size_t triangles, ost_snap
         some_corners(c, f, end, &vertex[3 * t]);
         for (uint32_t i = 0; i < 3; i++)
             triangle[t][i] = (uint32_t)(3 * t) + i;
-        /* the triangle shares vertices with earlier triangles, or is the previous triangle in reverse order */
+        /* The triangle shares vertices with earlier triangles, or is the previous triangle in reverse order. */
         if (t > 0 && check_chance(c, 6))
             for (uint32_t i = 0; i < 3; i++)
                 triangle[t][i] = check_chance(c, 2) ? (uint32_t)check_range(c, 0, (int64_t)(3 * t) + 2)
@@ -173,7 +173,7 @@ static void test_mark(check *c)
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
     check_outputs(c, "odd", rows, 1, 1, row_state);
     memset(planes[0], 0, 16 * plane_words);
-    if (check_chance(c, 3)) /* these bits have been marked by earlier triangles */
+    if (check_chance(c, 3)) /* These bits represent the marks of earlier triangles. */
         for (size_t w = 0; w < 2 * plane_words; w++)
             if (w % plane_words < rows * words) {
                 const int64_t bits = dims.x - (int64_t)(w % plane_words % words) * 64;

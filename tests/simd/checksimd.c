@@ -2,10 +2,10 @@
 /*
  * Compares every kernel of every instruction set with the scalar kernel.
  *
- *   checksimd                                  tests all kernels with random and worst cases
+ *   checksimd                                  tests all kernels with random cases and with limit values
  *   checksimd --function=split --isa=avx2      tests one kernel of one instruction set
  *             --seed=N --case=K                repeats one case, with the numbers that a failure prints
- *   checksimd --bench                          times the kernels instead; no time counts as a failure
+ *   checksimd --bench                          times the kernels instead, without checking the times
  *   checksimd --list                           lists the kernels
  *
  * A slot that contains the scalar function or the function of a lower level is not tested again. The scalar
@@ -25,9 +25,9 @@
 
 typedef struct options {
     uint64_t seed;
-    const char *function; /* NULL: all */
-    int isa;              /* -1: all */
-    int number;           /* -1: all */
+    const char *function; /* name of the kernel, or NULL for all kernels */
+    int isa;              /* instruction set, or -1 for all */
+    int number;           /* number of the case, or -1 for all */
     int times;            /* factor by which the number of cases is multiplied */
     bool bench, list;
 } options;

@@ -11,7 +11,7 @@
 enum { BUFFERS_MAX = 96, CANARY = 512 };
 
 typedef struct buffer {
-    unsigned char *data; /* owned; pages with one inaccessible page on either side */
+    unsigned char *data; /* owned pages, with one inaccessible page on either side */
     size_t capacity;     /* bytes of data, a multiple of the page size */
     unsigned char *at;
     size_t size;

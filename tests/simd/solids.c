@@ -10,7 +10,7 @@ typedef enum form { BALL, HALF_SHELL, PLATE_X, PLATE_Z, NOISE, FULL, EMPTY, ONE,
 static const char *const form_names[] = {"ball",  "half shell", "plate across x", "plate across z",
                                          "noise", "full",       "empty",          "one voxel"};
 
-/* Returns the square of twice the distance of the voxel `at` from the middle of the grid. */
+/* Returns the square of twice the distance of the voxel `at` from the centre of the grid. */
 static int64_t distance(const int32_t d[3], const int32_t at[3])
 {
     int64_t sum = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that checksimd detects errors. Each kernel in this file is wrong in one small way. The error must
- * be reported with the right reason within the default number of cases.
+ * Tests that checksimd detects errors. Each kernel in this file has one small error, which must be reported
+ * with the right reason within the default number of cases.
  *
  * A wrong kernel calls the scalar kernel and causes an error before or after the call. The seed is fixed,
  * so that results do not vary between runs.

@@ -19,7 +19,7 @@
 #undef vcltq_f64
 #define vcltq_f64 simde_vcltq_f64
 
-#undef vdivq_f64 /* later versions of SIMDe define it */
+#undef vdivq_f64 /* Later versions of SIMDe define this function. */
 static inline float64x2_t vdivq_f64(float64x2_t a, float64x2_t b)
 {
     return a / b;

@@ -18,7 +18,7 @@
 #include <string.h>
 
 #define SIMDE_NO_NATIVE
-/* clang checks arguments before it inlines the functions, so the check would fail */
+/* clang would check the arguments before it inlines the functions, and this check would fail. */
 #define SIMDE_NO_CHECK_IMMEDIATE_CONSTANT
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/x86/avx512.h>

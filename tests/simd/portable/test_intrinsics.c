@@ -50,7 +50,7 @@ static void set_input(test_rng *rng, intrinsic_input *in)
 /* Returns the FNV-1a hash of the results of all rounds. */
 static uint64_t hash_of(const intrinsic_case *c)
 {
-    test_rng rng = {1}; /* not the run's seed, because the hashes are recorded */
+    test_rng rng = {1}; /* The seed is constant, because the hashes are recorded. */
     uint64_t hash = UINT64_C(0xcbf29ce484222325);
     for (int round = 0; round < ROUNDS; round++) {
         intrinsic_input in = {.mask = 0};
