@@ -96,7 +96,7 @@ static void chunk_size_does_not_show(void **state)
     ost_error err = {0};
     test_rng rng = rng_seeded("chunk size");
     ost_geometry g = odd_geometry();
-    for (int share = 0; share <= 8; share += 4) { /* none, half and all voxels active */
+    for (int share = 0; share <= 8; share += 4) { /* no, half of the voxels and all voxels are active */
         int16_t *voxels = random_densities(&rng, &g, share);
         ost_digest leaves[3][3 * 2 * 2], roots[3];
         for (int s = 0; s < 3; s++) {
@@ -179,8 +179,8 @@ static void empty_chunks_have_no_memory(void **state)
     for (int s = 0; s < 3; s++) {
         ost_chunk_grid grid;
         assert_ok(ost_chunk_grid_init(&grid, g.dims, sizes[s], 120, &err));
-        /* in step 0 all voxels are below the threshold, in step 1 one voxel is at the threshold, in step 2 none
-           again */
+        /* In step 0, all voxels are below the threshold. In step 1, one voxel is at the threshold. In step 2, all
+           voxels are below the threshold again. */
         for (int step = 0; step < 3; step++) {
             int64_t allocated = 0;
             voxels[5] = (int16_t)(step == 1 ? 120 : step == 0 ? 119 : 0);

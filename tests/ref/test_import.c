@@ -88,7 +88,7 @@ static void borders_of_the_offsets(void **state)
     } cases[] = {
         {1000000, 0, 0, 0},   {1000001, 1, 0, 0},   {3000000, 1, 0, 0},  {3000001, 1, 7, -1}, {4000000, 1, 7, -1},
         {15000000, 0, 0, 2},  {14999999, 1, 0, 2},  {13000000, 1, 0, 2}, {12999999, 1, 7, -1}, {-3000000, 1, 0, 0},
-        /* 7.5 is rounded to 8, which is outside the grid */
+        /* 7.5 is rounded to 8, which is outside the grid. */
         {-4000001, 1, 7, -1}, {59000000, 1, 0, 7},  {60000000, 1, 7, -1},
         {61000000, 1, 7, -1}, {64000000, 0, 7, -1}, {-8000000, 0, 7, -1}, {OST_LENGTH_MAX, 0, 7, -1},
     };
@@ -123,7 +123,7 @@ static void a_voxel_met_again(void **state)
                                   {.density = 150, .line = 3}};
     ost_error err = {0};
     for (size_t i = 0; i < 4; i++)
-        for (size_t cut = 0; cut <= 4; cut++) { /* the samples are divided into two batches at every position */
+        for (size_t cut = 0; cut <= 4; cut++) { /* The samples are divided into two batches at every position. */
             ost_grid *grid = rect_grid(*state, 2, 2, 2, (ost_pm3){0, 0, 0});
             ost_scatter_report report = {0};
             assert_ok(ost_ct_to_rect(grid, samples, cut, 1, cases[i].rule, &report, &err));
@@ -165,7 +165,7 @@ static void every_voxel_finds_its_place(void **state)
     ost_grid *grid = rect_grid(*state, NX, NY, NZ, origin);
     ost_sample samples[NX * NY * NZ];
     for (int i = 0; i < NX * NY * NZ; i++) {
-        int v = (i * 61) % (NX * NY * NZ); /* the order is scattered, because 61 and 140 have no common divisor */
+        int v = (i * 61) % (NX * NY * NZ); /* This is a permutation, because 61 and 140 have no common divisor. */
         int x = v % NX, y = v / NX % NY, z = v / NX / NY;
         samples[i] = (ost_sample){origin.x + x * S, origin.y + y * S, origin.z + z * OST_PM_PER_MM, v - 70,
                                   (uint32_t)i};
@@ -291,7 +291,7 @@ static void origins_round_half_to_even(void **state)
 
 /*
  * Resamples 2 x 2 x 2 voxels of 1.5 mm to 3 x 3 x 3 voxels of 1 mm. Returns the density of the
- * middle voxel, for which t = (3 - 1.5) / 3 = 1/2 on every axis.
+ * central voxel, for which t = (3 - 1.5) / 3 = 1/2 on every axis.
  */
 static int16_t mean_of_eight(ost_backend *backend, const int16_t voxels[8])
 {

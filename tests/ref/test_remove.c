@@ -37,7 +37,7 @@ static void a_small_cube(void **state)
         {{{2000 * UM, 3000 * UM, 4000 * UM}, OST_Q30_ONE, 0, 0, 0}, {2, 3, 4}, {4, 5, 6}},
         {{{2500 * UM, 3500 * UM, 4500 * UM}, OST_Q30_ONE, 0, 0, 0}, {3, 4, 5}, {5, 6, 7}},
         {{{4000 * UM, 3000 * UM, 4000 * UM}, q, 0, 0, q}, {3, 3, 4}, {5, 5, 6}},
-        /* the tool extends across two borders of the bone */
+        /* The tool extends across two borders of the bone. */
         {{{-1000 * UM, 7000 * UM, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 7, 0}, {1, 8, 2}},
         {{{8000 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
     };
@@ -45,7 +45,7 @@ static void a_small_cube(void **state)
     int16_t full[512];
     for (int i = 0; i < 512; i++)
         full[i] = 500;
-    for (int voxels = 1; voxels <= 4; voxels *= 2) { /* the same cube with 1, 2 and 4 tool voxels per millimetre */
+    for (int voxels = 1; voxels <= 4; voxels *= 2) { /* The same cube has 1, 2 or 4 tool voxels per millimetre. */
         ost_tool *tool = solid_tool(
             *state, (ost_tool_geometry){{2 * voxels, 2 * voxels, 2 * voxels}, OST_PM_PER_MM / voxels, {0, 0, 0}},
             OST_TOOL_CUTTING);
@@ -421,13 +421,13 @@ static void moved_together_nothing_changes(void **state)
 }
 
 /*
- * Returns the pose p rotated by a quarter turn about `axis`. Both quaternions are in Q30 before
- * the product is rounded.
+ * Returns the pose p rotated by a quarter turn about `axis`, with the translation t. The rotation
+ * of p must be one of the 24 rotations of a cube.
  */
 static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 {
     const int64_t q[4] = {p->qw, p->qx, p->qy, p->qz};
-    /* 1 + k, which is the quarter turn (1 + k) / sqrt(2) not yet scaled; the result is scaled below */
+    /* u is the quarter turn (1 + k) / sqrt(2) without the factor 1 / sqrt(2). The product is scaled below. */
     int64_t u[4] = {1, 0, 0, 0}, r[4];
     u[1 + axis] = 1;
     r[0] = u[0] * q[0] - u[1] * q[1] - u[2] * q[2] - u[3] * q[3];
@@ -435,8 +435,8 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
     r[2] = u[0] * q[2] - u[1] * q[3] + u[2] * q[0] + u[3] * q[1];
     r[3] = u[0] * q[3] + u[1] * q[2] - u[2] * q[1] + u[3] * q[0];
     /*
-     * Only the 24 rotations of a cube are used. Their components are 0 or have the same
-     * magnitude, so a common factor restores |q| = 1.
+     * The nonzero components of a cube's rotations have the same magnitude, which their number
+     * determines.
      */
     int nonzero = 0;
     for (int c = 0; c < 4; c++)

@@ -61,7 +61,7 @@ static void a_sample_is_what_is_there(void **state)
         ost_tool *tool = random_tool(*state, &rng, (ost_tool_geometry){{9, 8, 7}, 1000 * UM, {0, 0, 0}});
         uint64_t removed = 0;
         for (int round = 0; round < 12; round++) {
-            /* sometimes several events precede a sample, and sometimes none does */
+            /* Before the samples are taken, up to three events occur. */
             for (int64_t events = rng_range(&rng, 0, 3); events > 0; events--) {
                 ost_removal_report report = {0};
                 const ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0},
