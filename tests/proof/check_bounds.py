@@ -202,7 +202,7 @@ def expression_holds(rule, path, expression, ranges, bound, wide):
 def rotation_entries(wide):
     """Proves |M[a][b]| <= N (AR-POSE-4): M M' = N^2 I, so the squares of a row sum to N^2.
 
-    Both sides have degree 4 at most in each component. Therefore they are equal if they are equal at five values of
+    Both sides have at most degree 4 in each component. Therefore they are equal if they are equal at five values of
     each component.
     """
     for w, x, y, z in itertools.product(range(5), repeat=4):
@@ -224,10 +224,10 @@ def rotation_entries(wide):
 
 
 def rotation_norm(wide):
-    """Bounds N of a pose as read and of a pose between two, with the rounding of its components (AR-POSE-3, AR-MAP-7).
+    """Bounds N for a pose that was read and for an interpolated pose, whose components are rounded (AR-POSE-3, AR-MAP-7).
 
-    |q| between two ends is at most that of the longer end. Rounding changes each of the four components by at most 1/2,
-    and therefore |q| by at most 1.
+    An interpolated quaternion is at most as long as the longer of its two ends. Rounding changes each of the four
+    components by at most 1/2, and therefore |q| by at most 1.
     """
     longest = isqrt(1002001 * 2**60 // 10**6) + 2 + wide * 2**20
     require(longest**2 <= N_MAX, "N exceeds OST_ROTATION_N_MAX")
@@ -237,8 +237,8 @@ def rotation_norm(wide):
 
 
 def weighted_sum(wide):
-    """Proves |S| <= 2^60 (AR-CUB-2) with every partial sum. Each is linear in each weight and each
-    voxel, so its extremes are at corners."""
+    """Proves |S| <= 2^60 (AR-CUB-2) for every partial sum. A partial sum is linear in each weight and each
+    voxel, so its extremes are at the corners of the ranges."""
     one = 2**15
     for weights in itertools.product((0, one << wide), repeat=3):
         low = high = 0
@@ -264,14 +264,14 @@ def motor_turn(wide):
 
 
 def motor_unit(wide):
-    """AR-MOTOR-7: r = floor(sqrt N) and |c| <= sqrt N < r + 1. Therefore 2^30 |c| / r < 2^30 + 2^30 / r,
-    which is at most 2^30 + 2 for N >= 2^59."""
+    """Bounds the components of a scaled quaternion (AR-MOTOR-7). With r = floor(sqrt N), |c| <= sqrt N < r + 1.
+    Therefore 2^30 |c| / r < 2^30 + 2^30 / r, which is at most 2^30 + 2 for N >= 2^59."""
     require(Fraction(2**30, isqrt(N_MIN >> 8 * wide)) <= 2, "a component exceeds 2^30 + 2")
 
 
 def displacement(wide):
-    """AR-SWEEP-2: a corner of a box within 8 m has a length of at most sqrt(3) * 8 m, and so has its
-    image, which RHE moves by at most 1/2."""
+    """Bounds the displacement of a corner (AR-SWEEP-2). A corner of a box within 8 m is at most sqrt(3) * 8 m from
+    the origin. The same applies to its image, which RHE moves by at most 1/2 on each axis."""
     image = isqrt(3 * (LENGTH << wide) ** 2) + 2
     require(image <= IMAGE, f"an image at {image} pm")
     along = 2 * image + 2 * LENGTH
@@ -302,7 +302,7 @@ def map_sums(wide):
 
 
 def map_steps(wide):
-    """AR-MAP-3, AR-MAP-5: |column| = 2^20 |M| s <= 2^20 N 16 v = 2^24 divisor, so |step| <= 2^24.
+    """Bounds the steps of a map (AR-MAP-3, AR-MAP-5): |column| = 2^20 |M| s <= 2^20 N 16 v = 2^24 divisor, so |step| <= 2^24.
 
     The squares of a column of R sum to 1, so its magnitudes sum to at most sqrt(3). The three steps, each rounded by at
     most 1/2, therefore sum to at most sqrt(3) * 2^24 + 3/2. The proof by cbmc (map_coordinate) assumes the floor of
@@ -316,16 +316,16 @@ def map_steps(wide):
 
 
 def quotient(wide):
-    """AR-INT-2, ost_rhe_div128: n = q d + r with 0 <= r < d for the quotient q rounded down. Therefore
-    |q d| <= |n| + d, for |n| < 2^126 and d < 2^98."""
+    """Bounds the products in ost_rhe_div128 (AR-INT-2). The quotient q is rounded down: n = q d + r with 0 <= r < d.
+    Therefore |q d| <= |n| + d, for |n| < 2^126 and d < 2^98."""
     require(2**126 + (2**98 << 29 * wide) < 2**127, "q d exceeds 128 bits")
     # For |n| <= 2^46 d, the quotient rounded down and the next integer fit the 64 bits of ost_rhe_by.
     require((2**46 << 17 * wide) + 2 < 2**63, "a quotient exceeds 64 bits")
 
 
 def divider(wide):
-    """ost_floor_by: |h I| < 2^126 and e differs from the floor by at most one. Therefore |e D| <= |n| +
-    2 D (src/core/divider.h)."""
+    """Bounds the products in ost_floor_by (src/core/divider.h): |h I| < 2^126, and e differs from the floor by at
+    most one. Therefore |e D| <= |n| + 2 D."""
     d = 2**61  # the worst case is the least d, because 2^124 / d - 2^124 / (d + 1) decreases with d
     error = Fraction(2**124, d) - Fraction(2**124, d + 1) + 1
     require(error <= 5, "X - I exceeds 5")
@@ -337,13 +337,13 @@ def divider(wide):
 
 
 def density_sum(wide):
-    """AR-REM-6: the densities of at most 2^36 voxels, each at most 2^15 in magnitude, are summed in int64."""
+    """Proves that a sum of densities fits int64 (AR-REM-6), for at most 2^36 voxels of at most 2^15 in magnitude."""
     require(2**36 * 2**15 << 13 * wide < 2**63, "a sum of densities exceeds int64")
     require("int64_t density[OST_CLASS_MAX]" in source("include/osteon/event.h"), "the sums have another type")
 
 
 def constants(wide):
-    """AR-LEN-1, AR-GRID-3, AR-POSE-3, AR-TOOL-1: the bounds themselves fit their types."""
+    """Proves that the bounds themselves fit their types (AR-LEN-1, AR-GRID-3, AR-POSE-3, AR-TOOL-1)."""
     require(LENGTH << wide < 2**43 and SPACING < 2**37 and 1001 * 2**30 < 1000 * 2**31, "a bound exceeds its type")
     text = source("include/osteon/length.h") + source("include/osteon/grid.h")
     for name, value in ("OST_LENGTH_MAX", "(INT64_C(8000) * OST_PM_PER_MM)"), ("OST_SPACING_MAX", "(100 * OST_PM_PER_MM)"):
