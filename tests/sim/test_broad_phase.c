@@ -218,7 +218,7 @@ static void separating_axes_separate(void **state)
     pose.t.x = pose.t.y = (ost_pm)(12.0722 * diagonal * 1e9);
     assert_false(ost_boxes_meet(&bone, &tool, &pose));
     ost_voxel_box box = ost_box_voxels(&g, &tool, &pose);
-    assert_true(ost_voxel_box_holds(&box)); /* the bounds alone would not exclude this pose */
+    assert_true(ost_voxel_box_holds(&box)); /* The bounds alone would not exclude this pose. */
 
     /*
      * The cubes meet with two edges, at the pose q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along

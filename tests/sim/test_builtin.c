@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests built-in paths: the motion and speed of the tool's working face, and the removed bone. Also tests
- * that the glenoid's position is read from the facts of a grid.
+ * Tests built-in paths: the motion and speed of the tool's working face, and the removed bone. Further tests
+ * check that the glenoid's position is read from the facts of a grid.
  */
 #include "ref/scene.h"
 
@@ -57,11 +57,11 @@ static void it_runs_along_the_axis(void **state)
                 }
                 for (int a = 0; a < 3; a++)
                     off += fabs(t[a] - (double[]){-117.8, 196.5, -159}[a] - depth * u[a] / length);
-                /* the tip is the origin of the tool's frame, so the translation t lies on the axis */
+                /* The tip is the origin of the tool's frame, so the translation t lies on the axis. */
                 assert_true(off < 1e-6);
                 if (k > 0) {
                     assert_true(fabs(depth - last) < 0.0201);
-                    assert_memory_equal(q, before, sizeof q); /* the motor rotates the tool, not the path */
+                    assert_memory_equal(q, before, sizeof q); /* The motor rotates the tool; the path does not. */
                 }
                 last = depth;
                 deepest = depth > deepest ? depth : deepest;
@@ -130,7 +130,7 @@ static void ticks_are_gentle(void **state)
         {{73, 73, 42}, OST_PM_PER_MM / 2, {-18250000000, -18250000000, -750000000}},
         {{14, 14, 62}, OST_PM_PER_MM / 2, {-3500000000, -3500000000, -1000000000}},
         {{3, 3, 3}, OST_PM_PER_MM / 2, {-750000000, -750000000, 0}},
-        /* the axis of the frame lies outside this grid */
+        /* The axis of the frame lies outside this grid. */
         {{40, 40, 10}, OST_PM_PER_MM / 2, {100 * OST_PM_PER_MM, 50 * OST_PM_PER_MM, 0}},
     };
     for (size_t i = 0; i < 4; i++)
@@ -188,7 +188,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         /* The tick has no motor speed, like a tick from a device, so it must be refused. */
         assert_int_equal(ost_world_step(world, &path.ticks[0], &r, &err), OST_ERR_USAGE);
         assert_ok(ost_motor_path(&path, OST_RPM_REAMER, &(ost_motor){0}, &err));
-        /* in this test it is sufficient to execute one pose per hundredth of a second */
+        /* For this test, it is sufficient to execute one pose per hundredth of a second. */
         for (size_t k = 0; k < path.count; k += 10) {
             assert_ok(ost_world_step(world, &path.ticks[k], &r, &err));
         }

@@ -11,8 +11,8 @@
 #include <osteon/sim.h>
 
 /*
- * Tests random voxels, axes, centres and limits. The test adds in a different order than the library, so
- * voxels within 1e-9 mm of a border are not compared.
+ * Tests random voxels, axes, centres and limits. The test rounds differently from the library, so a count may
+ * differ by one voxel that lies on a border.
  */
 static void random_sites(void **state)
 {
@@ -54,7 +54,7 @@ static void random_sites(void **state)
         int64_t found;
         double in, out;
         assert_ok(ost_bone_in_front(bone, &site, radius, reach, &found, &err));
-        assert_true(llabs(found - front) <= 1); /* a voxel on a border may be counted on either side */
+        assert_true(llabs(found - front) <= 1); /* A voxel on a border may be counted on either side. */
         assert_ok(ost_bone_along_axis(bone, &site, &in, &out, &err));
         const double share = 100 * s * s * s / (acos(-1) * 16 * 10);
         assert_true(fabs(in - fmin(100, (double)inward * share)) <= share * 1.001);

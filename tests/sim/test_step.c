@@ -90,7 +90,7 @@ static void a_sweep_leaves_no_gap(void **state)
         density += totals.density_by_class[c];
     }
     assert_int_equal(by_class, totals.removed_voxels);
-    int64_t expected = 0; /* the density of a voxel is a function of its index */
+    int64_t expected = 0; /* The density of a voxel is a function of its index. */
     for (int x = 4; x < 16; x++)
         for (int y = 9; y < 11; y++)
             for (int z = 5; z < 11; z++)
@@ -209,8 +209,8 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
 }
 
 /*
- * The peg moves through the complete bone, in any rotation, with the motor off. Nothing may be
- * removed, and the limits of sweeps must not apply.
+ * The peg moves through the bone with the motor off, and jumps by metres and half turns. Nothing
+ * may be removed, and the limits of sweeps must not apply.
  */
 static void a_motor_that_is_off_removes_nothing(void **state)
 {
@@ -244,7 +244,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
         step(&l, motor_at(1, 0, 15000));
         step(&l, motor_at(2, 0, 30000));
         const ost_step_result r = step(&l, motor_at(3, 200, 32000));
-        assert_true(r.removal); /* the first tick with the motor on removes in any period */
+        assert_true(r.removal); /* The first tick with the motor on removes bone in any period. */
         assert_int_equal(r.pose_count, 4);
         /* The peg of 2 x 2 x 6 mm is at x = 30.5, 31, 31.5 and 32, and removes the centres with 29.5 <= x < 33. */
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
@@ -381,7 +381,7 @@ static void what_a_world_refuses(void **state)
     ost_tool *foreign = solid_tool(other, (ost_tool_geometry){{1, 1, 1}, OST_PM_PER_MM, {0, 0, 0}}, OST_TOOL_CUTTING);
     assert_int_equal(ost_world_add_tool(l.world, "foreign", foreign, NULL, &err), OST_ERR_USAGE);
     ost_tool *fine = solid_tool(*state, (ost_tool_geometry){{1, 1, 1}, 62 * UM, {0, 0, 0}}, OST_TOOL_CUTTING);
-    /* 1 mm is more than 16 voxels of this tool */
+    /* 1 mm is more than 16 voxels of this tool. */
     assert_int_equal(ost_world_add_tool(l.world, "fine", fine, NULL, &err), OST_ERR_RANGE);
     for (int i = 2; i < OST_WORLD_TOOLS_MAX; i++)
         assert_ok(ost_world_add_tool(l.world, NULL, l.peg, NULL, &err));
