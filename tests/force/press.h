@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Test fixtures for forces: bones into which tools are pressed, and the tools. */
+/* Fixtures for the tests of forces: tools, and bones into which the tools are pressed. */
 #ifndef TESTS_FORCE_PRESS_H
 #define TESTS_FORCE_PRESS_H
 

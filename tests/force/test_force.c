@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares forces with closed forms: a sphere in a plane, planar and hemispherical reaming. Also tests the
- * shell of a spherical tool, a tool that does not cut, and the densities of single voxels that a backend
+ * Compares forces with closed forms: a sphere in a plane, planar and hemispherical reaming. Further tests check
+ * the shell of a spherical tool, a tool that does not cut, and the densities of single voxels that a backend
  * returns.
  * Covers: REQ-FORCE
  */
@@ -219,7 +219,7 @@ static void what_does_not_cut_stops(void **state)
     ost_bone_free(bone);
 }
 
-/* A device that passes through a plate of 1 mm within one tick must not move the tool through the plate. */
+/* If a device passes through a plate of 1 mm within one tick, the tool must not pass through the plate. */
 static void nothing_is_tunnelled_through(void **state)
 {
     skip_without_samples(*state);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests optional parts of the force: the coupling of the tool's orientation, compared with
- * springs in series and tested for rest in a closed loop; vibration, compared with its formula;
- * and a file of parameters.
+ * Tests optional parts of the force. The coupling of the tool's orientation is compared with
+ * springs in series, and must come to rest in a closed loop. Vibration is compared with its
+ * formula. A file of parameters is read and written.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"

@@ -168,7 +168,7 @@ static void a_silent_device_gets_nothing(void **state)
     double f;
     ost_safety_begin(&s, &p);
     give(&s, 0, true, 0, 1, &f);
-    /* a single tick without a sample is bridged */
+    /* A single tick without a sample is bridged. */
     assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN);
     assert_true(f > 0.9);
     assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
