@@ -8,8 +8,8 @@ uses quaternions that rotate vectors (q' v q / N) and fractions of any length. T
 only the rules of docs/spec/arithmetic.md in common:
 
     AR-SWEEP   the number of poses of an event, and the poses
-    AR-MAP     steps, bases, far blocks; also that the coordinates used are
-               within 23 / 2^20 of a tool voxel of the exact ones
+    AR-MAP     steps, bases and far blocks; in addition, the coordinates that are used
+               must be within 23 / 2^20 of a tool voxel of the exact coordinates
     AR-REM     the voxels that a complete event removes and touches, and their sums
 
 Covers: AR-INT-3, AR-POSE-4, AR-SWEEP-1, AR-SWEEP-2, AR-SWEEP-3, AR-SWEEP-4, AR-MAP-1, AR-MAP-3, AR-MAP-4, AR-MAP-5, AR-MAP-6,
@@ -17,7 +17,7 @@ AR-MAP-7, AR-REM-1, AR-REM-2, AR-REM-6, AR-CLS-1
 
 Usage: check_events.py [DUMPER] [COUNT]    (default: tests/oracle/dump_events, 2000)
 OST_TEST_SEED=N replays a run. OST_TEST_BACKENDS="ref cpu:isa=avx2" selects the backends (tests/backends.h); the dumps
-of all backends must be the same text. The exit status is 77 without a dumper.
+of all backends must be the same text. The exit status is 77 if the dumper is missing.
 """
 
 import math
@@ -108,7 +108,7 @@ def least_root(ratio):
 
 
 def sweep_count(a, b, tool, s):
-    """Returns the number of poses by AR-SWEEP-1 to AR-SWEEP-3, or 0 if the sweep is refused."""
+    """Returns the number of poses according to AR-SWEEP-1 to AR-SWEEP-3, or 0 if the sweep is refused."""
     if 2 * dot(a.q, b.q) ** 2 < dot(a.q, a.q) * dot(b.q, b.q):
         return 0
     far = 0
@@ -126,7 +126,7 @@ def sweep_pose(a, b, k, n):
 
 
 class Map:
-    """The map of one pose by AR-MAP; bases are cached per block."""
+    """The map of one pose as defined by AR-MAP; bases are cached per block."""
 
     def __init__(self, pose, s, o, tool):
         self.pose, self.s, self.o, self.tool = pose, s, o, tool

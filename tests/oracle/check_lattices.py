@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the pseudo-code of docs/spec/arithmetic.md, AR-CT-3 and AR-CT-7, against the reader of CT texts.
+"""Compares the pseudo-code of docs/spec/arithmetic.md, AR-CT-3 and AR-CT-7, with the reader of CT texts.
 
     docs/spec/arithmetic.md --its ```python block, unchanged---> spacings  |  equal for every text, and
     random lattices ---> texts ---> dump_lattices (src/io/text) ------> |  refused by both or by neither
@@ -12,7 +12,7 @@ exponents, and facts in comments. The oracle's own search for spacings (osteon_o
 Covers: AR-CT-3, AR-CT-4, AR-CT-7, AR-CT-8
 
 Usage: check_lattices.py [DUMPER] [COUNT]    (default: tests/oracle/dump_lattices, 500)
-OST_TEST_SEED=N replays a run. The exit status is 77 without a dumper.
+OST_TEST_SEED=N replays a run. The exit status is 77 if the dumper is missing.
 """
 
 import functools
@@ -33,7 +33,7 @@ MM = 10**9
 
 
 def pseudo_code():
-    """Returns the names that the program in the document defines."""
+    """Executes the program in the document, and returns the names that it defines."""
     root = os.environ.get("top_srcdir") or os.path.join(os.path.dirname(__file__), "..", "..")
     with open(os.path.join(root, "docs", "spec", "arithmetic.md"), encoding="utf-8") as file:
         text = file.read()

@@ -211,8 +211,8 @@ def imports(runner):
     for rule in ("nearest", "thesis"):
         check_import(runner, rule, ct_text(rng, (23, 11, 9), ("0.7", "0.9", "1.1"), ("1", "1", "1"), 1),
                      ("--cubic", "0.45", "--resample", rule), cubic=450000000, rule=rule)
-    # AR-GRID-5: a sample outside the crop may be anywhere between the layers, and may be repeated
-    # with another density.
+    # According to AR-GRID-5, a sample outside the crop may be anywhere between the layers, and may be
+    # repeated with another density.
     content = ct_text(rng, (20, 12, 9), ("0.7", "0.9", "1.1"), ("1", "-2", "3"), 2, shuffle=True)
     content += "1.3 -2 3 5\n1 -2 3 31000\n"
     check_import(runner, "part", content, ("--crop", "4:17,2:11,1:7", "--spacing", "0.7,0.9,1.1"), spacing=(700000000, 900000000, 1100000000),
@@ -224,7 +224,7 @@ def imports(runner):
 
 
 def thresholds(runner):
-    """AR-DIG-1: thresholds that select the same voxels must give equal bones with different digests."""
+    """Checks that thresholds that select the same voxels give equal bones with different digests (AR-DIG-1)."""
     content = ct_text(runner.rng, (9, 8, 7), ("0.7",) * 3, ("0", "0", "0"), 1)
     content = "".join(line if not 119 <= float(line.split()[3]) <= 130 else line.rsplit(" ", 1)[0] + " 100\n"
                       for line in content.splitlines(keepends=True))
@@ -297,7 +297,7 @@ def floats(runner):
 
 def tetrahedron(rng, size):
     """Returns a closed tetrahedron with outward or inward normals. Its coordinates are multiples of 1/8
-    mm, which every float type represents exactly."""
+    mm, so every float type represents them exactly."""
     while True:
         points = [[Fraction(rng.randrange(-size * 8, size * 8 + 1), 8) for _ in range(3)] for _ in range(4)]
         edges = [[p - q for p, q in zip(point, points[0])] for point in points[1:]]
@@ -389,7 +389,7 @@ def solid_set(runner, name, mesh, voxel):
 
 
 def laws(runner):
-    """Tests AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command without the oracle, which excludes a common mistake."""
+    """Tests AR-LAW-4, AR-LAW-7 and AR-LAW-8 on the command alone, so that a mistake that the oracle shares is detected."""
     points, triangles = tetrahedron(runner.rng, 3)
     whole = solid_set(runner, "law", (points, triangles), "0.5")
     equal("AR-LAW-8: faces reversed", solid_set(runner, "reversed", (points, [(a, c, b) for a, b, c in triangles]), "0.5"), whole)
@@ -424,7 +424,7 @@ def turned(rng, any_turn):
 
 
 def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
-    """Returns a path through the bone's middle. Some steps are multiples of a voxel, so that poses lie
+    """Returns a path through the bone's centre. Some steps are multiples of a voxel, so that poses lie
     exactly on borders."""
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     rows, tool = ["t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool"], 0
@@ -508,7 +508,7 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
 
 
 def check_off(runner, bone, bone_file, tool_file):
-    """AR-MOTOR-5: with --rpm 0 a path through the bone's middle must remove nothing."""
+    """Checks that a path through the bone's centre removes nothing with --rpm 0 (AR-MOTOR-5)."""
     content = path(runner.rng, bone, 20, Fraction(6, 10), 1, True)
     got = runner.run("ream", "--bone", bone_file, "--tool", tool_file, "--path", runner.write("off.csv", content), "--rpm", "0",
                      "--out", runner.path("off.nrrd"))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that a bone has the position of the body from which it is made, for balls and ellipsoids in random CTs.
+"""Checks that a bone has the position of the body from which it was made, for balls and ellipsoids in random CTs.
 
     body (mm) --partial volumes--> CT.nrrd --osteon import--> BONE.nrrd --> centroid, volume
 
@@ -16,9 +16,9 @@ Therefore the bone's surface lies where half a voxel is inside. By the linear ru
             Second term: averaging over a box (variance s^2 / 12) and between voxels (at most s^2 / 4) moves a
             sphere's half level inwards by the variance divided by r. The volume changes by 3 / r of this distance.
             Third term: centres are counted instead of volume.
-The centroid is that exact because the fractions f vary over a face, so that the errors of up to 0.086 cancel. They do
-not cancel if the cubic voxel is nearly the CT's; the worst error is then 0.086 of a voxel. Such spacings are in the
-table but not in the test.
+The centroid is this exact because the fractions f vary over a face, so that the errors of up to 0.086 cancel. They do
+not cancel if the cubic voxel is nearly as large as the CT's voxel; the worst error is then 0.086 of a voxel. Such
+spacings are in the table but not in the test.
 The expected values are computed from the body's formula and from the file alone.
 
 Covers: AR-CUB-1, AR-CUB-2
@@ -43,7 +43,7 @@ SUB = 3  # number of columns per voxel along x and along y; along z the fraction
 
 
 def ct_of(centre, radii, spacing, margin=2):
-    """Returns (dims, origin, densities) of an ellipsoid, with x fastest; the grid begins at a random phase."""
+    """Returns (dims, origin, densities) of a CT of an ellipsoid, with x fastest. The grid begins at a random phase."""
     low = [c - r - (margin + random.random()) * s for c, r, s in zip(centre, radii, spacing)]
     dims = [math.ceil((c + r - o) / s) + margin for c, r, s, o in zip(centre, radii, spacing, low)]
     nx, ny, nz = dims

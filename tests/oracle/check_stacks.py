@@ -9,7 +9,7 @@
 Covers: AR-FILE-9
 
 Usage: check_stacks.py [OSTEON] [COUNT]    (default: $OSTEON, else ./osteon; 80)
-OST_TEST_SEED=N replays a run. The exit status is 77 without a command, or if it was built without libpng.
+OST_TEST_SEED=N replays a run. The exit status is 77 if there is no command, or if it was built without libpng.
 """
 
 import itertools
@@ -54,7 +54,7 @@ def ordered(names):
 
 
 def rect_of(slices, spacing, code, clamp):
-    """Returns the grid in LPS. slices is {name: (width, height, bits, rows)}."""
+    """Returns the rect grid in LPS that the slices form. `slices` is {name: (width, height, bits, rows)}."""
     names = ordered(sorted(slices))
     width, height, bits, _ = slices[names[0]]
     if any(slices[name][:3] != (width, height, bits) for name in names):
@@ -92,7 +92,7 @@ def png(width, height, bits, rows):
 
 
 def random_stack(rng):
-    """Returns {name: (width, height, bits, rows)}."""
+    """Returns a random stack as {name: (width, height, bits, rows)}. Some stacks contain a fault."""
     width, height, bits, count = rng.randrange(1, 6), rng.randrange(1, 6), rng.choice((8, 16)), rng.randrange(1, 15)
     first, digits, fixed = rng.randrange(0, 120), rng.choice((1, 1, 4)), rng.randrange(30)
     fault = rng.choice((None,) * 9 + ("gap", "name", "fixed", "size", "bits", "twice"))

@@ -19,8 +19,8 @@ MM = 10**9
 
 
 def f32(value):
-    """Rounds once to float32. A sum or quotient of two float32 in double is exact enough for this
-    rounding to be correct."""
+    """Rounds a double to float32. A sum or quotient of two float32 values, computed in double, is exact
+    enough for this rounding to be correct."""
     return struct.unpack("<f", struct.pack("<f", value))[0]
 
 

@@ -9,7 +9,7 @@
 Covers: AR-GRID-4, AR-FILE-4, AR-FILE-5
 
 Usage: check_volumes.py [OSTEON] [COUNT]    (default: $OSTEON, else ./osteon; 80)
-OST_TEST_SEED=N replays a run. The exit status is 77 without a command.
+OST_TEST_SEED=N replays a run. The exit status is 77 if there is no command.
 """
 
 import itertools
@@ -37,8 +37,8 @@ SIGNS = {"LPS": (1, 1, 1), "RAS": (-1, -1, 1), "LAS": (1, -1, 1)}
 
 
 def orient(sizes, directions, origin):
-    """Applies AR-FILE-5: returns (dims, spacing, origin, and for every axis w the file's axis and
-    whether it is flipped)."""
+    """Applies AR-FILE-5. Returns dims, spacing, origin and, for every axis w, the file's axis and
+    whether it is flipped."""
     if any(abs(c) > 10**11 for d in directions for c in d):
         raise oracle.Refused("a voxel of more than 100 mm")
     (a, b, c), (d, e, f), (g, h, i) = directions
@@ -60,7 +60,7 @@ def orient(sizes, directions, origin):
 
 
 def density(value, kind, clamp, nan_as_air):
-    """Converts a file's value, a Fraction or None for NaN, to a density by AR-FILE-4."""
+    """Converts a file's value, a Fraction or None for NaN, to a density according to AR-FILE-4."""
     low, high = TYPES[kind][1:]
     if value is None:
         if low is not None or not nan_as_air:

@@ -13,7 +13,7 @@
  * Densities and tool classes are functions of the voxel's number and the case's seed (`mix`
  * below), so that grids need not be printed.
  *
- * A third of the poses is random. The other poses are constructed so that voxels lie on borders. Their
+ * A third of the poses are random. The other poses are constructed so that voxels lie on borders. Their
  * rotations are the 24 rotations of a cube, given by quaternions whose lengths differ from 1 by up to
  * 1/1000. Their translations are multiples of half a voxel and of half a unit of 2^-20.
  */
@@ -205,14 +205,14 @@ static void dump_sweep(void)
         {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
-    case 0: /* any two poses; the rotation between them is often too large */
+    case 0: /* These are two random poses; the rotation between them is often too large. */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
-    case 1: /* the motion is a multiple of half a bone voxel along one axis, so that n is at a border */
+    case 1: /* The motion is a multiple of half a bone voxel along one axis, so that n is at a border. */
         b = a;
         b.t.y += s.bone / 2 * pick(-5000, 5000) + pick(-1, 1);
         break;
-    case 2: /* an exact quarter turn, or slightly more */
+    case 2: /* The rotation is an exact quarter turn, or slightly more. */
         a.qw = OST_Q30_ONE;
         a.qx = a.qy = a.qz = 0;
         b = a;
@@ -222,7 +222,7 @@ static void dump_sweep(void)
     default:
         b = moved(&a, s.bone * 3);
     }
-    if (ost_pose_check(&b, NULL) != OST_OK) /* the pose is beyond 8 m */
+    if (ost_pose_check(&b, NULL) != OST_OK) /* The pose is beyond 8 m. */
         b = a;
     int n;
     if (ost_sweep_count(&a, &b, &tool, s.bone, &n, NULL) != OST_OK)
@@ -277,7 +277,7 @@ static void dump_map(int style)
     ost_error err = {0};
     sizes s = make_sizes();
     ost_geometry g = {.dims = {256, 234, 428}, .spacing = {s.bone, s.bone, s.bone}};
-    if (s.bone > 10000 * UM) /* fewer voxels, so that the grid stays within 8 m */
+    if (s.bone > 10000 * UM) /* The grid has fewer voxels, so that it stays within 8 m. */
         g.dims = (ost_dims){40, 35, 30};
     bool round_origin = style != 0 && pick(0, 1);
     ost_pm unit = round_origin ? s.bone : 1;

@@ -58,7 +58,7 @@ DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.(\d*))?|\.(\d+))(?:[eE]([+-]?\d+))?", re.
 
 @functools.lru_cache(maxsize=None)
 def decimal(text):
-    """Returns (exact value, decimal places) by AR-LEN-2 if the complete text is a number, otherwise None."""
+    """Returns (exact value, decimal places) according to AR-LEN-2 if the complete text is a number, otherwise None."""
     match = DECIMAL.fullmatch(text)
     if not match:
         return None
@@ -79,7 +79,7 @@ def length(value_mm):
 
 
 def shortest_decimal(value, bits):
-    """Returns the decimal that a finite float32 or float64 represents, by AR-LEN-4."""
+    """Returns the decimal that a finite float32 or float64 represents according to AR-LEN-4."""
     exact = Fraction(value)
     if exact == 0:
         return exact
@@ -139,7 +139,7 @@ def check_limits(dims, spacing, origin):
 
 
 class Grid:
-    """A grid by AR-GRID-1 and AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
+    """A grid as defined by AR-GRID-1 and AR-GRID-2: dims, spacing, origin and a list of values, x fastest."""
 
     def __init__(self, dims, spacing, origin, voxels=None):
         self.dims, self.spacing, self.origin = tuple(dims), tuple(spacing), tuple(origin)
@@ -233,7 +233,7 @@ class Text:
 
 
 class Axis:
-    """An axis in AR-CT-3: its coordinates, their steps, the unit for which the steps are valid, and the spacing."""
+    """An axis as defined by AR-CT-3: its coordinates, their steps, the unit for which the steps are valid, and the spacing."""
 
     def __init__(self, coordinates, units, rounded=0):
         self.c = sorted(set(coordinates))
@@ -440,7 +440,7 @@ def rect_to_cubic(rect, cubic=None, rule="linear"):
 
 
 class Bone(Grid):
-    """A bone by AR-CHK-1: the active densities, and 0 elsewhere."""
+    """A bone as defined by AR-CHK-1: the active densities, and 0 elsewhere."""
 
     def __init__(self, cubic, threshold=120):
         kept = [v if v >= threshold else 0 for v in cubic.voxels]

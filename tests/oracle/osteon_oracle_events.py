@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements poses, sweep, map and removal by docs/spec/arithmetic.md, sections 5 and 11 to 14."""
+"""Implements poses, sweep, map and removal as defined in docs/spec/arithmetic.md, sections 5 and 11 to 14."""
 
 import itertools
 import math
@@ -12,14 +12,14 @@ Q = 2**30
 
 
 class Pose:
-    """A pose by AR-POSE-1: t in picometres, q times 2^30."""
+    """A pose as defined by AR-POSE-1: t in picometres, q times 2^30."""
 
     def __init__(self, t, q):
         self.t, self.q = tuple(t), tuple(q)
 
     @classmethod
     def from_decimals(cls, texts):
-        """Makes a pose by AR-POSE-2 and AR-POSE-3 from the seven decimals x y z qw qx qy qz."""
+        """Makes a pose according to AR-POSE-2 and AR-POSE-3 from the seven decimals x y z qw qx qy qz."""
         values = [decimal(text)[0] for text in texts]
         pose = cls([length(v) for v in values[:3]], [rhe(v * Q) for v in values[3:]])
         if not 999**2 * 2**60 <= 10**6 * pose.norm <= 1001**2 * 2**60:
@@ -40,7 +40,7 @@ class Pose:
                 (2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z))
 
     def image(self, point):
-        """Returns the position of a point of the tool at this pose, by AR-SWEEP-1."""
+        """Returns the position of a point of the tool at this pose according to AR-SWEEP-1."""
         return tuple(rhe(Fraction(sum(m * c for m, c in zip(row, point)), self.norm)) + t for row, t in zip(self.matrix, self.t))
 
 
@@ -49,7 +49,7 @@ def dot(a, b):
 
 
 def sweep_count(a, b, tool, bone_voxel):
-    """Returns the number of poses from a to b, by AR-SWEEP-2 and AR-SWEEP-3."""
+    """Returns the number of poses from a to b according to AR-SWEEP-2 and AR-SWEEP-3."""
     if 2 * dot(a, b) ** 2 < a.norm * b.norm:
         raise Refused("a turn of more than 90 degrees")
     ends = [(c, c + n * tool.spacing[0]) for c, n in zip(tool.origin, tool.dims)]
@@ -63,7 +63,7 @@ def sweep_count(a, b, tool, bone_voxel):
 
 
 def sweep_pose(a, b, k, n):
-    """Returns pose k of n from a to b, by AR-SWEEP-4."""
+    """Returns pose k of n from a to b according to AR-SWEEP-4."""
     sign = -1 if dot(a, b) < 0 else 1
     return Pose([rhe(Fraction((n - k) * p + k * q, n)) for p, q in zip(a.t, b.t)],
                 [rhe(Fraction((n - k) * p + k * sign * q, n)) for p, q in zip(a.q, b.q)])
@@ -75,7 +75,7 @@ UNKNOWN = None  # AR-MOTOR-1: an unknown speed
 
 
 class Motor:
-    """A motor by AR-MOTOR-2 to AR-MOTOR-4."""
+    """A motor as defined by AR-MOTOR-2 to AR-MOTOR-4."""
 
     def __init__(self):
         self.phase, self.time = 0, None
@@ -92,7 +92,7 @@ class Motor:
 
 
 def ticks_of_rows(rows, rpm):
-    """Converts the rows of a device to rows of ticks by AR-MOTOR-7. The ticks still have the poses of the device."""
+    """Converts the rows of a device to rows of ticks according to AR-MOTOR-7. The ticks still have the poses of the device."""
     before = None
     for row in rows:
         m = 1
@@ -110,7 +110,7 @@ def ticks_of_rows(rows, rpm):
 
 
 class Map:
-    """The map of a pose by AR-MAP."""
+    """The map of a pose as defined by AR-MAP."""
 
     def __init__(self, pose, bone, tool):
         s, st = bone.spacing[0], tool.spacing[0]
@@ -125,11 +125,11 @@ class Map:
         self.bases = {}
 
     def exact(self, voxel):
-        """Returns the exact tool coordinates of a bone voxel, by AR-MAP-1."""
+        """Returns the exact tool coordinates of a bone voxel according to AR-MAP-1."""
         return [Fraction(self.origin[a] + sum(i * self.column[b][a] for b, i in enumerate(voxel)), self.divisor) for a in range(3)]
 
     def used(self, voxel):
-        """Returns the rounded tool coordinates that are used for a bone voxel, by AR-MAP-4."""
+        """Returns the rounded tool coordinates that are used for a bone voxel according to AR-MAP-4."""
         i, j, k = voxel
         block = (i // 16, j // 16, k // 16)
         base = self.bases.get(block)
@@ -151,12 +151,12 @@ DEFAULT_CLASSES = (("cartilage", 120), ("cancellous", 150), ("cortical", 650))
 
 
 def class_of(density, classes=DEFAULT_CLASSES):
-    """Returns the density class by AR-CLS-1."""
+    """Returns the density class according to AR-CLS-1."""
     return max((c for c, (_, border) in enumerate(classes) if border <= density), default=0)
 
 
 class Session:
-    """Performs ticks on a bone with one tool or several, by AR-SWEEP-5, AR-MOTOR-5, AR-MOTOR-6 and AR-REM."""
+    """Performs ticks on a bone with one tool or several according to AR-SWEEP-5, AR-MOTOR-5, AR-MOTOR-6 and AR-REM."""
 
     def __init__(self, bone, tools, sweep=True, period_ns=0, classes=DEFAULT_CLASSES):
         self.bone, self.tools, self.sweep, self.period, self.classes = bone, tools, sweep, period_ns, classes
@@ -190,7 +190,7 @@ class Session:
         self.event(poses, shape)
 
     def event(self, poses, tool):
-        """Removes the hit voxels by AR-REM-1, AR-REM-2 and AR-REM-6. Returns the hit and the touched voxels."""
+        """Removes the hit voxels according to AR-REM-1, AR-REM-2 and AR-REM-6. Returns the hit and the touched voxels."""
         self.removals += 1
         self.poses += len(poses)
         maps = [Map(pose, self.bone, tool) for pose in poses]
@@ -213,7 +213,7 @@ class Session:
 
 class Row:
     def __init__(self, t_ns, tool, lifted, pose):
-        self.t_ns, self.tool, self.lifted, self.pose = t_ns, tool, lifted, pose  # None: a row without a pose
+        self.t_ns, self.tool, self.lifted, self.pose = t_ns, tool, lifted, pose  # pose is None for a row without a pose
 
 
 def integer(text, least, most):
@@ -224,7 +224,7 @@ def integer(text, least, most):
 
 
 def read_rows(content):
-    """Returns the rows by AR-PATH-1 to AR-PATH-3, and whether there is a column `lifted`."""
+    """Returns the rows according to AR-PATH-1 to AR-PATH-3, and whether there is a column `lifted`."""
     names, rows, first = None, [], True
     for line in content.splitlines():
         fields = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
@@ -254,7 +254,7 @@ def read_rows(content):
 
 
 def read_path(content, max_gap=None):
-    """Returns a list of rows with poses by AR-PATH-4 and AR-PATH-5. max_gap is None or (T in ns, D in pm); T or D may be
+    """Returns a list of rows with poses according to AR-PATH-4 and AR-PATH-5. max_gap is None or (T in ns, D in pm); T or D may be
     None, which means no limit."""
     rows, says = read_rows(content)
     ticks, lost = [], False
@@ -279,7 +279,7 @@ def read_path(content, max_gap=None):
 
 
 def join(paths, tool_count):
-    """Joins paths to one, by AR-PATH-6."""
+    """Joins paths to one according to AR-PATH-6."""
     ticks = []
     for k, path in enumerate(paths):
         if all(row.tool == 0 for row in path):
@@ -297,7 +297,7 @@ def join(paths, tool_count):
 
 
 def period(rate):
-    """Returns the period in nanoseconds for a frequency given as a decimal in hertz, by AR-PATH-7."""
+    """Returns the period in nanoseconds for a frequency given as a decimal in hertz according to AR-PATH-7."""
     u = rhe(decimal(rate)[0] * 10**6)
     if not 10**3 <= u <= 10**12:
         raise Refused(f"rate {rate}")

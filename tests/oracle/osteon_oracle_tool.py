@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements mesh -> snapped mesh -> tool grid by docs/spec/arithmetic.md, sections 9 and 10.
+"""Implements mesh -> snapped mesh -> tool grid as defined in docs/spec/arithmetic.md, sections 9 and 10.
 
 The crossing of a row with a triangle's plane is computed as a fraction and
 compared with voxel centres, whereas the C code evaluates a determinant. The
@@ -17,7 +17,7 @@ UNIT_PM = {"um": 10**6, "mm": 10**9, "cm": 10**10, "m": 10**12, "inch": 25400000
 
 
 def vertex_pm(value, unit="mm"):
-    """Converts a coordinate to picometres by AR-MESH-2. The value is a binary float and is converted exactly."""
+    """Converts a coordinate to picometres according to AR-MESH-2. The value is a binary float and is converted exactly."""
     pm = rhe(Fraction(value) * UNIT_PM[unit])
     if abs(pm) > LENGTH_MAX:
         raise Refused("a vertex beyond 8 m")
@@ -25,14 +25,14 @@ def vertex_pm(value, unit="mm"):
 
 
 def weld(vertices, triangles):
-    """Merges equal vertices, by AR-MESH-5."""
+    """Merges equal vertices according to AR-MESH-5."""
     number = {}
     renumbered = [number.setdefault(vertex, len(number)) for vertex in vertices]
     return list(number), [tuple(renumbered[v] for v in triangle) for triangle in triangles]
 
 
 class ToolGeometry:
-    """A tool's grid by AR-TOOL-1 and AR-TOOL-2."""
+    """A tool's grid as defined by AR-TOOL-1 and AR-TOOL-2."""
 
     def __init__(self, meshes, voxel):
         used = [vertices[v] for vertices, triangles in meshes for triangle in triangles for v in triangle]
@@ -47,7 +47,7 @@ class ToolGeometry:
 
 
 class SnappedMesh:
-    """A snapped mesh by AR-MESH-3 and AR-MESH-4."""
+    """A snapped mesh as defined by AR-MESH-3 and AR-MESH-4."""
 
     def __init__(self, vertices, triangles, geometry):
         self.geometry = geometry
@@ -62,7 +62,7 @@ class SnappedMesh:
         self.dropped = len(triangles) - len(self.triangles)
 
     def digest(self):
-        """Computes the mesh's digest, by AR-DIG-7."""
+        """Computes the mesh's digest according to AR-DIG-7."""
         g = self.geometry
         data = b"OSTEONM1" + struct.pack("<I3i4qi", ARITHMETIC_VERSION, *g.dims, g.voxel, *g.corner, g.fraction_bits)
         data += struct.pack("<QQQ", len(self.vertices), len(self.triangles), self.dropped)
@@ -88,7 +88,7 @@ def owns(corners, y, z):
 
 
 def crossings(mesh):
-    """Returns for every owned row (j, k) a list of (first voxel of the crossing, delta), by AR-VOX-1..3."""
+    """Returns for every owned row (j, k) a list of (first voxel of the crossing, delta) according to AR-VOX-1..3."""
     nx, ny, nz = mesh.geometry.dims
     half = Fraction(2**mesh.geometry.fraction_bits, 2)
     rows = {}
@@ -115,7 +115,7 @@ def crossings(mesh):
 
 
 def solid(mesh, rule="winding"):
-    """Applies AR-VOX-4..6: returns ({(i, j, k)}, leaking rows)."""
+    """Applies AR-VOX-4..6. Returns the set of solid voxels (i, j, k) and the number of leaking rows."""
     inside, leaking = set(), 0
     for (j, k), row in crossings(mesh).items():
         total = sum(delta for _, delta in row) if rule == "winding" else len(row) % 2
@@ -130,7 +130,7 @@ def solid(mesh, rule="winding"):
 
 
 class Tool(Grid):
-    """A tool by AR-VOX-7, AR-TOOL-3 and AR-TOOL-4: classes on a grid whose origin is the corner."""
+    """A tool as defined by AR-VOX-7, AR-TOOL-3 and AR-TOOL-4: classes on a grid whose origin is the corner."""
 
     def __init__(self, cutting, voxel, noncutting=None, rule="winding"):
         meshes = [cutting] + ([noncutting] if noncutting else [])
