@@ -281,7 +281,7 @@ class Axis:
         return max(off) - min(off)
 
     def feasible(self):
-        """Performs step 4: returns the least and the greatest feasible spacing, computed from all pairs of
+        """Performs step 4. Returns the least and the greatest feasible spacing, computed from all pairs of
         coordinates."""
         low, high = Fraction(1), Fraction(self.c[-1] - self.c[0] + self.unit)
         for i, (c, k) in enumerate(zip(self.c, self.steps)):
