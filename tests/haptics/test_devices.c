@@ -38,7 +38,7 @@ static void the_list(void **state)
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first six devices are always available. Each other device gives a reason if it is not available. */
+        /* The first six devices are always available. For any other device that is not available, there is a reason. */
         assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }
@@ -115,7 +115,7 @@ static void scripts_and_sessions_row_by_row(void **state)
             assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
             assert_memory_equal(&s.pose, &path.ticks[i].pose, sizeof s.pose);
             assert_int_equal(s.tool, path.ticks[i].tool);
-            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* writing a force has no effect */
+            ost_haptic_write(device, &(ost_wrench){{1, 2, 3}, {0}}); /* Writing a force must have no effect. */
         }
         ost_haptic_state s;
         assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_ENDED);
@@ -337,7 +337,7 @@ static void buttons_have_a_table(void **state)
         assert_non_null(strstr(err.text, "next-tool"));
         assert_int_equal(ost_buttons_parse(&info, "9=motor", of, &err), OST_ERR_USAGE);
         assert_int_equal(ost_buttons_parse(&info, "lever=motor", of, &err), OST_ERR_USAGE);
-        assert_int_equal(of[0], OST_ACTION_CLUTCH); /* an error changes nothing */
+        assert_int_equal(of[0], OST_ACTION_CLUTCH); /* An error must not change anything. */
     }
 }
 

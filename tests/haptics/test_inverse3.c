@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests Haply's Inverse3 with a stand-in for the vendor's service: a WebSocket on loopback that records
- * each message and answers it with a state. On request the stand-in sends garbage, closes the connection,
- * ends the stream, sends nothing, or sends a frame without end. No test depends on time, because timeouts
- * are long.
+ * each message and answers it with a state. If a test requests a fault, the stand-in sends garbage, closes the
+ * connection, ends the stream, sends nothing, or sends a frame without end. No test depends on time, because
+ * timeouts are long.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -158,7 +158,7 @@ static bool answer(service *s, int fd)
     case CLOSE: return write(fd, closing, sizeof closing) < 0;
     case SILENCE: return true;
     case HUGE_FRAME: return write(fd, endless, sizeof endless) > 0 && write(fd, text, strlen(text)) > 0;
-    case LONG_MESSAGE: /* sends many fragments without a last one */
+    case LONG_MESSAGE: /* This case sends many fragments without a last one. */
         memset(long_text, ' ', sizeof long_text);
         for (int i = 0; i < 60; i++) {
             const uint8_t head[4] = {i ? 0x00 : 0x01, 126, sizeof long_text >> 8, sizeof long_text & 0xff};

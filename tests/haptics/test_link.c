@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's
- * struct and hmac from the table in docs/reference/devices.md. Also tests packets that must be refused,
- * keys and sequence numbers. A closed loop with a delay tests the plane from which a bridge computes its
- * force.
+ * struct and hmac from the table in docs/reference/devices.md. Further tests check packets that must be
+ * refused, keys and sequence numbers. A closed loop with a delay tests the plane from which a bridge computes
+ * its force.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -173,7 +173,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
     assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    /* a packet whose sequence number is 64 behind the newest is treated as a duplicate */
+    /* A packet whose sequence number is 64 behind the newest is treated as a duplicate. */
     assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED);
     assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
     assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
@@ -195,12 +195,12 @@ static void a_plane_presses_and_never_pulls(void **state)
     /* The device is 2 mm deeper than in the state and displaced along the plane. */
     bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
-    /* the device moves inward at 0.2 m/s */
+    /* The device moves inward at 0.2 m/s. */
     bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f);
     assert_true(fabs(f[2] - 2.1) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* the device allows only 100 N/m */
+    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* The device allows only 100 N/m. */
     assert_true(fabs(f[2] - 2.2) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* the device is outside the bone */
+    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* The device is outside the bone. */
     assert_true(f[2] == 0);
     memset(s.force_un, 0, sizeof s.force_un);
     bridge_press(&s, (double[3]){0, 0, -1}, (double[3]){0}, 1000, f);
@@ -221,7 +221,7 @@ static double swing_with(int delay, bool plane)
     link_packet states[LATE_MOST];
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
-    for (int i = 0; i < TICKS; i++) /* the target moves to 5 mm inside the wall at z = 0 within a second */
+    for (int i = 0; i < TICKS; i++) /* The target moves to 5 mm inside the wall at z = 0 within a second. */
         path.ticks[i] = (ost_tick){
             .t_ns = (int64_t)i * 1000000,
             .rpm = OST_RPM_ON,

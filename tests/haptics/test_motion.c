@@ -150,7 +150,7 @@ static void check_motion(const char *file)
         body_at(row_time(20), at, q);
         const double x = 2 * (q[1] * q[2] + q[0] * q[3]), y = 1 - 2 * (q[1] * q[1] + q[3] * q[3]),
                      z = 2 * (q[2] * q[3] - q[0] * q[1]);
-        const double expected[3] = {-y, x, z}; /* the start pose rotates the x axis to the y axis */
+        const double expected[3] = {-y, x, z}; /* The start pose rotates the x axis to the y axis. */
         for (int a = 0; a < 3; a++)
             assert_true(fabs(moved[a] - way * expected[a]) < 1e-6);
         was_lost = false;
@@ -401,7 +401,7 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
         assert_true(ost_step_digest(&step, ost_world_classes(worlds[1])->count) == record.as.tick.digest);
     }
     ost_session_close(session);
-    assert_int_equal(notes, 7); /* there is no note for the last drop-out, because it does not end */
+    assert_int_equal(notes, 7); /* There is no note for the last drop-out, because it does not end. */
     assert_int_equal(dark, (353 + 104) * 1000000);
     const ost_digest a = digest_of(bones[0]), b = digest_of(bones[1]);
     assert_true(ost_digest_equal(&a, &b));
@@ -441,7 +441,7 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
     const int t = b->at++;
     if (t >= PRESS && t < PRESS + DARK)
         return OST_HAPTIC_NOT_TRACKED;
-    /* The device moves to 2 mm inside the bone's side and stays there. */
+    /* The device moves by 2 mm along x, so that the tool enters the bone's side, and stays there. */
     *state = (ost_haptic_state){
         .pose = {.t = {-2 * MM + (t < 200 ? t : 200) * MM / 100, 20 * MM, 20 * MM}, .qw = OST_Q30_ONE}, .tool = -1};
     return OST_HAPTIC_FRESH;

@@ -120,7 +120,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     home.lifted = true;
     ost_mouse_input_put(input, &home);
     home.lifted = false;
-    ost_mouse_input_put(input, &home); /* the state changes to lifted and back to not lifted before the next read */
+    ost_mouse_input_put(input, &home); /* The state changes to lifted and back to not lifted before the next read. */
     ost_haptic_read(device, &now);
     assert_true(now.lifted && distance_mm(&now.pose, &home.pose) < 0.001);
     ost_haptic_read(device, &now);
@@ -155,7 +155,7 @@ static double seconds_since(const struct timespec *then)
     return (double)(now.tv_sec - then->tv_sec) + 1e-9 * (double)(now.tv_nsec - then->tv_nsec);
 }
 
-/* One thread lets the other run. Without it a run on one core, or under valgrind, can execute only one of them. */
+/* Lets the other thread run. Without this pause, on one core or under valgrind, one thread may use all the time. */
 static void let_the_other_run(void)
 {
     nanosleep(&(const struct timespec){.tv_nsec = 100000}, NULL);

@@ -170,8 +170,8 @@ static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 }
 
 /*
- * Pressing a tool of rigid points into bone must give a force. A jump of the pose is a fault. After it, the force must
- * become zero and then increase gradually.
+ * Pressing a tool of rigid points into bone must give a force. A jump of the pose is a fault. After the fault, the
+ * force must become zero and then increase gradually.
  */
 typedef struct felt {
     ost_operation *operation;
@@ -201,7 +201,7 @@ static void a_fault_lets_the_hand_alone(void **state)
     safety.ramp_s = 0.05;
     f = (felt){0};
     ost_path path = into_bone(400);
-    for (size_t i = 0; i < path.count; i++) /* the tool moves at 4 mm/s into the bone's side, to a depth of 2 mm */
+    for (size_t i = 0; i < path.count; i++) /* The peg moves by 2 mm along x, into the bone's side. */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;
     path.ticks[300].pose.t.y += 50 * MM;
     /*
@@ -254,7 +254,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
     params.turn_stiffness = 0.5;
     params.turn_damping = 0.001;
     ost_path path = into_bone(TICKS);
-    for (size_t i = 0; i < TICKS; i++) { /* the tool moves at 20 mm/s; one pose is invalid */
+    for (size_t i = 0; i < TICKS; i++) { /* The tool moves at 20 mm/s; one pose is invalid. */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)i * MM / 50;
         path.ticks[i].pose.t.y += (ost_pm)(i * i % 7) * MM / 10;
     }
@@ -298,7 +298,7 @@ static void a_session_of_it_does_it_again(void **state)
     snprintf(path_name, sizeof path_name, "%s/o.session", folder);
     fixture r = make_fixture(*state);
     ost_path path = into_bone(300);
-    path.ticks[80].pose.t.y = -100 * MM; /* only this tick has an impossible pose */
+    path.ticks[80].pose.t.y = -100 * MM; /* Only this tick has an impossible pose. */
     ost_session_header *header;
     ost_recorder *recorder;
     assert_ok(ost_session_header_create(&header, &err));
@@ -482,7 +482,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
-        /* the button is held in ticks 40 to 59; the motor is switched on from tick 60 to 79 */
+        /* The button is held in ticks 40 to 59. The motor is switched on from tick 60 to tick 79. */
         const bool on = i >= 40 && i < 80;
         const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
         ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};
@@ -542,7 +542,7 @@ static void buttons_do_what_their_table_says(void **state)
         TICK(0);
         assert_int_equal(s.tool, 0);
         TICK(tool);
-        TICK(tool); /* the button or key is still pressed, so the tool is not changed again */
+        TICK(tool); /* The button or key is still pressed, so the tool is not changed again. */
         assert_int_equal(s.tool, 1);
         TICK(0);
         TICK(tool);

@@ -157,7 +157,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
     (void)exec_ns;
     assert_int_equal(number, s->done);
     s->done++;
-    assert_true(fake.last.force_n[0] == 2); /* the wrench of the previous tick has been written */
+    assert_true(fake.last.force_n[0] == 2); /* The wrench of the previous tick has been written. */
 }
 
 static ost_servo_report report;
@@ -201,7 +201,7 @@ static void a_loop_ends_as_it_says(void **state)
 static void a_silent_device_gets_no_force(void **state)
 {
     (void)state;
-    alarm(60); /* ends the test if the servo loop does not end, for example without its watchdog */
+    alarm(60); /* The alarm ends the test if the servo loop does not end, for example without its watchdog. */
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true};
     /* For up to four ticks without a sample, the last pose is used. A fifth tick in a row ends the loop. */
     seen s = run_with(&polled, "FFSSSSFSSSSFE", &fast, (seen){0});
@@ -270,10 +270,10 @@ static void who_is_to_blame(void **state)
                       coarse = {.wall_ns = 9000, .cpu_ns = 9700, .waits = 3};
     assert_int_equal(thread_time_between(&from, &taken), 100);
     assert_int_equal(thread_time_between(&from, &waited), 4000);
-    /* a processor time above the wall time is possible, because the times come from different clocks */
+    /* A processor time above the wall time is possible, because the times come from different clocks. */
     assert_int_equal(thread_time_between(&from, &coarse), 4000);
     assert_int_equal(classify_missed_deadline(501, 0, 1000), MISSED_BY_WORK);
-    /* if the cause is uncertain, the miss is attributed to the tick's work */
+    /* If the cause is uncertain, the miss is attributed to the tick's work. */
     assert_int_equal(classify_missed_deadline(501, 5000, 1000), MISSED_BY_WORK);
     assert_int_equal(classify_missed_deadline(500, 1000, 1000), MISSED_WOKEN_LATE);
     assert_int_equal(classify_missed_deadline(500, 999, 1000), MISSED_PREEMPTED);
@@ -399,7 +399,7 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
 
 /*
  * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does not run on
- * this core. After the loop, the loop's thread may run on all other cores again.
+ * this core. After the loop, the loop's thread may run on all other cores again, but not on this core.
  */
 static void the_loop_has_a_core_of_its_own(void **state)
 {

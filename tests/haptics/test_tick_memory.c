@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests that a tick allocates no memory and makes no system calls except those for times. The tested tick
- * includes the loop, the operation, the step of the world and the recorder. In its course the tool is in
- * contact and enters one chunk after another.
+ * includes the loop, the operation, the step of the world and the recorder. During the ticks, the tool is in
+ * contact with the bone and enters one chunk after another.
  *
  * malloc and related functions are replaced by functions that count calls while a tick runs. Without glibc, or with a
  * sanitizer, the test is skipped. System calls are detected by a Linux filter (seccomp) in a separate process, which
@@ -43,7 +43,7 @@
 #endif
 #endif
 
-/* volatile, because compilers assume that malloc does not read this variable */
+/* These variables are volatile, because compilers assume that malloc does not access them. */
 static _Thread_local volatile bool watching;
 static _Thread_local volatile uint64_t calls;
 
@@ -173,7 +173,7 @@ static ost_status run(scene *s, ost_servo_tick *tick, ost_servo_done *done, ost_
 
 static void a_tick_allocates_nothing(void **state)
 {
-    /* the reference allocates, and so may the driver of a device */
+    /* Only the backend cpu is tested: the reference allocates memory, and the driver of an OpenCL device may do so. */
     if (!COUNTING || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
         skip();
     ost_error err = {0};

@@ -155,7 +155,7 @@ static void poses_in_and_states_out(void **state)
     for (int i = 0; i < 20; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     client c = greet(where, 77);
-    assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* the start position of the tool */
+    assert_true(c.pose.pose.t.x == MM && c.pose.pose.t.z == 3 * MM); /* This is the start position of the tool. */
     send_pose_packet(&c, MM, 0);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     c.pose.buttons = 6;
@@ -173,7 +173,7 @@ static void poses_in_and_states_out(void **state)
     send_pose_packet(&c, MM, LINK_ENDED);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_ENDED);
     ost_haptic_close(device);
-    assert_true(answer(c.socket).flags & LINK_ENDED); /* last packet of the simulation */
+    assert_true(answer(c.socket).flags & LINK_ENDED); /* This is the last packet of the simulation. */
     close(c.socket);
 }
 
@@ -236,7 +236,7 @@ static void what_is_dropped_is_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* the device is read so often that the packets always fit in the socket's buffer */
+        if (i % 50 == 0) { /* The device is read so often that the packets always fit in the socket's buffer. */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -482,7 +482,7 @@ static ost_haptic *a_hand(ost_path *path)
     ost_error err = {0};
     ost_haptic *device;
     assert_ok(ost_path_init(path, PATH_TICKS, &err));
-    for (size_t i = 0; i < path->count; i++) /* the hand moves down at 0.1 m/s, beginning far away */
+    for (size_t i = 0; i < path->count; i++) /* The hand moves down at 0.1 m/s, beginning far away. */
         path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
                                     .rpm = OST_RPM_ON,
                                     .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};
@@ -565,7 +565,7 @@ static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
     assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
-    assert_true(s->hellos >= 2); /* one hello at the start, one after the silence */
+    assert_true(s->hellos >= 2); /* There is one hello at the start and one after the silence. */
     assert_true(report.limps >= 1);
     assert_int_equal(s->jumps, 0);
     leave(s);

@@ -366,7 +366,7 @@ typedef struct course {
     ost_live_channel *live;
     ost_world *world;
     fake_note *note;
-    /* along is the device's coordinate that moves along the bone's x; step is 0.1 mm in the device's unit */
+    /* `along` is the device's coordinate that moves along the bone's x. `step` is 0.1 mm in the device's unit. */
     double *along, step;
     int tick;
     uint64_t removed[TICKS];
@@ -444,7 +444,7 @@ static void operate_by_buttons(const char *name, fake_note *note, double *along,
         assert_int_equal(c.seen[i].rpm, held_at(i) == 1 ? 200 : 0);
         assert_int_equal(c.seen[i].tool, i >= TOOL_FROM);
     }
-    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* the tool is already 3 mm deep */
+    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* The tool is already 3 mm deep. */
     assert_true(c.removed[MOTOR_TO - 1] > 10);
     assert_int_equal(c.removed[SECOND_FROM - 1], c.removed[MOTOR_TO - 1]);
     assert_true(c.removed[SECOND_TO - 1] > c.removed[MOTOR_TO - 1] + 10);
@@ -461,10 +461,10 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    /* coordinate to the right, in mm, which is the tool's x */
+    /* This is the coordinate to the right, in mm, which is the tool's x. */
     operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
     note = take_place(DHD, "fake_dhd", "fake_dhd");
-    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* coordinate to the right, in m */
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* This is the coordinate to the right, in m. */
 }
 
 /* ------------------------------------------------------------------- spnav */
@@ -496,7 +496,7 @@ static void spnav_moves_while_it_is_pushed(void **state)
     (void)state;
     fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
-    /* the tool's x, y and z axes are the bone's -z, y and x axes */
+    /* The tool's x, y and z axes are the bone's -z, y and x axes. */
     const ost_haptic_setup setup = at_start();
     ost_error err = {0};
     ost_haptic *device;

@@ -60,7 +60,7 @@ int dhdGetPositionAndOrientationFrame(double *x, double *y, double *z, double ma
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             matrix[i][j] = fake_dhd.column[j][i];
-    return frame % 2; /* the result 1 means that the pose has not changed since the last call */
+    return frame % 2; /* The result 1 means that the pose has not changed since the last call. */
 }
 
 int dhdGetButtonMask(char id)
@@ -84,7 +84,7 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
     memcpy(fake_dhd.torque, (double[3]){tx, ty, tz}, sizeof fake_dhd.torque);
     if (fake_dhd.fail_write_at && fake_dhd.frames >= fake_dhd.fail_write_at)
         return -1;
-    return 2; /* the result 2 means that a motor is at its limit */
+    return 2; /* The result 2 means that a motor is at its limit. */
 }
 #endif
 
