@@ -136,7 +136,7 @@ __attribute__((constructor)) static void begin(int argc, char **argv)
     copy_setting(only_path, "OST_FAIL_PATH");
     copy_setting(report_path, "OST_FAIL_REPORT");
     void *stack[2];
-    backtrace(stack, 2); /* the first call of backtrace loads a library, which must not be counted */
+    backtrace(stack, 2); /* The first call of backtrace loads a library, which must not be counted. */
     ready = process_counts(argc, argv);
 }
 

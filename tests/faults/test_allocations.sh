@@ -6,9 +6,10 @@
 # is printed. With OST_TEST_LONG=1 each allocation fails in turn (200 for a campaign, which takes
 # seconds). OST_TEST_ONLY=TEXT selects the commands that contain TEXT.
 #
-# Excluded are allocations within libraries that crash or end the program themselves: assimp,
-# the run-time libraries of OpenMP, the drivers of OpenGL and OpenCL, and libcrypto, where about
-# one in a hundred of the 4,700 at its start does (3.0.19).
+# The allocations of some libraries are excluded, because these libraries crash or end the program
+# if an allocation fails: assimp, the run-time libraries of OpenMP, the drivers of OpenGL and
+# OpenCL, and libcrypto (version 3.0.19, for about one in a hundred of the 4,700 allocations at its
+# start).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"

@@ -21,8 +21,8 @@
  * the operation runs. With --in, the K-th call fails only in the processes that OST_FAIL_IN=TEXT selects. Without --in,
  * it fails in each process that the command starts.
  *
- * A failure is reported as one line with K; --only K repeats this run and prints the stack of the failed call. Exit
- * status: 0 no failure, 1 failures, 2 the command cannot be tested in this way.
+ * A failure is reported as one line with K; --only K repeats this run and prints the stack of the failed call. The exit
+ * status is 0 without a failure, 1 after a failure, and 2 if the command cannot be tested in this way.
  */
 #include <dirent.h>
 #include <errno.h>
