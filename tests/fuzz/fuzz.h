@@ -4,7 +4,7 @@
  *
  *   LLVMFuzzerTestOneInput   runs one input; a defect aborts or triggers a sanitizer
  *   fuzz_seed                makes the initial inputs
- *   fuzz_words               words that mutations insert
+ *   fuzz_words               contains the words that mutations insert
  *
  * and is built in one of two ways. With --enable-fuzz it is linked to libFuzzer; to write the
  * seeds of its corpus, build once without this option and run `fuzz_X --write-seeds DIR`.
@@ -53,8 +53,8 @@ const char *fuzz_folder(void);
     } while (0)
 
 /*
- * Checks an error after a call: it must be empty after a success, and one printable line with the file's
- * name after a failure.
+ * Checks the error after a call that failed: it must have the status of the call, which must not be
+ * OST_ERR_INTERNAL, and its text must be one line that contains the path.
  */
 #define fuzz_require_error(status, err, path)                                                                \
     do {                                                                                                     \

@@ -7,8 +7,8 @@
  *   input: 2 bytes, the size of the first answer | the answer to the request SCAN | the answer to the request READ
  *
  * The fuzz target also acts as this process: if it is run under the name osteon-dicom, a constructor
- * answers the request and exits before main. The files of the scanned folder are empty, since no other code
- * reads them.
+ * answers the request and exits before main. The files of the scanned folder are empty, because they are
+ * never read.
  */
 #include "fuzz.h"
 
@@ -122,7 +122,7 @@ static void put_pixels(bytes *out)
     put_message(out, OST_DICOM_END, 0, NULL, 0);
 }
 
-/* Makes three types of seeds: answers for one file per slice, for a file with all slices, and for slices that are
+/* Makes three kinds of seeds: answers for one file per slice, for a file with all slices, and for slices that are
    uneven, tilted or damaged. */
 size_t fuzz_seed(unsigned index, uint8_t *out, size_t capacity)
 {

@@ -116,7 +116,7 @@ static void voxelize(const ost_mesh *mesh)
     ost_tool_geometry grid;
     ost_snapped_mesh snapped;
     if (voxel > OST_SPACING_MAX || ost_tool_geometry_from_bounds(min, max, voxel, &grid, &err) != OST_OK)
-        return; /* refused if the mesh is metres wide or lies at the limit of coordinates */
+        return; /* The mesh is refused if it is metres wide or lies at the limit of coordinates. */
     fuzz_require(ost_mesh_snap(mesh, &grid, &snapped, &err) == OST_OK);
     uint8_t *voxels = malloc((size_t)ost_dims_count(grid.dims));
     ost_voxelize_report report;

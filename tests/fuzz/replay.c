@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a fuzz target as a plain check program: every seed, then seeded mutations of the seeds.
+ * Runs a fuzz target as a plain check program: first with every seed, then with seeded mutations of the seeds.
  * Run k depends only on k and on the random seed, which is printed.
  *
  *   seed k mod count -> 1 to 6 edits -> LLVMFuzzerTestOneInput
@@ -30,7 +30,7 @@ static size_t below(size_t n)
 static uint8_t input[INPUT_MAX];
 static size_t input_size;
 
-/* Replaces `removed` bytes at `at` by `count` bytes; truncates an insertion that is too long. */
+/* Replaces `removed` bytes at `at` by `count` bytes, and truncates the result to INPUT_MAX bytes. */
 static void splice(size_t at, size_t removed, const uint8_t *bytes, size_t count)
 {
     size_t tail = input_size - at - removed;
@@ -66,30 +66,30 @@ static void edit(void)
     uint8_t copy[256];
     size_t count = below(sizeof copy);
     switch (below(10)) {
-    case 0: /* flip one bit */
+    case 0: /* This edit flips one bit. */
         if (capacity)
             input[at] ^= (uint8_t)(1u << below(8));
         break;
-    case 1: /* replace one byte */
+    case 1: /* This edit replaces one byte. */
         if (capacity)
             input[at] = (uint8_t)next();
         break;
-    case 2: /* insert a character that occurs in text formats */
+    case 2: /* This edit replaces one byte by a character that occurs in text formats. */
         if (capacity)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;
-    case 3: /* truncate the input */
+    case 3: /* This edit truncates the input. */
         input_size = at;
         break;
-    case 4: /* remove a piece */
+    case 4: /* This edit removes a piece. */
         splice(at, below(capacity + 1), NULL, 0);
         break;
-    case 5: /* duplicate a piece */
+    case 5: /* This edit duplicates a piece. */
         count = count < capacity ? count : capacity;
         memcpy(copy, input + at, count);
         splice(below(input_size + 1), 0, copy, count);
         break;
-    case 6: /* insert random bytes */
+    case 6: /* This edit inserts random bytes. */
         for (size_t i = 0; i < count; i++)
             copy[i] = (uint8_t)next();
         splice(at, 0, copy, count % 16);
@@ -97,7 +97,7 @@ static void edit(void)
     case 7:
         put_number();
         break;
-    default: { /* insert a word of the format */
+    default: { /* This edit inserts a word of the format, or replaces a piece by it. */
         size_t words = 0;
         while (fuzz_words[words])
             words++;
