@@ -187,7 +187,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         assert_true(ost_geometry_equal(ost_live_geometry(l.live), &g));
         pthread_t thread;
         assert_int_equal(pthread_create(&thread, NULL, work, &l), 0);
-        /* the reference is slow and gets fewer rounds; the other backends are fast enough to overtake the viewer */
+        /* The reference is slow, so it runs fewer rounds. The other backends are fast enough to overtake the viewer. */
         const int rounds = strcmp(test_backend, "ref") == 0 ? 60 : 400;
         for (int i = 1; i <= rounds; i++) {
             const ost_pose pose = random_pose(&rng, (ost_pm3){0, 0, 0}, (ost_pm3){n * MM, 100 * MM, 70 * MM});
