@@ -14,10 +14,10 @@
 enum { FAKE_WIDTH = 160, FAKE_HEIGHT = 120, FAKE_PIXELS = FAKE_WIDTH * FAKE_HEIGHT };
 
 typedef struct fake_xr_state {
-    /* written by the test */
+    /* The test writes the following members. */
     float eye_x[2];          /* positions of the eyes on the x axis, in m; both eyes look along -z */
     float fov[2][4];         /* angles to the left, right, upper and lower edge of each eye's picture, in radians */
-    bool head_tracked, hand_tracked, hidden; /* hidden: if true, the runtime requests that nothing is drawn */
+    bool head_tracked, hand_tracked, hidden; /* if hidden is true, the runtime requests that nothing is drawn */
     float hand[3];           /* position of the grip, in m */
     uint32_t buttons;        /* bit i is set while the button of the i-th boolean action is pressed */
     bool waits;              /* true if waiting for a frame takes one period of the display */
@@ -27,7 +27,7 @@ typedef struct fake_xr_state {
     bool no_egl;             /* true if the runtime does not offer XR_MNDX_egl_enable */
     bool no_headset;
     const char *fail;        /* name of the function that fails, or NULL if no function fails */
-    /* written by the runtime */
+    /* The runtime writes the following members. */
     uint32_t picture[2][FAKE_PIXELS];
     float shown_fov[2][4];
     int frames, layers;      /* numbers of completed frames and of completed frames with a picture */

@@ -71,10 +71,10 @@ static void unusable_angles_are_refused(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_false(ost_headset_project(&bad[i], 640, 480, &p));
     const ost_headset_fov good = {-1, 1, 1, -1};
-    assert_false(ost_headset_project(&good, 1, 1, &p)); /* the focal length would be less than a pixel */
+    assert_false(ost_headset_project(&good, 1, 1, &p)); /* The focal length would be less than a pixel. */
 }
 
-/* The view is along -x, and z is up. Therefore right is y, up is z, and back is x. */
+/* The direction of view is -x, and z is up. Therefore right is y, up is z, and back is x. */
 static const double RIGHT[3] = {0, 1, 0}, UP[3] = {0, 0, 1}, BACK[3] = {1, 0, 0}, AT[3] = {10, 20, 30};
 
 static void the_target_is_half_a_metre_ahead(void **state)

@@ -75,7 +75,7 @@ static int reset(void **state)
     fake->eye_x[1] = 0.03f;
     for (int i = 0; i < 4; i++) {
         fake->fov[0][i] = fov[i];
-        fake->fov[1][i] = i < 2 ? -fov[1 - i] : fov[i]; /* the right eye is the left eye's mirror image */
+        fake->fov[1][i] = i < 2 ? -fov[1 - i] : fov[i]; /* The right eye is the left eye's mirror image. */
     }
     return 0;
 }
@@ -130,8 +130,8 @@ static void close_session(ost_headset *h)
 
 /*
  * Compares an eye's picture with a symmetric picture that the processor draws with the same focal length. The part of
- * the symmetric picture is selected by whole pixels. Returns the number of pixels that differ. The eye's axis follows
- * from the angles and is only approximately at a whole pixel, so pixels at edges may differ.
+ * the symmetric picture begins at an integer pixel position. Returns the number of pixels that differ. The eye's axis
+ * follows from the angles and is only approximately at an integer position, so pixels at edges may differ.
  */
 static int differing(int eye, const ost_headset_projection *p)
 {
@@ -142,7 +142,7 @@ static int differing(int eye, const ost_headset_projection *p)
     const int x0 = (int)lrint(W / 2 - p->middle[0]), y0 = (int)lrint(H / 2 - p->middle[1]);
     int count = 0, bone = 0;
     ost_gl *gl = viewer.gl;
-    viewer.gl = NULL; /* forces drawing by the processor */
+    viewer.gl = NULL; /* Without gl, the processor draws. */
     assert_ok(ost_room_pose(&room, at, none, &camera.pose, &err));
     assert_ok(ost_viewer_draw(&viewer, &camera, &err));
     viewer.gl = gl;
