@@ -49,7 +49,7 @@ static int32_t m_open(const char *options, const ost_plugin_host *host, ost_plug
     if (broken("open"))
         raise(SIGSEGV);
     if (broken("options")) {
-        /* the text has no terminating NUL; the host must not read beyond the buffer */
+        /* The text has no terminating NUL. The host must not read beyond the buffer. */
         memset(error->text, 'x', error->text_size);
         free(self);
         current = NULL;
@@ -221,7 +221,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     const ost_snapped_mesh first = mesh_of(g, cutting),
                            second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
-        return OST_PLUGIN_OK; /* returns success but no object */
+        return OST_PLUGIN_OK; /* This is success without an object. */
     const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL,
                                            parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;
@@ -346,7 +346,7 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
     }
     const int number = current ? ++current->events : 0;
     if (number == 62 && broken("forgets"))
-        return OST_PLUGIN_OK; /* removes nothing and reports nothing */
+        return OST_PLUGIN_OK; /* This event removes nothing and reports nothing. */
     const int32_t status = run_event((ost_bone *)bone, (const ost_tool *)tool, event, 1, report, error);
     if (number == 20 && broken("slips"))
         slip((ost_bone *)bone);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# Tests osteon compare: a plugin, its dump and the reference's dump, margins, and invalid dumps.
+# Tests osteon compare with a plugin, its dump and the reference's dump. Further tests check margins and invalid dumps.
 # Covers: REQ-COMPARE
 . "${srcdir:-.}/tests/app/lib.sh"
 cp "$build/.libs/thesis_f32.so" . || {
@@ -69,7 +69,7 @@ grep -q "Margins of differing decisions" b/report.html || fail "no margins in th
 grep -q "so the difference is not only rounding" b/report.html || fail "what the margins mean is not in the report"
 run 0 verify b
 
-# In ticks and tools, only rounding at borders may differ. Also compares a dump of only some stages.
+# In ticks and tools, only the rounding at borders may differ. Then a dump of only some stages is compared.
 run 1 compare plugin:./thesis_f32.so --only poses/1 --json
 check "second stage that differs" "$(value margins.0.stages.1.stage)" tool
 tools=$(value margins.0.stages.1.voxels)
