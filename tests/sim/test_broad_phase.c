@@ -105,8 +105,8 @@ static void random_poses(void **state)
 static void boxes_that_just_touch(void **state)
 {
     /*
-     * A tool of 2 x 3 x 4 voxels, in all quarter turns, moves past a bone of one voxel along each
-     * axis. It moves in steps of 2^-20 of a tool voxel around the positions where the voxel's
+     * A tool of 2 x 3 x 4 voxels, in several quarter turns, moves past a bone of one voxel along each
+     * axis. It moves in steps of 2^-21 of a tool voxel around the positions where the voxel's
      * centre meets the tool's faces.
      */
     const ost_pm v = INT64_C(1) << 30, unit = 1024;
@@ -125,9 +125,9 @@ static void boxes_that_just_touch(void **state)
                 for (int32_t face = 0; face <= extent[axis]; face += extent[axis])
                     for (int64_t off = -30; off <= 30; off++) {
                         /*
-                         * This pose puts the centre of the voxel at `face` + `off` units along the
-                         * tool's axis. On the other axes, the centre is in the middle between the
-                         * tool's faces.
+                         * This pose puts the centre of the voxel at a distance of `off` steps from
+                         * the face along the tool's axis. On the other axes, the centre is in the
+                         * middle between the tool's faces.
                          */
                         ost_pm p[3] = {v, 3 * v / 2, 2 * v};
                         p[axis] = face * v + sign * off * unit / 2;
@@ -157,9 +157,9 @@ static void corners_that_just_touch(void **state)
 {
     /*
      * Tests the farthest voxel of a block of 16^3, where the computed coordinates are least accurate. The
-     * voxel is at each corner of a tool's grid, in random rotations, a few units of 2^-20 outside the grid.
-     * According to the rules some of these voxels are removed, although their centres lie outside the grid.
-     * Boxes are inflated for this reason.
+     * voxel is at each corner of a tool's grid, in random rotations, at most two units of 2^-20 inside or
+     * outside the grid. According to the rules, some of these voxels are removed although their centres lie
+     * outside the grid. Boxes are inflated for this reason.
      */
     test_rng rng = rng_seeded("corners");
     const ost_pm v = INT64_C(1) << 30;
@@ -199,8 +199,8 @@ static void separating_axes_separate(void **state)
 {
     /*
      * The bone is a cube of 10 mm, measured between voxel centres, at the origin. The tool is a cube of 10
-     * mm that is rotated by 45 degrees about z, so that an edge points to the bone. The bounds of the tool
-     * overlap the bone at distances at which the tool does not.
+     * mm that is rotated by 45 degrees about z, so that a face points along the bone's diagonal. The bounds
+     * of the tool overlap the bone at distances at which the tool does not.
      */
     (void)state;
     ost_geometry g = cubic_geometry(11, 11, 11, OST_PM_PER_MM,
@@ -209,8 +209,8 @@ static void separating_axes_separate(void **state)
     ost_box bone = ost_box_of_bone(&g), tool = ost_box_of_tool(&t); /* 10 mm wide, including the inflation by a voxel */
     ost_pose pose = {.qw = 992008094, .qz = 410903207};            /* cos and sin of 22.5 degrees */
     /*
-     * The cubes meet corner to corner along the diagonal. The half diagonals are sqrt(50) and 5,
-     * so the boxes separate at 5 sqrt(2) + 5 = 12.0711 mm.
+     * Along the diagonal, an edge of the bone meets a face of the tool. They are 5 sqrt(2) and 5 mm
+     * from the centres of the cubes, so the boxes separate at 5 sqrt(2) + 5 = 12.0711 mm.
      */
     const double diagonal = 0.7071067811865476;
     pose.t.x = pose.t.y = (ost_pm)(12.07 * diagonal * 1e9);

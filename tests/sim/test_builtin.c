@@ -78,8 +78,8 @@ static void it_runs_along_the_axis(void **state)
  * The path simulates a hand that presses. The tip moves from 2 mm outside the face to 12 mm
  * inside in half a second, and then 0.15 mm deeper per second, to 24 mm, with an oscillation of
  * 1.5 mm along the axis. The tip is at most 6 mm from the axis, and the tool's own axis is tilted
- * by at most 3 degrees. The lateral motion begins gradually and completes full circles. A longer
- * path must begin with the same ticks.
+ * by at most 3 degrees. The lateral motion begins gradually and reaches all sides of the axis. A
+ * longer path must begin with the same ticks.
  */
 static void a_hand_presses(void **state)
 {
@@ -174,7 +174,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
         ost_tool_volume volume;
         assert_ok(ost_tool_volume_init(&volume, &tools[i].g, &err));
         int32_t nx = tools[i].g.dims.x, nz = tools[i].g.dims.z;
-        for (int32_t z = 2; z < nz; z++) /* the cutting part begins at z = -0.75 + 2 * 0.5 = 0.25 mm */
+        for (int32_t z = 2; z < nz; z++) /* The cutting part begins at z = -0.75 + 2 * 0.5 = 0.25 mm. */
             memset(volume.voxels + (size_t)z * (size_t)nx * (size_t)nx, OST_TOOL_CUTTING, (size_t)nx * (size_t)nx);
         ost_tool *tool;
         assert_ok(ost_tool_upload(*state, &volume, &tool, &err));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the counts of bone at the site of an operation: in front of a face, along the axis and under a
- * tool. They are compared with counts that this test makes by the definitions in docs/reference/metrics.md.
+ * tool. They are compared with counts that this test makes according to the definitions in
+ * docs/reference/metrics.md.
  * Covers: REQ-SITE
  */
 #include "ref/scene.h"
@@ -65,7 +66,7 @@ static void random_sites(void **state)
 }
 
 /*
- * Makes a slab of bone, 20 mm thick, with a flat face of 40 x 40 mm at x = 0. Its voxels are 1 mm wide, and
+ * Makes a block of bone from x_from to x_to mm along x, and 40 x 40 mm wide. Its voxels are 1 mm wide, and
  * their centres are at odd multiples of 1/2 mm.
  */
 static ost_bone *slab(ost_backend *backend, int32_t x_from, int32_t x_to)

@@ -353,8 +353,8 @@ static void far_from_the_bone_nothing_is_asked(void **state)
 static void an_event_is_in_its_chunks(void **state)
 {
     /*
-     * The peg at (15, 10, 5) mm covers x = 14 to 16. Inflated by a voxel of 0.5 mm, it reaches
-     * chunks 0 and 1 along x and chunk 0 along y and z.
+     * The peg at (15.5, 10, 5) mm covers x = 14.5 to 16.5 mm. Inflated by a voxel of 0.5 mm, it
+     * reaches chunks 0 and 1 along x and chunk 0 along y and z.
      */
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));
