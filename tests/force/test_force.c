@@ -271,8 +271,8 @@ static void no_hand_presses_with_tons(void **state)
         }
     ost_bone_free(bone);
 }
-/* The shell of a voxelized ball has the ball's area, volume and normals. */
 
+/* The shell of a voxelized ball has the ball's area, volume and normals. */
 static void a_shell_is_its_surface(void **state)
 {
     (void)state;

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests that the force loop is stable. The simulated device is held in a light, normal or firm grip. It
- * presses the built-in peg or reamer into bone or drags it along the bone, with and without rotation of the
- * tool, and with and without friction in the device. No combination may oscillate: the RMS deviation of the
- * speed from its own mean must stay below 10 mm/s. A limit cycle exceeds this bound. Without force the same
- * operation passes through the bone, and a stiffness that is eight times too high oscillates.
+ * presses the built-in peg or reamer into bone or drags it along the bone, with and without friction in the
+ * device. No combination may oscillate: the RMS deviation of the speed from its own mean must stay below
+ * 10 mm/s. A limit cycle exceeds this bound. Further tests check that a stiffness that is eight times too high
+ * oscillates, and that the same operation without force removes more bone.
  *
  * OST_TEST_LONG=1 adds the burr, the instant law, and all grips without friction.
  *
- *   OST_FORCE_CSV=FOLDER   adds the burr, and writes each run as grip-tool-way.csv: t, the hand's
- *                          target for the device, the device's position, the force
+ *   OST_FORCE_CSV=FOLDER   adds the burr, and writes each run as tool-way-law-grip-friction.csv
+ *                          with the time, the hand's target for the device, the device's position
+ *                          and the force
  * Covers: REQ-FORCE-STABLE
  */
 #include "ref/scene.h"

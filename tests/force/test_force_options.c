@@ -96,9 +96,10 @@ static void in_air_the_tool_follows(void **state)
 }
 
 /*
- * A handle with a moment of inertia of 0.15 g m2 rotates about y. A hand holds it with 0.3 N
- * m/rad and a target of 0.2 rad, and a blunt edge rests on the bone. The handle must come to
- * rest, although there is a delay of one tick and the encoder steps are 0.5 mrad.
+ * A handle with a moment of inertia of 0.15 g m2 rotates about y. A hand holds it in a light, normal
+ * or firm grip (0.2, 0.3 or 0.8 N m/rad) with a target of 0.2 rad, and a blunt edge rests on the
+ * bone. The handle must come to rest, although there is a delay of one tick and the encoder steps
+ * are 0.5 mrad.
  */
 static void a_turning_handle_rests(void **state)
 {
