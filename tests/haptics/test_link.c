@@ -265,7 +265,7 @@ static void however_late_the_hand_rests(void **state)
     for (int delay = 0; delay <= 50; delay += 5) {
         const double with = swing_with(delay, true);
         printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
-        assert_true(with < 0.2e-3); /* four encoder steps */
+        assert_true(with < 0.2e-3); /* The range is less than four encoder steps. */
     }
     /* If the delayed force is used directly, without the plane, the device must oscillate. */
     const double without = swing_with(20, false);

@@ -144,8 +144,8 @@ static void what_is_no_hands_is_left_out(void **state)
 }
 
 /*
- * The tool jumps and does not return. It must stay at the position before the jump, so the bone
- * is unchanged from 10 mm on.
+ * The tool jumps and does not return. It must stay at the position before the jump, so only a few
+ * voxels are removed.
  */
 static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
 {
@@ -464,7 +464,7 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
 
 /*
  * With the motor off, a tool in bone removes nothing. With the motor on, the ticks equal those of
- * ost_motor_path. A tick that is too late counts as a tick with the motor off.
+ * ost_motor_turn. A tick that is too late counts as a tick with the motor off.
  */
 static void a_motor_belongs_to_the_operation(void **state)
 {
@@ -482,7 +482,7 @@ static void a_motor_belongs_to_the_operation(void **state)
     assert_ok(ost_operation_create(live_fixture.world, &options, &operation, &err));
     ost_motor motor = {0};
     for (int i = 0; i < 100; i++) {
-        /* The button is held in ticks 40 to 59. The motor is switched on from tick 60 to tick 79. */
+        /* The motor's button is held in ticks 40 to 60. The switch turns the motor on in tick 60 and off in tick 80. */
         const bool on = i >= 40 && i < 80;
         const uint32_t buttons = i >= 40 && i < 60 ? 2 : (i >= 60 && i < 65) || (i >= 80 && i < 83) ? 4 : 0;
         ost_tick tick = {.t_ns = (int64_t)i * 1000000, .pose = pose_at(2 * MM + i * MM / 5, 10 * MM, 5 * MM)};

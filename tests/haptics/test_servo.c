@@ -157,7 +157,7 @@ static void on_done(void *user, uint64_t number, uint32_t exec_ns)
     (void)exec_ns;
     assert_int_equal(number, s->done);
     s->done++;
-    assert_true(fake.last.force_n[0] == 2); /* The wrench of the previous tick has been written. */
+    assert_true(fake.last.force_n[0] == 2); /* The wrench of this tick has been written. */
 }
 
 static ost_servo_report report;

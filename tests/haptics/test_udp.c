@@ -200,7 +200,7 @@ static void what_is_dropped_is_counted(void **state)
     p.simulation++;
     send_sealed(c.socket, key, &p);
     await_count(device, "replayed", 2);
-    /* Two packets arrive in the wrong order. The newer packet is used. One packet between them is missing. */
+    /* Two packets arrive in the wrong order, and the packet before them is missing. The newer packet is used. */
     p = c.pose;
     p.sequence = c.pose.sequence + 3;
     p.pose.t.x = MM + 300;

@@ -114,8 +114,8 @@ static void dhd_frames_and_forces(void **state)
         assert_true(abs((&s.pose.qw)[i] - (&setup.start.qw)[i]) <= 2);
     assert_int_equal(s.tool, -1);
     /*
-     * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z). These
-     * directions are the tool's z, x and y axes, which are the bone's x, -z and y axes.
+     * The device moves 1 mm away from the operator (-x), 2 mm to the right (y) and 3 mm up (z). The
+     * device's x, y and z axes are the tool's z, x and y axes, which are the bone's x, -z and y axes.
      */
     note->position[0] = -0.001;
     note->position[1] = 0.002;
@@ -403,8 +403,8 @@ static bool follow_course(void *user, const ost_servo_sample *sample, ost_wrench
 }
 
 /*
- * Moves through 40 mm of bone along x. The presses of the device's buttons have the actions motor off, on,
- * off, next tool, motor on.
+ * Moves the tool by 20 mm along x, into bone. The buttons of the device switch the motor on, select the next
+ * tool, and switch the motor on again.
  */
 static void operate_by_buttons(const char *name, fake_note *note, double *along, double step)
 {
@@ -444,7 +444,7 @@ static void operate_by_buttons(const char *name, fake_note *note, double *along,
         assert_int_equal(c.seen[i].rpm, held_at(i) == 1 ? 200 : 0);
         assert_int_equal(c.seen[i].tool, i >= TOOL_FROM);
     }
-    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* The tool is already 3 mm deep. */
+    assert_int_equal(c.removed[MOTOR_FROM - 1], 0); /* The tool is already in the bone. */
     assert_true(c.removed[MOTOR_TO - 1] > 10);
     assert_int_equal(c.removed[SECOND_FROM - 1], c.removed[MOTOR_TO - 1]);
     assert_true(c.removed[SECOND_TO - 1] > c.removed[MOTOR_TO - 1] + 10);
