@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares floor, ceiling and rounding half to even (RHE) with their definitions in 64 and 128
- * bits. Also compares the divider, which is set up once for many divisions, with these
- * functions.
+ * bits, and the divider, which is set up once for many divisions, with these functions.
  * Covers: AR-INT-1, AR-INT-2
  */
 #include "harness.h"

@@ -65,8 +65,8 @@ static void too_large_is_refused(void **state)
 static void edges_of_four_faces_are_open(void **state)
 {
     /*
-     * The mesh contains the same box twice. Each of its 18 edges occurs twice in each direction. Opposite directions
-     * cancel, so no edge is open, although the mesh is not a surface.
+     * The mesh contains the same box twice. Each of its 18 edges occurs twice in each direction. An edge is closed
+     * only if it occurs once in each direction, so all edges are open.
      */
     (void)state;
     ost_error err = {0};
