@@ -168,7 +168,7 @@ static void rect_to_cubic_to_chunks(void **state)
         assert_equal_bones(bone[0], bone[1]);
         assert_equal_chunks(bone[1], cube[1]);
         for (int b = 0; b < 2; b++) {
-            ost_grid_free(rect[b]); /* the cubic grid must remain valid */
+            ost_grid_free(rect[b]); /* The cubic grid must remain valid. */
             assert_ok(ost_rect_to_cubic(cube[b], cubic * 2, rule, &again[b], &err));
             ost_bone_free(bone[b]);
             assert_ok(ost_cubic_to_chunks(again[b], n, threshold, &bone[b], &err));
@@ -282,7 +282,7 @@ static void slabs_over_slabs(void **state)
         for (int i = 0; i < 6; i++) {
             int32_t z0 = (int32_t)rng_range(&rng, 0, g.dims.z), count = (int32_t)rng_range(&rng, 0, g.dims.z - z0);
             int16_t *voxels = random_voxels(&rng, slice * count + 1, threshold);
-            if (i == 4) /* an upload of zeros empties the bone again */
+            if (i == 4) /* An upload of zeros empties these slices again. */
                 memset(voxels, 0, (size_t)(slice * count) * sizeof *voxels);
             for (int b = 0; b < 2; b++)
                 assert_ok(ost_bone_upload(bone[b], z0, count, voxels, &err));
@@ -332,8 +332,8 @@ static void samples_to_rect(void **state)
                 for (int a = 0; a < 3; a++) {
                     p[a] = origin[a] + rng_range(&rng, wild ? -1 : 0, dims[a] - !wild) * s[a];
                     /*
-                     * Most offsets are 0. The other offsets are 1/8, 1/4, 3/8 or 1/2 of a voxel. A random
-                     * amount of up to one picometre is added to or subtracted from each offset.
+                     * Three of seven offsets are 0. The other offsets are 1/8, 1/4, 3/8 or 1/2 of a voxel in
+                     * either direction. At most one picometre is added to or subtracted from each offset.
                      */
                     const int eighths[] = {0, 0, 0, 1, 1, wild ? 4 : 2, wild ? 3 : 1};
                     p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) +

@@ -60,7 +60,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     for (size_t i = 0; i < count; i++) {
         const int32_t x = (int32_t)(i % (size_t)side), y = (int32_t)(i / (size_t)side % (size_t)side),
                       z = (int32_t)(i / (size_t)side / (size_t)side);
-        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* every chunk has a few high densities */
+        voxels[i] = (int16_t)(x % 16 == 1 && y % 16 == 1 ? 900 : 100); /* Every chunk has a few high densities. */
         samples[i] = (ost_sample){x * s, y * s, z * s, voxels[i], (uint32_t)i};
     }
     assert_ok(ost_grid_create(backend, &g, &rect, &err));
@@ -175,7 +175,7 @@ static void a_team_takes_each_item_once(void **state)
                 int taken[ITEMS + 1] = {0};
                 ost_cpu_sharing_init(&sharing, way > 0, way > 1 ? (uint64_t)way : 0);
                 ost_team team = ost_team_of(&sharing, way > 1 ? 3 : 1, OST_PATH_REMOVAL, INT64_MAX, count, block);
-                if (way > 1) /* the three members of the team are called one after another */
+                if (way > 1) /* The three members of the team are called one after another. */
                     for (int m = 0; m < 3; m++) {
                         ost_member me = {.next = m, .stride = 3};
                         for (int64_t i; (i = ost_team_next(&team, &me)) >= 0;)

@@ -60,7 +60,7 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
     if (rng_range(rng, 0, 3) == 0) /* These densities are from the full range of int16. */
         for (size_t i = 0; i < voxel_count(g); i++)
             voxels[i] = (int16_t)rng_range(rng, -32768, 32767);
-    if (rng_range(rng, 0, 3) == 0) /* the first half is empty, so that chunks are absent */
+    if (rng_range(rng, 0, 3) == 0) /* The first half is empty, so that chunks are absent. */
         memset(voxels, 0, voxel_count(g) / 2 * sizeof *voxels);
     return voxels;
 }
