@@ -9,7 +9,7 @@
 
 static const int sizes[] = {16, 32, 64};
 
-/* The dimensions are odd, so that chunks and leaves extend beyond the grid. */
+/* The dimensions are not multiples of 16, so that chunks and leaves extend beyond the grid. */
 static ost_geometry odd_geometry(void)
 {
     return cubic_geometry(70, 37, 41, 470 * UM, (ost_pm3){1, 2, 3});
@@ -31,7 +31,7 @@ static void what_goes_up_comes_down(void **state)
         ost_bone *bone;
         assert_ok(ost_bone_create(*state, &g, sizes[s], 120, &bone, &err));
         size_t slice = (size_t)g.dims.x * (size_t)g.dims.y;
-        for (int32_t z = 0; z < g.dims.z;) { /* uploads the bone in slabs of different sizes */
+        for (int32_t z = 0; z < g.dims.z;) { /* The bone is uploaded in slabs of different sizes. */
             int32_t count = (int32_t)rng_range(&rng, 0, g.dims.z - z);
             assert_ok(ost_bone_upload(bone, z, count, voxels + slice * (size_t)z, &err));
             z += count;
@@ -96,7 +96,7 @@ static void chunk_size_does_not_show(void **state)
     ost_error err = {0};
     test_rng rng = rng_seeded("chunk size");
     ost_geometry g = odd_geometry();
-    for (int share = 0; share <= 8; share += 4) { /* no, half of the voxels and all voxels are active */
+    for (int share = 0; share <= 8; share += 4) { /* no voxel, half of the voxels, or all voxels are active */
         int16_t *voxels = random_densities(&rng, &g, share);
         ost_digest leaves[3][3 * 2 * 2], roots[3];
         for (int s = 0; s < 3; s++) {
@@ -114,8 +114,8 @@ static void chunk_size_does_not_show(void **state)
 
 static void leaves_are_those_of_the_dense_grid(void **state)
 {
-    /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. One of the tested bones has only
-       one active voxel. */
+    /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. The bone has only one active
+       voxel. */
     ost_error err = {0};
     test_rng rng = rng_seeded("leaves");
     ost_geometry g = odd_geometry();

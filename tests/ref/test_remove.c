@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests removal with small grids computed by hand, and then checks the laws AR-LAW.
+ * Compares removal with results for small grids computed by hand, and then checks the laws AR-LAW.
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
 #include "ref/scene.h"
@@ -146,7 +146,8 @@ static void an_emptied_chunk_is_freed(void **state)
 
 /* -------------------------------------------------------- random scenes */
 
-/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a tool at a random position inside the bone. */
+/* A bone of 70 x 37 x 41 voxels of 0.47 mm, a random tool, and the range lo to hi of the tool's positions, which is
+   the bone's grid. */
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
@@ -450,8 +451,8 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
 static void quarter_turns_turn_the_set(void **state)
 {
     /*
-     * A cube of 24^3 voxels around the frame's origin is rotated together with the tool about each axis, up
-     * to three times in succession. The centres of the bone voxels of 1 mm are at odd multiples of 1/2 mm.
+     * A cube of 24^3 voxels around the frame's origin is rotated together with the tool by nine quarter turns,
+     * about each axis in turn. The centres of the bone voxels of 1 mm are at odd multiples of 1/2 mm.
      * The borders of the tool voxels of 1/2 mm are at multiples of 1/2 mm relative to the pose. The
      * translation t consists of odd multiples of 1/4 mm, so that no centre is within 1/4 mm of a border.
      * This is far more than AR-MAP-6 allows.
