@@ -4,9 +4,9 @@
  * fractions. The cases are sweeps, maps, and complete removal events on small grids. The program reads no
  * input. A case is one line of key=value words, with values in picometres and Q30:
  *
- *   sweep  s= tool= a= b=               n= (0: refused) pose1= ... (three of them)
- *   map    s= o= tool= pose=            step= then block=x,y,z,near,base...
- *   event  s= o= dims= tool= seed= a= b=  n= hits= (voxel numbers) touched= density=
+ *   sweep  s= tool= a= b=                 n= (0 if refused) pose1= ... (three poses)
+ *   map    extreme= s= o= dims= tool= pose=  step= block=x,y,z,near,base (three blocks)
+ *   event  s= o= dims= tool= seed= a= b=  n= touched= density= hits= (numbers of voxels)
  *
  * Usage: dump_events SEED COUNT BACKEND
  *
@@ -73,7 +73,7 @@ static void random_turn(int32_t q[4])
 
 /*
  * Makes one of the 24 rotations of a cube: one, two or four components have the same magnitude,
- * and |q| is at a limit, just within it, or between the limits.
+ * and |q| is 1 or just within one of the limits 0.999 and 1.001.
  */
 static void cube_turn(int32_t q[4])
 {
