@@ -345,7 +345,7 @@ static void chunks_round(machine *m, test_rng *rng)
                                                               : rng_range(rng, -32768, threshold));
     }
     ost_chunk_grid grid;
-    for (int32_t k = 1; k < d.z; k++) /* makes some slices equal to the previous one */
+    for (int32_t k = 1; k < d.z; k++) /* Makes some slices equal to the previous slice. */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
     /* The volume is uploaded as one slab, or as two slabs that meet at a random slice. A slab stores its slices in

@@ -161,7 +161,7 @@ static tool_tables tables_of(machine *m, const uint8_t *classes, ost_dims d)
     t.bytes = (size_t)shape.axis * (size_t)OST_CL_WINDOWS_X(d.x) * (size_t)OST_CL_WINDOWS_Y(d.y) *
               (size_t)OST_CL_WINDOWS_Z(d.z);
     t.windows = zeros(t.bytes, 1);
-    memset(t.windows, 0x55, t.bytes); /* the kernel must write every byte */
+    memset(t.windows, 0x55, t.bytes); /* The kernel must write every byte. */
     LAUNCH(m, ost_tool_windows, OST_CL_WINDOWS_Y(d.y), OST_CL_WINDOWS_Z(d.z), OST_CL_WINDOWS_X(d.x) * shape.axis,
            ONE(&shape), BUFFER(classes, voxels), BUFFER(t.windows, t.bytes));
     return t;

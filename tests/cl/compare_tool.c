@@ -28,7 +28,7 @@ static ost_snapped_mesh soup(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Makes a closed mesh of tetrahedra between any four points, oriented outward or inward. The mesh may intersect
+/* Makes a closed mesh of tetrahedra between random points, oriented outward or inward. The mesh may intersect
    itself. */
 static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
 {
@@ -46,7 +46,8 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves all coordinates to the ends of their range, without changing the number of fraction bits. */
+/* Moves all coordinates to the ends of their range or one unit from an end. The number of fraction bits stays the
+   same. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
@@ -87,8 +88,8 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
     free(steps);
 }
 
-/* Voxelizes the mesh in tiles of random size. The list of each tile contains all triangles in a random order. Stores
-   the numbers of solid voxels, cutting voxels and leaking rows in counts. */
+/* Voxelizes the mesh in tiles of random size. Each list of triangles contains all triangles in cyclic order and begins
+   with a different one. Stores the numbers of solid voxels, cutting voxels and leaking rows in counts. */
 static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *mesh, ost_fill_rule rule, int tool_class,
                            bool over, uint8_t *classes, uint64_t counts[3])
 {
@@ -113,7 +114,7 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    /* If `over` is true, the kernel adds to the count; otherwise, it must overwrite the value 99. */
+    /* If `over` is true, the kernel adds to the number of leaking rows; otherwise, it must overwrite the value 99. */
     of_tile[2] = over ? counts[2] : 99;
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;
@@ -173,7 +174,7 @@ static void voxelize_round(machine *m, test_rng *rng)
     assert_int_equal(cutting, report.cutting_voxels);
 
     uint64_t tiled[3] = {0, 0, 0};
-    memset(found, 0x77, count); /* the kernel must write every byte */
+    memset(found, 0x77, count); /* The kernel must write every byte. */
     if (both)
         voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
     voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);

@@ -39,7 +39,7 @@ bool shim_failed(void)
     return failed;
 }
 
-/* Once a device is lost, all calls that use the queue fail. */
+/* Returns true for the calls that use the queue. Once a device is lost, all of these calls fail. */
 bool shim_goes_to_queue(enum shim_call call)
 {
     return call == SHIM_clEnqueueReadBuffer || call == SHIM_clEnqueueWriteBuffer || call == SHIM_clEnqueueCopyBuffer ||

@@ -3,7 +3,8 @@
  * Runs a small session repeatedly. For each OpenCL call of the session, this call fails in one run; in a
  * second run, the device is also lost from this call on. In each run, the following must hold:
  *
- *   - the status is not OST_OK, and the message names the device
+ *   - the status is not OST_OK, and the message names the device; calls whose failure the backend
+ *     can overcome are excepted
  *   - there is no crash, and every OpenCL object is released
  *   - a bone whose change failed is unchanged, or every later call reports that it
  *     is lost; it is never partly changed
@@ -80,7 +81,7 @@ static void check_failover(const session *s, const ost_bone *bone, int done)
     ost_error err = {0};
     int16_t *now = malloc(bytes);
     assert_non_null(now);
-    shim_fail(SHIM_clFinish, 0, false); /* disables failures, so that the device works again */
+    shim_fail(SHIM_clFinish, 0, false); /* This disables failures, so that the device works again. */
     ost_status status = ost_bone_download(bone, 0, s->g.dims.z, now, &err);
     if (status == OST_OK) {
         assert_memory_equal(now, s->after[done], bytes);
@@ -252,7 +253,7 @@ static int stride_of(const session *s)
     ost_error err = {0};
     const char *lengthy = getenv("OST_TEST_LONG");
     shim_fail(SHIM_clFinish, 0, false);
-    assert_ok(run_session(s, &err)); /* fills the kernel cache */
+    assert_ok(run_session(s, &err)); /* This session fills the kernel cache. */
     clock_gettime(CLOCK_MONOTONIC, &begin);
     assert_ok(run_session(s, &err));
     clock_gettime(CLOCK_MONOTONIC, &end);

@@ -46,7 +46,7 @@ static side make_side(const char *spec, const ost_geometry *g, int chunk, const 
     side s;
     ost_force_params params = ost_force_defaults();
     params.mode = mode;
-    params.energy = 2e6; /* soft bone, so that the tool advances through several chunks */
+    params.energy = 2e6; /* The bone is soft, so that the tool advances through several chunks. */
     ost_tool_volume tool = ball();
     assert_ok(ost_backend_open(spec, &s.backend, &err));
     s.bone = bone_of(s.backend, g, chunk, voxels);
@@ -90,7 +90,7 @@ static void press(const char *kernels, int chunk, ost_force_mode mode)
     side ref = make_side("ref", &g, chunk, voxels, mode), cl = make_side(spec, &g, chunk, voxels, mode);
     uint64_t removed = 0;
     int touching = 0;
-    /* The hand moves from outside the bone through it, obliquely to its axes. */
+    /* The hand moves from outside the bone deep into it, obliquely to its axes. */
     ost_pose hand = ost_pose_identity();
     hand.t = (ost_pm3){8000 * UM, 7000 * UM, -5000 * UM};
     for (int i = 0; i < TICKS; i++) {

@@ -7,12 +7,12 @@
  * are created once or grow to their final size. After that:
  *   - every event releases every object that it creates
  *   - the size of the process stays the same within 4 MiB, so that the long test
- *     detects a growth of 42 bytes per event
+ *     detects a growth of 47 bytes per event
  * The bone is filled again, by an upload, when half of it has been removed. These uploads also
  * create and release buffers. The final state must equal the reference's.
  *
  * Memory that a driver retains is suppressed in tests/lsan.supp. OpenCL objects that osteon
- * does not release are detected only by this test.
+ * does not release are therefore detected only by the counts of the shim.
  * Covers: REQ-CL-GROWTH
  */
 #include "cl/on_device.h"
@@ -56,7 +56,7 @@ static long resident_kib(void)
 static bool size_tells(void)
 {
 #if defined __SANITIZE_ADDRESS__
-    return false; /* not meaningful, because a sanitizer retains freed memory */
+    return false; /* A sanitizer retains freed memory, so the size is not meaningful. */
 #else
     return !getenv("OST_UNDER_VALGRIND") && resident_kib() > 0;
 #endif

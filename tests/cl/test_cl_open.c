@@ -632,7 +632,7 @@ static void cache_of_others(void **state)
     assert_int_equal(symlink(moved, path), 0);
     assert_false(opened_from_cache());
     assert_int_equal(lstat(path, &info), 0);
-    assert_true(S_ISREG(info.st_mode)); /* the link was replaced, not followed */
+    assert_true(S_ISREG(info.st_mode)); /* The link was replaced, not followed. */
     assert_true(opened_from_cache());
     assert_int_equal(rename(folder, elsewhere), 0);
     assert_int_equal(symlink(elsewhere, folder), 0);
