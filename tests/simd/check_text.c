@@ -2,10 +2,11 @@
 /*
  * Checks of the kernel text_match.
  *
- * In each text, lines that match are followed by a line that does not match. In this line a byte is
- * changed, missing or added; or its density is out of range, or has six digits, no digits, a sign or a
- * letter; or the line is empty. The text continues after the end of the part that is tested, but the lines
- * there must not be matched.
+ * In most texts, lines that match are followed by a line that does not match. In such a line a byte is
+ * changed, missing or added; or its density is out of range, or has more than five digits, no digits, a
+ * wrong sign or another character; or the carriage return is missing or superfluous; or only the beginning
+ * of the line is present; or the line is empty. In some cases, the text continues after the end of the part
+ * that is tested, but the lines there must not be matched.
  */
 #include <stdio.h>
 #include <string.h>

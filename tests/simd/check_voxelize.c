@@ -4,8 +4,9 @@
  *
  * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are small
  * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across the entire
- * grid, and flat triangles. A crossing at the upper end of the grid along x has no bit and is written to
- * the spill list. The same applies to a crossing whose bit is already set in the plane.
+ * grid, triangles at the upper end of the grid along x, triangles whose extents are the largest that vector
+ * lanes allow, and flat triangles. A crossing at the upper end of the grid along x has no bit and is written
+ * to the spill list. The same applies to a crossing whose bit is already set in the plane.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -3,8 +3,8 @@
  * Tests that checksimd detects errors. Each kernel in this file has one small error, which must be reported
  * with the right reason within the default number of cases.
  *
- * A wrong kernel calls the scalar kernel and causes an error before or after the call. The seed is fixed,
- * so that results do not vary between runs.
+ * Most of the wrong kernels call the scalar kernel and cause an error before or after the call. The seed is
+ * fixed, so that results do not vary between runs.
  *
  * Covers: AR-LAW-1
  */
