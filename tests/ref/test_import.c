@@ -367,7 +367,7 @@ static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
      * 60 layers of 0.4882812 or 0.4882813 mm are resampled to 0.4882812 mm. Each layer is 500 denser than
      * the previous layer. The last centre deviates by 59.5 * 2 * 10^-7 of a layer, which changes the
      * density by 500 * 1.2 * 10^-5. Therefore densities differ by at most one rounding. The `thesis` rule
-     * uses a different layer from the first layer on: floor(i c / s) = i - 1.
+     * uses a different source layer for every i > 0: floor(i c / s) = i - 1.
      */
     static const ost_pm near[2] = {488281200, 488281300};
     ost_error err = {0};
