@@ -4,14 +4,14 @@
  *
  *   OST_FAIL_ALLOC=K   the K-th call of malloc, calloc, realloc, posix_memalign, aligned_alloc, memalign,
  *                      strdup or a libc function that allocates memory with them
- *   OST_FAIL_OPEN=K    the K-th call of open, openat, creat, fopen, opendir or a variant of them
+ *   OST_FAIL_OPEN=K    the K-th call of open, openat, fopen, opendir or a variant of them
  *   OST_FAIL_READ=K    the K-th call of read or pread
  *   OST_FAIL_FROM=1    the K-th call and all later calls of the same type fail
  *   OST_FAIL_ERRNO=N   errno of a failed open or read (default EMFILE and EIO)
  *   OST_FAIL_IN=TEXT   calls are counted and fail only in processes with the argument TEXT, or for !TEXT
  *                      only in processes without it
  *   OST_FAIL_PATH=TEXT only opens of paths that contain TEXT are counted
- *   OST_FAIL_EXCEPT=A:B  calls made by a file whose name contains A or B are not counted
+ *   OST_FAIL_EXCEPT=A:B  calls from a program or library whose path contains A or B are not counted
  *   OST_FAIL_REPORT=FILE  at exit a process appends the numbers of counted calls to FILE, as "alloc N",
  *                      "open N" and "read N"
  *   OST_FAIL_TRACE=1   the stack of the failed call is printed on standard error

@@ -177,8 +177,8 @@ static long counted(void)
     return found;
 }
 
-/* Copies the first line of standard error that begins with "osteon", and returns true. If there is no such line, copies
-   the last line and returns false. */
+/* Copies the first line of standard error that begins with "osteon" and is not a warning, and returns true. If there is
+   no such line, copies the last line and returns false. */
 static bool message(char text[TEXT])
 {
     char line[TEXT];
