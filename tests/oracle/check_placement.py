@@ -8,7 +8,7 @@ The density of a CT voxel is 1000 times the fraction of its box that lies inside
 Therefore the bone's surface lies where half a voxel is inside. By the linear rule
   centroid  may be off by at most 0.05 of the CT's voxel on each axis (or of the cubic voxel, if that is larger).
             Voxels are counted by their centres; this alone causes an error of some hundredths for a radius of ten
-            voxels. Here the radius is twenty voxels.
+            voxels. Here the radius is at least fifteen cubic voxels.
   volume    may be off by at most 3 (0.086 s / r) + (s / r)^2 + (c / r)^2 of its value, where s is the CT's largest
             spacing, c the cubic spacing, and r the body's smallest radius.
             First term: if a plane cuts the fraction f off a voxel, the half level lies (f - 1/2)(1 - f)/f from the

@@ -25,8 +25,8 @@ def f32(value):
 
 
 def literal_import(size, minimum, decimals, count):
-    """Computes Alg. 2.4 literally: text to float, (p - min) / size in float, truncated. Returns (empty
-    layers, layers that occur twice)."""
+    """Computes Alg. 2.4 literally: text to float, (p - min) / size in float, truncated. Returns (number of
+    empty layers, number of layers that occur more than once)."""
     s, low = f32(float(size)), f32(float(minimum))
     met = Counter()
     for k in range(count):
@@ -91,11 +91,11 @@ def tables():
     # Table 3.5: 18 chunks at 0.0545 ms take 0.982 ms, so the table's two rows of times are exchanged.
     for total, chunk in ((982, 545), (975, 542), (967, 538)):
         assert abs(Fraction(total, 1000) - 18 * Fraction(chunk, 10000)) < Fraction(2, 1000)
-    # Chunk counts: 199 and 202 chunks of 32^3 int16, and 448 chunks of the grid before it is made cubic.
+    # The sizes in MB of 202, 199 and 99 chunks of 32^3 int16, and the scapula's numbers of chunks: 448
+    # before its grid is made cubic, and 896 after.
     assert [round(n * 65536 / 1e6, 2) for n in (202, 199, 99)] == [13.24, 13.04, 6.49]
     assert 8 * 8 * 7 == 448 and 256 * 256 * 224 == 448 * 32**3 and 8 * 8 * 14 == 896
-    # Bytes of text per voxel (Table 3.1), and bytes of text per millisecond of loading (Table
-    # 2.2).
+    # Bytes of text per voxel (Table 3.1), and megabytes of text per second of loading (Table 2.2).
     models = {"foam": (314 * 320 * 604, 764.1, 6930), "trabecular 2": (314 * 316 * 360, 1400, 13379),
               "trabecular 1": (156 * 156 * 313, 101.4, 936), "scapula": (256 * 234 * 201, 34.3, 295), "glenoid": (49 * 81 * 41, 3.7, 31)}
     per_voxel = {name: round(size * 1e6 / voxels, 1) for name, (voxels, size, _) in models.items()}
