@@ -15,7 +15,8 @@ grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL
 mkdir -p "$build/tests/cl/cache"
 export XDG_CACHE_HOME="$build/tests/cl/cache"
 
-# After FAIL_AT launches, all calls that use the queue fail. If FAIL_AT is not set, the launches are only counted.
+# After FAIL_AT launches, every launch and every read and write of a buffer fails. If FAIL_AT is not set, the launches
+# are only counted.
 cat >failing.c <<'END'
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
@@ -84,7 +85,7 @@ many=$(cat launches)
 echo "# $many launches"
 [ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
 
-# The device fails in one of the first ticks, and in another run in one of the last ticks.
+# The device fails after 20 % of the launches, and in another run after 97 %.
 for percent in 20 97; do
     FAIL_AT=$((many * percent / 100))
     export FAIL_AT
