@@ -199,8 +199,8 @@ def imports(runner):
     check_import(runner, "tenths", ct_text(rng, (33, 12, 14), ("0.3", "0.3", "0.3"), ("0", "-57.34", "0"), 4, separator="\t"))
     check_import(runner, "given-in-text", ct_text(rng, (20, 10, 1), ("0.488281",) * 3, ("1", "1", "1"), 3,
                                                   head="# osteon spacing_mm: 0.488281 0.488281 2.5\r\n"))
-    # The text has few decimals, but contains the spacing as a fact. Therefore the third of a voxel
-    # that rounding hides in the first layer is determined.
+    # The coordinates have one decimal, so rounding hides the origin of 0.02 mm along x. The facts in
+    # the text state it.
     check_import(runner, "origin-in-text", ct_text(rng, (12, 10, 9), ("0.48828125",) * 3, ("0.02", "0", "0"), 1,
                                                    head="# osteon dims: 12 10 9\n# osteon spacing_mm: 0.48828125 0.48828125 0.48828125\n"
                                                         "# osteon origin_mm: 0.02 0 0\n"))
@@ -370,8 +370,8 @@ def meshes(runner):
         check_voxelize(runner, f"on-centres-{rule}", on_centres, "0.5", rule)
     points, triangles = box([Fraction(-2)] * 3, [Fraction(2)] * 3)
     check_voxelize(runner, "leaking", (points, triangles[1:]), "0.5")
-    # A sliver of 1/1024 of 1/1000 of a voxel's width is dropped when the mesh is snapped. The
-    # sliver is a tetrahedron on a much larger lattice.
+    # A tetrahedron of 600 mm by 1/128 mm by 1/128 mm is dropped when the mesh is snapped, because a
+    # unit of the lattice is 60/1024 mm.
     sliver = [[Fraction(0)] * 3, [Fraction(600)] + [Fraction(0)] * 2, [Fraction(0), Fraction(1, 128), Fraction(0)], [Fraction(0)] * 2 + [Fraction(1, 128)]]
     check_voxelize(runner, "sliver", join((sliver, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), box([Fraction(0)] * 3, [Fraction(600)] * 3)),
                    "60")
@@ -413,8 +413,8 @@ def decimal_of(value, places):
 
 
 def turned(rng, any_turn):
-    """Returns a quaternion with nine decimals: within a few degrees of the identity, or, if any_turn,
-    sometimes any rotation, including quarter turns."""
+    """Returns a quaternion with nine decimals: within 12 degrees of the identity, or, if any_turn, a
+    much larger rotation, sometimes a quarter turn or half a turn."""
     if any_turn and rng.random() < 0.3:
         return rng.choice((("0.707106781", "0", "0", "0.707106781"), ("0", "1", "0", "0"), ("0.5", "-0.5", "0.5", "0.5")))
     spread = 0.55 if any_turn else 0.06
@@ -442,8 +442,9 @@ def path(rng, bone, ticks, step_mm, tool_count, any_turn, every_ms=1):
 
 
 def tracked_path(rng, bone, rows, metres):
-    """Returns the rows of a simulated tracker, one every 3.5 ms. Some rows are lost or omitted, there is
-    a jump, and there are additional columns."""
+    """Returns the rows of a simulated tracker, one every 3.5 ms, and one every 40 ms in the second half.
+    Some rows have no pose, and there are additional columns. If metres is false, some rows are omitted,
+    and there is a jump."""
     unit, places = ("m", 12) if metres else ("mm", 9)
     at = [Fraction(o + s * n // 2, MM) for o, s, n in zip(bone.origin, bone.spacing, bone.dims)]
     text, missing = [f"t_s,x_{unit},y_{unit},z_{unit},qw,qx,qy,qz,movement,tool" + (",lifted" if metres else "")], rng.randrange(3, rows)

@@ -9,7 +9,7 @@ the two (or the document) is wrong.
     osteon_oracle         numbers, text -> rect -> cubic -> bone, digests
     osteon_oracle_tool    mesh -> snapped mesh -> tool grid
     osteon_oracle_events  poses -> sweep -> map -> removal
-    osteon_oracle_files   NRRD and STL files
+    osteon_oracle_files   NRRD files
 
 If this file is run as a program, it checks itself against the examples of the document.
 """
