@@ -127,7 +127,8 @@ static void no_order_changes_a_bone(void **state)
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
-    /* The grid has 27 leaves, 125 chunks and 2 layers of 5 rows of chunks, which is sufficient work for 7 threads. */
+    /* The grid has 27 leaves and 125 chunks, and is converted in parts of 2 layers, which are 10 rows of chunks. This
+       is sufficient work for 7 threads. */
     static const int teams[] = {1, 2, 3, 7};
     seen none, all;
     const ost_digest expected = run_all("ref", SIDE, 16, &none);
