@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests broken volumes: the error for each is one line that names the file and the defect, and
- * no memory or file is left. Valid files are truncated at every byte, and fields are replaced
- * one at a time.
+ * Tests that broken volumes are refused. The error must be one line with the name of the file and
+ * the defect, and the reader must neither leak memory nor leave a file. The test truncates valid
+ * files at every byte and replaces one field of a header at a time.
  *
  * Covers: AR-GRID-3, AR-FILE-4
  */
@@ -245,7 +245,7 @@ static void packed_bits_turned(void **state)
     size_t start = file.size;
     int padding = 0;
     put_gzip(&file, sixteen, 16);
-    /* begins after gzip's header, whose time and name have no effect */
+    /* the loop begins after the gzip header, because the time and the name in this header do not affect the data */
     for (size_t n = start + 10; n < file.size; n++) {
         for (int bit = 0; bit < 8; bit++) {
             file.data[n] ^= (unsigned char)(1 << bit);
@@ -465,7 +465,7 @@ static void nifti_extensions(void **state)
             continue;
         }
         assert_ok(ost_volume_read_header(at("e.nii"), NULL, &meta, NULL, &err));
-        /* osteon adds a fact of its own: the orientation was assumed */
+        /* the reader adds one fact, which states that the orientation was assumed */
         assert_int_equal(meta.count, cases[i].metas + 1);
         ost_volume v;
         assert_ok(ost_volume_read(at("e.nii"), NULL, &v, NULL, &err));

@@ -95,15 +95,16 @@ static void bad_ends(void **state)
     refused("echo secret >&2; ulimit -a >&2; exit 1", "the DICOM parser ended early (exit status 1)");
 }
 
-/* The scripts check the resource limits that the library has set. */
+/* Each script compares a resource limit with the value that the library sets, and ends with SIGUSR1 (signal 10) if they
+   are equal. */
 static void limits(void **state)
 {
     (void)state;
     const char *preload = getenv("LD_PRELOAD");
-    if (!preload || !strstr(preload, "vgpreload")) /* under valgrind the limit of descriptors is not lowered */
+    if (!preload || !strstr(preload, "vgpreload")) /* the library does not lower the descriptor limit under valgrind */
         refused("[ \"$(ulimit -n)\" = 64 ] && kill -USR1 $$", "signal 10");
     refused("[ \"$(ulimit -f)\" = 0 ] && [ \"$(ulimit -c)\" = 0 ] && kill -USR1 $$", "signal 10");
-    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s for the scan and 2 s for its file */
+    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s per scan and 2 s per file */
     refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$",
             "signal 10");
     refused("[ \"$(ls /proc/self/fd | wc -l)\" -le 4 ] && kill -USR1 $$", "signal 10");
@@ -181,7 +182,7 @@ static void messages(void **state)
     refused(send_of(&a), "program: the DICOM parser made no progress for 1 s");
 }
 
-/* A flood of valid messages must end at the limit of images. */
+/* If the program sends valid messages without end, the library must stop at the maximum number of images. */
 static void flood(void **state)
 {
     (void)state;

@@ -426,7 +426,7 @@ static void densities(void **state)
     r = record_at("0");
     snprintf(r.slope, sizeof r.slope, "0.5");
     snprintf(r.intercept, sizeof r.intercept, "0");
-    assert_int_equal(density_of(table, &r, 1), 0); /* ties to even */
+    assert_int_equal(density_of(table, &r, 1), 0); /* 0.5, 1.5 and 2.5 are ties, which are rounded to the even number */
     assert_int_equal(density_of(table, &r, 3), 2);
     assert_int_equal(density_of(table, &r, 5), 2);
     assert_int_equal(table->rounded, 3);
@@ -447,7 +447,7 @@ static void padding(void **state)
     assert_non_null(table);
     ost_dicom_record r = record_at("0");
     r.flags |= OST_DICOM_IMAGE_PADDED;
-    r.padding_first = r.padding_last = 63536; /* -2000 as unsigned */
+    r.padding_first = r.padding_last = 63536; /* the 16 bits of -2000 as an unsigned number */
     assert_int_equal(density_of(table, &r, 63536), OST_DICOM_AIR);
     assert_int_equal(density_of(table, &r, 63536 & 4095), (63536 & 4095) - 1024);
     r.padding_first = 10;
@@ -492,7 +492,7 @@ static void mixing(void **state)
     const int16_t before[] = {0, 10, -32768, 1}, after[] = {10, 0, 32767, 2};
     int16_t out[4];
     ost_dicom_mix(before, after, 4, 1, 4, out);
-    const int16_t quarter[] = {2, 8, -16384, 1}; /* 2.5 and 7.5 are rounded to even; -16384.25; 1.25 */
+    const int16_t quarter[] = {2, 8, -16384, 1}; /* the exact values are 2.5, 7.5, -16384.25 and 1.25 */
     assert_memory_equal(out, quarter, sizeof out);
     ost_dicom_mix(before, after, 4, 0, 4, out);
     assert_memory_equal(out, before, sizeof out);

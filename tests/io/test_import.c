@@ -183,7 +183,7 @@ static void every_format_gives_the_same_grid(void **state)
         ost_import_result results[3];
         for (int n = 0; n < 3; n++) {
             if (n == 2 && ost_volume_write(in_folder(names[n]), &volume, NULL, &err) == OST_ERR_UNAVAILABLE)
-                continue; /* built without libnifti */
+                continue; /* osteon was built without libnifti */
             const ost_write_options write = {.text_decimals = cases[c].decimals};
             assert_ok(ost_volume_write(in_folder(names[n]), &volume, &write, &err));
             assert_ok(import(in_folder(names[n]), &(ost_import_options){.digests = true}, &results[n], &err));
@@ -379,7 +379,7 @@ static void labels_take_the_nearest(void **state)
     const ost_status status = ost_volume_write(path, &volume, NULL, &err);
     ost_volume_free(&volume);
     if (status == OST_ERR_UNAVAILABLE)
-        return; /* built without libnifti */
+        return; /* osteon was built without libnifti */
     assert_ok(status);
     assert_int_equal(rule_of(path, NULL, "linear"), OST_RESAMPLE_LINEAR);
     /* intent_code is the int16 at byte 68 of a NIfTI-1 header; NIFTI_INTENT_LABEL is 1002 = 0x03ea. */

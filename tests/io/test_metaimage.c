@@ -63,7 +63,8 @@ static void every_type_order_and_form(void **state)
     (void)state;
     for (size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
         for (int variant = 0; variant < 12; variant++) {
-            /* the variants are both byte orders; data after the header or in another file; raw, zlib or gzip */
+            /* a variant is a combination of byte order, position of the data (after the header or in another file) and
+               form of the data (raw, zlib or gzip) */
             const bool big = variant & 1, local = variant & 2;
             const int form = variant / 4;
             char header[400];
@@ -185,7 +186,7 @@ static void data_in_several_files(void **state)
             char name[32];
             snprintf(name, sizeof name, "s%02d.raw", f + 1);
             raw.size = 0;
-            put_text(&raw, "skip"); /* HeaderSize */
+            put_text(&raw, "skip"); /* four bytes that the reader must skip if HeaderSize is 4 or -1 */
             put_voxels(&raw, 2, INTEGER, false, f * part, part);
             write_file(name, raw.data, raw.size);
         }

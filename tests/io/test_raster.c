@@ -259,7 +259,8 @@ static void assert_same(const outcome *a, const outcome *b)
 
 static unsigned turn;
 
-/* Returns the next combination of instruction set and thread count. */
+/* Advances to the next combination of instruction set and number of threads. Sets OSTEON_ISA to the instruction set and
+   returns the number of threads. */
 static int next_turn(void)
 {
     static const int threads[] = {1, 2, 3, 7};
@@ -562,7 +563,7 @@ static void kernels_agree(void **state)
                 size = begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin));
             text_at[size++] = '\n';
         }
-        /* the last lines may be absent */
+        /* in some rounds, the text that the kernels receive ends before the last line */
         size_t behind = rng_range(&rng, 0, 3) ? size : begins[rng_range(&rng, 1, LINES - 1)];
         for (int isa = 0; isa < OST_ISA_COUNT; isa++) {
             if (!ost_isa_available((ost_isa)isa))
@@ -586,7 +587,7 @@ static void kernels_agree(void **state)
                                                                   &have_next),
                                  good);
                 assert_memory_equal(want, have, (most + 1) * sizeof *want);
-                /* these elements must be unchanged, because they may belong to another thread */
+                /* a kernel must not write beyond the densities that it found; another thread may own these elements */
                 for (size_t i = good; i <= most; i++)
                     assert_int_equal(have[i], 12345);
                 assert_ptr_equal(have_next, want_next);

@@ -83,7 +83,7 @@ static void tiff_types_and_forms(void **state)
     if (!HAS_TIFF)
         skip();
     for (size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
-        /* the variants are both byte orders, each raw and with deflate */
+        /* a variant is a combination of byte order and compression (none or deflate) */
         for (int variant = 0; variant < 4; variant++) {
             const bool big = variant & 1, deflate = variant & 2;
             tiff_page pages[NZ];

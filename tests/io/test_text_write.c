@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests volumes as text: the bytes, reading back, full disks and kills.
+ * Tests writing volumes as text: the bytes of the file, reading the file back, full disks, and a writing process that
+ * is killed.
  *
  * Covers: AR-CT-8, AR-FILE-7, AR-FILE-8
  */

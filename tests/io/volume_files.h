@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Helpers for tests that build volume files byte by byte: a scratch folder, plain and gzip
- * writing, and a volume as content.
+ * Helpers for tests that build volume files byte by byte: a scratch folder, functions that append
+ * numbers, text and compressed data to a buffer, and checks of the volume that is read.
  */
 #ifndef OST_TESTS_VOLUME_FILES_H
 #define OST_TESTS_VOLUME_FILES_H
@@ -55,7 +55,7 @@ static inline const char *at(const char *name)
     return path;
 }
 
-/* A growing buffer of bytes. */
+/* A buffer to which the functions put_... append bytes. */
 typedef struct bytes {
     size_t size;
     unsigned char data[1 << 16];
