@@ -17,7 +17,7 @@ static void *room(size_t bytes)
 {
     void *p = malloc(bytes ? bytes : 1);
     assert_non_null(p);
-    memset(p, 0xa5, bytes); /* the contents of a new buffer are undefined */
+    memset(p, 0xa5, bytes); /* a kernel must not depend on the initial contents of a buffer */
     return p;
 }
 

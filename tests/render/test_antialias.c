@@ -216,7 +216,7 @@ static void smooth_all(const picture *p, uint32_t *got)
     ost_cells_free(&cells);
 }
 
-/* Straight edges along rows and columns must not change, and neither must small differences of colour. */
+/* Antialiasing must change neither straight edges along rows and columns nor edges between similar colours. */
 static void boxes_remain(void **state)
 {
     (void)state;

@@ -136,7 +136,8 @@ static int differ(const ost_frame *a, const ost_frame *b)
     return count;
 }
 
-/* The smooth mesh of a tool, in every view, with points and with quads. The mesh is uploaded once. */
+/* Compares OpenGL's picture of a bone and of a tool's smooth mesh with the processor's picture, from every camera. When
+   the same objects are drawn again, nothing may be uploaded. */
 static void test_smooth_tool(void **state)
 {
     (void)state;
@@ -193,7 +194,7 @@ static void test_smooth_tool(void **state)
     ost_volume_free(&t);
 }
 
-/* Only the changed blocks of a surface may be uploaded, and they must be drawn. */
+/* After a change of a surface, only the changed blocks may be uploaded, and the picture must show the change. */
 static void test_changes(void **state)
 {
     (void)state;
@@ -246,8 +247,8 @@ static void test_changes(void **state)
 }
 
 /*
- * The variants that exist for comparison must draw the same voxels. Variants that do not clip
- * points at the frame's edge are tested only where nothing is clipped.
+ * Tests the drawing methods that exist only for comparisons. Each of them must draw the same voxels. Some of them do
+ * not clip points at the edge of the frame, so the camera is so far from the body that no point is clipped.
  */
 static void test_variants(void **state)
 {

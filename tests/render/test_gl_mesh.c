@@ -62,7 +62,7 @@ static bool active_at(const ost_surface *s, const int v[3])
     return !ost_surface_is_empty(s, at, at);
 }
 
-/* Returns the distance in pixels of the pixel's middle from a quad; 0 if the quad contains it. */
+/* Returns the distance in pixels between the middle of a pixel and a quad, or 0 if the quad contains the middle. */
 static double distance_of(const ost_eye *e, double px, double py, const int voxel[3], int face)
 {
     double x[4], y[4], least = 1e9;
@@ -190,8 +190,8 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     assert_int_equal(left, 0);
     assert_in_range(narrow, 0, differ / 20 + 1);
     /*
-     * Along an edge, the rays of about one pixel in 128 are this close to the edge, and a picture of bone has edges
-     * everywhere.
+     * About one in 128 pixels along an edge has a ray that passes the edge at less than 1/128 pixel. A picture of bone
+     * has edges everywhere.
      */
     assert_in_range(differ, 0, covered / 50 + 10);
     free(open);

@@ -56,7 +56,7 @@ static scene scene_of(const char *seed, int width, int height)
     return s;
 }
 
-/* Points the objects at the surfaces of a scene that has its final address. */
+/* Sets the pointers to the surfaces of the scene. Must be called again after the scene was copied. */
 static void place(scene *s)
 {
     s->thing[0].surface = &s->bone;
@@ -93,13 +93,13 @@ static void layer_free(layer *l)
     ost_cells_free(&l->cells);
 }
 
-/* Shows the last picture in a texture and reads the texture. */
+/* A texture in which the renderer shows its last picture, and the pixels that are read from it. */
 typedef struct screen {
     ost_gl *gl;
     bool antialiased;
     const ost_gl_sheet *sheet;
     int width, height;
-    uint32_t *pixels; /* the top row first */
+    uint32_t *pixels; /* rows from top to bottom */
     GLuint texture, framebuffer;
     GLenum error;
 } screen;
@@ -171,7 +171,7 @@ static int differences(const ost_frame *frame, const uint32_t *pixels, int least
     return count;
 }
 
-/* The widths and heights are not multiples of a cell. */
+/* Widths and heights of frames. Most of them are not multiples of the width and the height of a cell. */
 static const int sizes[][2] = {{333, 187}, {64, 48}, {17, 9}, {480, 270}};
 
 static void test_smoothed_colours(void **state)
@@ -235,7 +235,7 @@ static void test_sheet(void **state)
         const int bare = differences(&frame, partly, 3);
         write_on(&over, letters, step);
         assert_true(bare > 10000);
-        assert_int_equal(differences(&frame, partly, 3), 0); /* two blended layers round down twice */
+        assert_int_equal(differences(&frame, partly, 3), 0); /* blending rounds down once for each of two layers */
         ost_frame_free(&frame);
         free(partly);
         free(completely);
@@ -290,7 +290,7 @@ static void test_current_context(void **state)
     assert_string_equal(g.info.way, "the window's context");
     assert_string_equal(g.info.driver, ost_gl_info_get(gl).driver);
     assert_memory_equal(before, g.pixels, (size_t)s.width * (size_t)s.height * sizeof *before);
-    /* The renderer that owns the context continues. */
+    /* The renderer with its own context must still draw the same picture. */
     assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
     uint32_t *after = shown(gl, true, &empty, false);
     assert_memory_equal(before, after, (size_t)s.width * (size_t)s.height * sizeof *before);

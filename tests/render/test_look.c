@@ -174,8 +174,8 @@ static void a_plane_shows_the_ct(void **state)
         assert_true(c.seen > 500 && c.painted > 50);
     }
     /*
-     * A picture must have exactly these greys with any light. The camera looks along x at a plane
-     * perpendicular to x.
+     * The voxels at the clip plane must have exactly the greys of their densities in the picture, because they are not
+     * lit. The camera looks along x at a plane perpendicular to x.
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};
@@ -347,7 +347,7 @@ static void a_tunnel_is_outside(void **state)
         fill_box(&bone, from, to, 0);
         fill_box(&outside, from, to, 1);
     }
-    fill_box(&bone, (const int[3]){22, 16, 16}, (const int[3]){30, 22, 22}, 0); /* the cavity */
+    fill_box(&bone, (const int[3]){22, 16, 16}, (const int[3]){30, 22, 22}, 0); /* makes the closed cavity */
     set_bone(&v, &bone, &bone);
     int checked = 0;
     for (int32_t n = 0; n < v.bone.used; n++) {

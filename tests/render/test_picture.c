@@ -473,7 +473,7 @@ static void test_active_box(void **state)
         assert_true(fabs(s.middle[a]) < 1e-9);
     }
     assert_true(fabs(s.size - 16) < 1e-9);
-    ost_active_box(&ball, 1001, lo, hi); /* no voxel */
+    ost_active_box(&ball, 1001, lo, hi); /* no voxel reaches this threshold */
     assert_true(lo[0] == 24 && hi[0] == 24);
     ost_volume_free(&ball);
 }

@@ -77,7 +77,8 @@ static int field(const ost_volume *v, int i, int j, int k)
     return sum;
 }
 
-/* Returns the mean over a cell of 2^3 voxels. Cells are counted from (0, 0, 0). */
+/* Returns the amount of bone in the cell (i, j, k) of 2^3 voxels: 0 if no voxel is active, 63 if all voxels are
+   active. */
 static int cell(const ost_volume *v, int i, int j, int k)
 {
     int sum = 0;
@@ -441,7 +442,8 @@ static void assert_same(const ost_frame *a, const ost_frame *b)
     }
 }
 
-/* The views are from far away, close up, at the edge, and from inside. */
+/* The camera is far from the body, near it, at its edge, or inside it. With every instruction set and number of
+   threads, the picture must equal that of the scalar functions. */
 static void test_sets_and_threads(void **state)
 {
     (void)state;
@@ -480,8 +482,8 @@ static void test_sets_and_threads(void **state)
 }
 
 /*
- * Tests the arithmetic of the shades: words of all sizes, with every instruction set, are
- * compared with weighted sums.
+ * The inputs and outputs of the functions that compute shades. With every instruction set, the results for random
+ * inputs of every size are compared with weighted sums.
  */
 typedef struct words {
     uint8_t cells[3][28 * OST_CELLS], mean[OST_CELLS];
@@ -552,8 +554,8 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
 }
 
 /*
- * Compares three types of results: means of 2^3 words, lines of three blocks, and interpolations between
- * two slices.
+ * Compares the results of three functions with simple implementations: means of 2^3 words, lines of three blocks, and
+ * interpolations between two slices.
  */
 static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {

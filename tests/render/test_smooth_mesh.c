@@ -66,7 +66,7 @@ static ost_mesh sphere(double radius, int n, int m)
     return mesh;
 }
 
-/* A cylinder along z, closed by two discs. */
+/* Makes a cylinder along z that is closed by two discs. */
 static ost_mesh cylinder(double radius, double z0, double z1, int m)
 {
     ost_error err = {0};
@@ -134,7 +134,7 @@ static void a_rim_remains_sharp(void **state)
         for (int c = 0; c < 3; c++) {
             const float *n = s.triangle[t].corner[c].normal;
             const double x = s.triangle[t].corner[c].at[0] - 4.5, y = s.triangle[t].corner[c].at[1] - 4.5;
-            if (t % 4 < 2) /* the side */
+            if (t % 4 < 2) /* the first two of four triangles belong to the side */
                 assert_true(dot(n, (double[]){x / 3, y / 3, 0}) > cos(2.0 * PI / 180));
             else
                 assert_true(n[2] == (t % 4 == 2 ? 1.0f : -1.0f));
@@ -236,7 +236,7 @@ static double meet(const ost_eye *e, const ost_smooth_triangle *t, double x, dou
         for (int c = 0; c < 3; c++)
             o[c][a] = (double)t->corner[c].at[a] - e->at[a];
     }
-    /* o0 + b (o1 - o0) + c (o2 - o0) = s d */
+    /* Solves o0 + b (o1 - o0) + c (o2 - o0) = s d for b, c and s. */
     double b[3], c[3];
     for (int a = 0; a < 3; a++) {
         b[a] = o[1][a] - o[0][a];

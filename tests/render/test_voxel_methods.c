@@ -27,7 +27,8 @@ static bool active(const ost_volume *v, int x, int y, int z)
            v->voxels[x + (size_t)d.x * ((size_t)y + (size_t)d.y * (size_t)z)] >= 120;
 }
 
-/* Counts voxel by voxel. */
+/* Counts the voxels, surface voxels, visible faces and chunks of a volume one by one, and compares the counts with
+   those of the measured grid. */
 static void check_counts(const ost_volume *v, const bench_voxel_grid *g)
 {
     const ost_dims d = v->geometry.dims;
