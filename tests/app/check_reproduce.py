@@ -19,7 +19,7 @@ def expect(condition, text):
 
 
 def cell(value, column):
-    """Returns the fields of CSV for a cell of JSON: the value and, if the column has it, that of the thesis."""
+    """Returns the CSV fields of a cell in JSON: the value and, if the column has values of the thesis, that value."""
     if column["text"]:
         return [value]
     if not column["thesis"]:

@@ -18,7 +18,7 @@ def screen(path):
 
 
 def png(path):
-    """Returns the rows of RGB."""
+    """Returns the rows of a PNG file with three bytes per pixel."""
     data = open(path, "rb").read()
     at, packed = 8, b""
     while at < len(data):

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A second implementation of docs/spec/session.md, which reads and changes sessions.
 
-  session_tool.py check FILE              checks every checksum and rule; prints ticks and the digest of a step that did nothing
+  session_tool.py check FILE              checks every checksum and rule; prints the number of ticks and the digest of
+                                          a step that removed nothing
   session_tool.py change FILE OUT TICK FIELD DELTA
                                           adds DELTA to a field of a tick and corrects the checksums
 """

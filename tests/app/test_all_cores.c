@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that work before the servo loop may use the core that the simulator has reserved, and that the reservation is
- * as before afterwards. Skipped on a machine with one core.
+ * The simulator reserves one core for the servo loop. Tests that work before the servo loop starts may also use this
+ * core, and that the set of cores of the calling thread is unchanged afterwards. The test is skipped on a machine with
+ * one core.
  * Covers: REQ-ALL-CORES
  */
 #include <sched.h>

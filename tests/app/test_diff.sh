@@ -25,7 +25,7 @@ without() {
     grep -q "\"name\": \"$1\"" out && fail "$2: pattern $1, which does not hold"
 }
 
-# An asymmetric body in which every voxel's density differs from its neighbours'.
+# The body is asymmetric, and each of its voxels has a different density from its neighbours.
 body='(i >= 3 && i < 15 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + i + 20 * j + 3 * k * k : 0'
 grid a "$body"
 run 0 diff a.nrrd a.nrrd
@@ -71,7 +71,7 @@ check "wider: differing voxels" "$(value different_voxels)" 0
 grid flipped '(i >= 5 && i < 17 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + (19 - i) + 20 * j + 3 * k * k : 0'
 pattern axis-swap flipped
 
-# 258 is 513 with its bytes swapped.
+# Swapping the two bytes of 513 (0x0201) gives 258 (0x0102).
 grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
 grid swapped '(i > 3 && i < 9 && j > 2) ? 513 : 0'
 pattern byte-order swapped

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Tests what osteon export writes for other programs: what was removed, the frame that a mesh states, label
-# maps, MetaImage, and a text file without empty voxels. Every file is read again.
+# Tests the files that osteon export writes for other programs: the removed bone as a mesh, the coordinate system
+# stated in a mesh file, label maps, MetaImage, and a text file without empty voxels. Every file is read again.
 #
 # Covers: REQ-EXPORT
 . "${srcdir:-.}/tests/app/lib.sh"
@@ -14,7 +14,7 @@ run 0 ream --bone bone.nrrd --tool peg.stl --path builtin:peg-hole --out drilled
 removed=$("$json_get" removed_voxels <out)
 
 # ------------------------------------------------------------ what was removed
-# The removal itself counts the voxels independently of the comparison of the two files.
+# The expected number of removed voxels is that of osteon ream, which does not compare the two files.
 for form in stl ply obj; do
     run 0 export drilled.nrrd --before bone.nrrd --out removed.$form --json
     check "removed voxels in $form" "$("$json_get" removed_voxels <out)" "$removed"
@@ -39,7 +39,7 @@ run 0 export bone.nrrd --out bone.obj
 check "the frame in an STL" "$(head -c 80 bone.stl | tr -d '\0' | grep -c 'SPACE=LPS')" 1
 check "the frame in a PLY" "$(head -4 bone.ply | grep -a -c '^comment SPACE=LPS$')" 1
 check "the frame in an OBJ" "$(head -1 bone.obj | grep -c '^#.*SPACE=LPS')" 1
-# A tool has no position in the patient, so its file must state no frame.
+# A tool has no position in the patient, so its file must not state a coordinate system.
 check "no frame in a tool" "$(head -c 80 peg.stl | grep -a -c 'SPACE')" 0
 run 0 tool burr --out burr.obj
 run 0 voxelize burr.obj --voxel 0.5 --out burr.nrrd

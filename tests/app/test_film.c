@@ -316,7 +316,7 @@ static void an_encoder_follows_no_link(void **state)
 
 static void on_term(int number)
 {
-    ost_outfile_unlink_pending(); /* as src/app/main.c does */
+    ost_outfile_unlink_pending(); /* the handler in src/app/main.c makes the same call */
     _exit(128 + number);
 }
 
@@ -405,7 +405,7 @@ static void pictures_take_free_names(void **state)
         film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
     assert_ok(film_close(f, 0, NULL, &err));
     assert_int_equal(stat("osteon-002.png", &st), 0);
-    assert_int_equal(st.st_size, 0); /* unchanged */
+    assert_int_equal(st.st_size, 0); /* the existing file is unchanged */
     assert_int_equal(stat("osteon-004.png", &st), 0);
     assert_true(st.st_size > 60);
     assert_int_equal(access("osteon-005.png", F_OK), -1);

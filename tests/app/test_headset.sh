@@ -38,7 +38,7 @@ check "the ticks" "$(value ticks)" 1000
 frames=$(value headset.frames)
 [ "$frames" -ge 5 ] || fail "only $frames frames in a second"
 check "frames without a pose" "$(value headset.frames_without_pose)" 0
-# The hand is tracked from the first frame on, which may come after the first tick.
+# Tracking of the controller begins with the first frame, which may be later than the first tick.
 [ "$(value dropouts)" -le 1 ] || fail "$(value dropouts) drop-outs"
 run 0 replay own.session --verify
 

@@ -65,7 +65,7 @@ for kind in pipe folder zero loop absent; do
     ends 2 err it.nrrd validate --only user --cpu-only --ct it.nrrd --tool builtin:peg --path builtin:peg-hole
     ends 2 err $kind verify $kind
     ends 2 err $kind import ct.nrrd --backend plugin:$kind --out o.nrrd
-    # A NRRD with detached data.
+    # Tests a NRRD header whose data file is not a regular file.
     printf 'NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspacings: 1 1 1\ndata file: %s\n' "$kind" >points.nhdr
     ends 2 err $kind import points.nhdr --out o.nrrd
     # Replaces a file of a bundle, a file of a shard and a file of a dump.
@@ -74,7 +74,8 @@ for kind in pipe folder zero loop absent; do
         cp -r bundle damaged
         rm "damaged/$name"
         [ $kind = absent ] || cp -PR $kind "damaged/$name"
-        # A missing file is a finding about the bundle, an unreadable one is an error.
+        # If a file is missing, osteon verify must report that the bundle is incomplete (status 2). If it is not a
+        # regular file, osteon verify must report the name of the file (status 1).
         case $kind in
         absent) ends 2 err damaged verify damaged ;;
         *) ends 1 out "$name" verify damaged ;;
@@ -102,8 +103,8 @@ ln -s ct.nrrd link.nrrd
 run 0 import link.nrrd --out again.nrrd
 cmp -s bone.nrrd again.nrrd || fail "a link to a file gives another bone"
 "$osteon" info /dev/stdin <ct.nrrd >out 2>err || fail "info of a redirected file: $(cat err)"
-# If a pipe as standard input is not the operand, it must be refused, with advice (test_pipes.sh
-# tests the other cases).
+# A pipe as standard input must be refused with advice if it is given as an option's value instead of
+# the operand (test_pipes.sh tests the other cases).
 cat ct.nrrd | "$osteon" ream --bone /dev/stdin --tool builtin:peg --path builtin:peg-hole --out o.nrrd >out 2>err
 check "status of a pipe" $? 2
 grep -q "save it to a file first" err || fail "a pipe: $(cat err)"

@@ -17,7 +17,7 @@ quiet() {
 }
 
 # ------------------------------------------------------------- orientation
-# A CT of 4 x 4 x 4 voxels of 10 mm without orientation, in which only voxel number 1 is dense.
+# Makes a CT of 4 x 4 x 4 voxels of 10 mm without orientation, in which only voxel number 1 is dense.
 {
     printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 10 10 10\nencoding: text\n\n'
     awk 'BEGIN { for (i = 0; i < 64; i++) print i == 1 ? 200 : 0 }'

@@ -101,7 +101,7 @@ static char *const slow[] = {program, (char[]){"phantom"}, (char[]){"trabecular2
 static char *const quiet[] = {program, (char[]){"phantom"}, (char[]){"trabecular2"}, (char[]){"--out"}, out,
                               (char[]){"--quiet"}, NULL};
 
-/* The printed share must grow, and the line must also contain the remaining time. */
+/* The percentage on the line must grow, and the line must also contain the remaining time. */
 static void test_on_a_terminal(void **state)
 {
     (void)state;

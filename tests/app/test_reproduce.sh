@@ -76,7 +76,7 @@ run 0 reproduce table-3.1 --ct glenoid=own.nrrd --out own --quick
 check "the own CT" "$(grep -c 'Glenoid (own CT)' own/table-3.1.csv)" 1
 refuse 2 'none.nrrd' reproduce table-3.1 --ct none.nrrd --out own2 --quick
 
-# Refusals.
+# Tests arguments that must be refused.
 refuse 2 "'table-9.9' is not an item" reproduce table-9.9 --out x
 refuse 2 "did you mean table-3.3" reproduce tabel-3.3 --out x
 refuse 2 '--out DIR is missing' reproduce table-3.3

@@ -27,7 +27,7 @@ have assimp && meshes=yes || meshes=no
 have nifti && nifti=yes || nifti=no
 have png && png=yes || png=no
 
-# The common inputs.
+# Makes the inputs that all configurations share.
 run 0 phantom glenoid --spacing 0.8 --out ct.nrrd
 run 0 export ct.nrrd --out ct.txt
 [ $nifti = yes ] && run 0 export ct.nrrd --out ct.nii.gz

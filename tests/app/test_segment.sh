@@ -5,10 +5,11 @@
 # Covers: REQ-SEGMENT, REQ-MASK, REQ-MASK-NAMES, REQ-SELECT, REQ-CUT-HEAD, AR-SEG-6
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# A CT as NRRD in text form: a block of 4 x 4 x 4 voxels of 500 HU, a block of 3 x 4 x 4, both with
-# soft tissue (50 HU) around them, and a bridge of one voxel between them at x = 6, y = 3, z = 3.
-# nrrd TYPE FORMULA: makes an NRRD of 12 x 7 x 7 voxels of 2 mm with its origin at (10, 20, 30) mm.
-# FORMULA is an awk formula of i, j and k that gives the voxels.
+# Most tests use a small CT. It contains two blocks of 500 HU, one of 4 x 4 x 4 voxels and one of
+# 3 x 4 x 4 voxels. A bridge of one voxel at x = 6, y = 3, z = 3 connects them. All other voxels are
+# soft tissue of 50 HU.
+# nrrd TYPE FORMULA: prints an NRRD in text form with 12 x 7 x 7 voxels of 2 mm and its origin at
+# (10, 20, 30) mm. FORMULA is an awk expression of i, j and k that gives the value of a voxel.
 nrrd() {
     printf 'NRRD0004\ntype: %s\ndimension: 3\nsizes: 12 7 7\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (10,20,30)\nencoding: text\n\n' "$1"
     awk "BEGIN { for (k = 0; k < 7; k++) for (j = 0; j < 7; j++) for (i = 0; i < 12; i++) { v = $2; print v } }"

@@ -52,8 +52,8 @@ goes_on() {
     before=$(wc -c <wm.session)
     soon "the loop goes on $1" grown
 }
-# spent: prints the CPU time of the window's thread in hundredths of a second. The name in brackets
-# may contain blanks.
+# spent: prints the CPU time of the window's thread in hundredths of a second. In the stat file, the
+# thread's name is in brackets and may contain blanks, so the text up to the bracket is removed.
 spent() { sed 's/.*) //' "/proc/$pid/task/$pid/stat" | awk '{ print $12 + $13 }'; }
 
 soon "a window manager" manages
