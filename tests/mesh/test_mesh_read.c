@@ -271,7 +271,7 @@ static void units_are_believed_or_guessed(void **state)
     static const struct {
         const char *scale; /* scale of the mesh, which is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
-        int64_t pm;       /* 0: refused */
+        int64_t pm;       /* expected scale in picometres; 0 if the file must be refused */
         const char *says; /* text that the error must contain, if the file is refused */
     } rows[] = {
         {"10", OST_UNIT_AUTO, 10000000000, NULL},
@@ -280,7 +280,7 @@ static void units_are_believed_or_guessed(void **state)
         {"1", OST_UNIT_INCH, 25400000000, NULL},
         /* float32 stores 0.1 as 0.100000001490116..., which is multiplied by 25.4 */
         {"0.1", OST_UNIT_INCH, 2540000038, NULL},
-        {"0.1", OST_UNIT_MM, 100000001, NULL},      /* 100000001.49 */
+        {"0.1", OST_UNIT_MM, 100000001, NULL},      /* 100000001.49 pm, rounded */
         {"0.1", OST_UNIT_UM, 100000, NULL},
         {"0.5", OST_UNIT_UM, 500000, NULL},
         {"1", OST_UNIT_AUTO, 1000000000, NULL},
@@ -440,7 +440,7 @@ static void bodies_are_joined_and_counted(void **state)
                             &report, &err));
     assert_int_equal(mesh.triangle_count, 3);
     assert_int_equal(mesh.vertex_count, 3);
-    assert_int_equal(report.bodies, 2); /* one body is empty */
+    assert_int_equal(report.bodies, 2); /* the second of the three bodies has no triangle and is not counted */
     assert_string_equal(report.format, "STL (ASCII)");
     ost_mesh_free(&mesh);
     static const char two_objects[] = "o a\nv 0 0 0\nv 9 0 0\nv .0 9. +0\nf 1 2 3\no empty\no b\nv 0 0 9\nf 1 2 -1\n";
