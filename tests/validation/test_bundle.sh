@@ -8,7 +8,7 @@
 
 one='cpu:isa=scalar,threads=1'
 
-# A complete bundle with two import cases.
+# Makes a bundle with the eight import cases of the smoke tier.
 run 0 validate --only import/ --backends "$one" --out b --json
 check "equal" "$(value equal)" true
 check "evidence of some cases alone" "$(value evidence)" false

@@ -57,8 +57,8 @@ checks=$((checks + 1))
 "$ci/opencl" unknown bundle >out 2>err && fail "opencl accepts an unknown implementation"
 grep -q "unknown implementation 'unknown'" err || fail "opencl says: $(cat err)"
 
-# A program that prints what osteon bench --json prints. The lines of the file `turns` are the exit statuses and rows of
-# its runs with --against; a row is its name, its slowdown in percent and whether this is too slow.
+# The program `fake` simulates osteon bench --json. Each line of the file `turns` gives the exit status and the rows of
+# one run with --against. A row consists of its name, its slowdown in percent, and true if this is too slow.
 cat >fake <<'END'
 #!/bin/sh
 case " $* " in
@@ -81,7 +81,8 @@ END
 chmod +x fake
 mkdir -p path
 ln -s ../fake path/osteon
-# slowdown STATUS TURN...: runs slowdown with the fake program, with one line of turns for each turn
+# slowdown STATUS TURN...: runs the script slowdown with the program `fake` and checks the exit status. Each TURN is a
+# line of the file `turns`.
 slowdown() {
     expected=$1
     shift
@@ -102,7 +103,7 @@ if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 7))' 2>/dev/null; t
     check "the row that is slower" "$(grep -o 'name="."[^/]*failure message[^/]*' slow/junit.xml)" 'name="a" time="0"><failure message="slowdown 12.0 %, 13.0 %, 14.5 %; allowed: 7%"'
     check "the table" "$(grep '`a`' out)" "| \`a\` | 12.0 %, 13.0 %, 14.5 % | slower |"
     options=
-    # A row must be slower in each turn.
+    # A row counts as slower only if it is slower in every turn.
     slowdown 0 '1 a 12 true b 0 false' '0 a 1 false b 0 false'
     slowdown 0 '1 a 12 true b 0 false' '1 a 1 false b 30 true'
     slowdown 0 '1 a 1 false c/cold/1 60 true'
@@ -113,7 +114,7 @@ if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 7))' 2>/dev/null; t
     slowdown 3 '1 c/cold 60 true'
     options='--suite wrong-usage' && slowdown 2 ''
     options='--suite absent' && slowdown 3 ''
-    # osteon bench prints what slowdown reads.
+    # Tests that the script slowdown can read the output of the real osteon bench.
     checks=$((checks + 1))
     "$python" "$ci/slowdown" slow "$osteon" --suite removal --filter peg/32/steady/1 --quick --max-slowdown 1000% >out 2>err ||
         fail "slowdown: status $?: $(tail -n 3 err)"
@@ -123,6 +124,6 @@ if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 7))' 2>/dev/null; t
     [ $? -eq 2 ] || fail "slowdown without a revision: status $?"
 fi
 
-# The packages that build installs come from quickstart.
+# The script examples/ci/build installs the packages that quickstart prints. They must include these three packages.
 check "the packages of quickstart" "$("$source_folder/quickstart" packages | grep -cx 'libssl-dev\|gcc\|pocl-opencl-icd')" 3
 finish

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 #
-# A campaign that is ended by a signal must leave no folder, no trace and no worker, and its
-# status must give the signal. A worker that is killed and a full disk must be reported and leave
-# nothing either.
+# A campaign that is ended by a signal must leave no folder, no trace and no worker, and its exit
+# status must be that of the signal. If a worker is killed or the disk is full, the campaign must
+# report this and must also leave nothing.
 # Covers: REQ-EVIDENCE
 . "${srcdir:-.}/tests/app/lib.sh"
 
-# This run's workers are identified by the seed.
+# The seed is unique, so that it identifies the workers of this run.
 seed=91827364$$
 mkdir tmp
 TMPDIR=$scratch/tmp
@@ -44,8 +44,8 @@ for signal in INT:2 TERM:15 HUP:1; do
     nothing_left "SIG$signal"
 done
 
-# After SIGKILL no handler runs. The workers must still end, and traces have no name. The unfinished
-# folder remains under a name that shows its state.
+# After SIGKILL no handler runs. The workers must still end, and no trace remains, because the files of
+# traces have no name. The unfinished folder remains under a name that shows its state.
 "$osteon" validate --tier standard --only session --cpu-only --seed $seed --out b --quiet >out 2>err &
 pid=$!
 await working

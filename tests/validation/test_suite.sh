@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Tests osteon validate --with-suite: the results of tests in a bundle, and the problems that
-# verify reports about them. A simulated program tests/run-test is the suite. Its tests pass,
-# fail, skip, hang, are ended by a signal, or print endlessly.
+# verify reports about them. The suite is a simulated program tests/run-test. Its tests pass, fail,
+# are skipped, hang, are ended by a signal, or print endlessly.
 # Covers: REQ-SUITE
 . "${srcdir:-.}/tests/app/lib.sh"
 

@@ -158,8 +158,8 @@ static int unused_half(int v) { return v & 7; }
 int toy_value(int v);
 int toy_value(int v) { return v > 100 ? unused_half(v) : scaled(v); }
 """
-# A worker with one case. Its trace is a record of stage `case`, a record of stage `rect` with the
-# values, and the end.
+# The source of a worker with one case. The trace of the worker contains a record of stage `case`, a
+# record of stage `rect` with the values, and the end record.
 MAIN = """
 #include <stdint.h>
 #include <stdio.h>

@@ -269,7 +269,7 @@ static void clear(const char *folder)
 
 /* ----------------------------------------------------------------- tests */
 
-/* Removes the time from a page. The time is the only difference between two pages of equal results. */
+/* Overwrites the time in a page with zeros. Two pages of equal results differ only in the time. */
 static void without_time(char *html)
 {
     static const char row[] = "<tr><th>Begun</th><td>";
@@ -328,7 +328,7 @@ static void says_the_verdict_first(void **state)
     }
 }
 
-/* Between < and > there must be only text that the program itself writes. */
+/* Text from the bundle must be escaped, so that the page contains no HTML element or attribute from this text. */
 static void escapes_what_it_is_given(void **state)
 {
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
@@ -557,7 +557,7 @@ static void nothing_compared(void **state)
         assert_non_null(strstr(w.tap, way == ALONE ? "\n1..1\n" : "\n1..5\n"));
         assert_non_null(strstr(w.junit, "failures=\"1\""));
         assert_non_null(strstr(w.junit, "<failure message=\"nothing was compared with the reference\"/>"));
-        assert_null(strstr(w.junit, "\"/>\n")); /* no case passed */
+        assert_null(strstr(w.junit, "\"/>\n")); /* junit.xml must not contain a case that passed */
         json_decref(protocol);
         json_decref(cases);
     }
