@@ -133,7 +133,7 @@ static oracle_map oracle_map_of(const bench_scene *e)
     vector(e->pose.t, t);
     vector(e->bone.origin, o);
     for (int b = 0; b < 3; b++) {
-        /* 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
+        /* V_b follows from 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
         wide n = 2 * r.n * (t[b] - o[b]) + r.n * s;
         for (int a = 0; a < 3; a++)
             n += r.m[b][a] * (2 * corner[a] + dims[a] * s_t);
@@ -319,8 +319,8 @@ static void run_event(const method *m, void *state, const methods_scene *scene, 
 }
 
 /*
- * Checks an event, the same event again, after which nothing more may be removed, and the event after the bone is
- * restored.
+ * Processes the event three times: on the original bone, on the resulting bone, and on the restored bone. After each
+ * time, exactly the expected voxels of the original bone must be removed.
  */
 static void check_method(const method *m, const methods_scene *scene, const method_setup *setup,
                          const uint8_t *bone_to_tool, const uint8_t *tool_to_bone)
@@ -512,7 +512,7 @@ static void test_slice(void **unused)
     methods_slice_free(&slice);
 }
 
-/* Each event is measured once. */
+/* With these options, each event is measured once. */
 static const methods_options quick = {.backend = "cpu", .threads = 1, .repeat = 1,
                                       .points = METHODS_POINTS_SURFACE};
 
