@@ -16,9 +16,9 @@
 enum { FAKE_MONITORS = 2 };
 
 typedef struct fake {
-    /* The state that a test sets. */
+    /* Set by a test: the behaviour of the simulated system. */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
-    const char *why;             /* reason of a failure */
+    const char *why;             /* text of the error that GLFW reports */
     const char *renderer;        /* name of the renderer */
     int version;                 /* newest version of a core profile context, such as 33 for 3.3 */
     /* version of a context that is requested without a version; 0 if there is no such context */
@@ -32,7 +32,7 @@ typedef struct fake {
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
-    /* The numbers of calls. */
+    /* Read by a test: numbers of calls, and the arguments of the last call. */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
     int requested_major, requested_minor, requested_robustness, viewport[2], polls;
     bool waited;

@@ -28,8 +28,8 @@ static uint32_t shown(uint32_t v)
 }
 
 /*
- * Copies the boxes to the screen, like the server. Every pixel of the screen must then equal the pixel of
- * the picture. Returns the number of copied pixels.
+ * Copies the boxes to the simulated screen, as the X server does. Every pixel of the screen must then equal the pixel
+ * of the picture. Returns the number of copied pixels.
  */
 static int64_t copied(const ost_window_picture *p, bool everything)
 {
@@ -111,7 +111,7 @@ static void only_what_may_have_changed_is_looked_at(void **state)
     assert_int_equal(box[0].height, 8);
     assert_int_equal(box[1].x, 480);
     assert_int_equal(box[1].y, 640);
-    /* The cells are marked as changed but equal the previous picture. */
+    /* The cells are still marked as changed, but they equal the previous picture. Therefore there must be no box. */
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
 }
 

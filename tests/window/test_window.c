@@ -120,7 +120,7 @@ static void a_reset_makes_a_new_context(void **state)
         assert_int_equal(the_fake.contexts, 2);
         assert_int_equal(ost_window_info_get(w).resets, 1);
         assert_string_equal(the_fake.title, "another title");
-        /* Key releases may have been missed. */
+        /* Because the window may have missed key releases during the reset, it must add a release event. */
         assert_true(ost_window_next(w, &e));
         assert_int_equal(e.kind, OST_WINDOW_RELEASE);
         assert_false(ost_window_next(w, &e));
@@ -243,7 +243,7 @@ static void frames_of_any_size(void **state)
     closed(w);
 }
 
-/* Another module draws with the window's context, but only if a graphics card executes OpenGL. */
+/* Tests that another module can draw with the window's context, but only if a graphics card executes OpenGL. */
 static void another_module_draws(void **state)
 {
     ost_error err = {0};
@@ -401,7 +401,7 @@ static void nothing_stays_down(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    /* the modifiers of the event are those before the key was pressed */
+    /* for a modifier key, GLFW reports the modifiers before the key was pressed; the event must include the key */
     fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0);
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');
