@@ -15,7 +15,7 @@
 
 #include "harness.h"
 
-enum { SCENE_THRESHOLD = 250 }; /* excludes cartilage */
+enum { SCENE_THRESHOLD = 250 }; /* cartilage is below this threshold */
 
 typedef struct scene {
     ost_volume ct;
@@ -94,7 +94,8 @@ static inline double scene_density(const ost_volume *v, const double p[3])
     return sum;
 }
 
-/* Draws side, rotation, spacing (0.5 to 1.5 mm, slices 0.5 to 3 mm) and noise (up to 40 HU) from the seed. */
+/* Makes a scene. The seed determines the side, the rotation, the spacing (0.5 to 1.5 mm, slices 0.5 to 3 mm) and the
+   noise (up to 40 HU). */
 static inline void scene_make(uint64_t seed, scene *out)
 {
     ost_error err = {0};

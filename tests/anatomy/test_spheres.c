@@ -20,7 +20,7 @@ typedef struct shape {
     double cavity;    /* radius of a hollow in the ball; 0 if there is none */
     bool socket;      /* true if the ball is cut out of a block below its centre */
     bool box;         /* true if the volume is a cube instead of a ball */
-    int noise;        /* HU */
+    int noise;        /* maximum absolute value of the noise, in HU */
 } shape;
 
 static double between(test_rng *rng, double lo, double hi)

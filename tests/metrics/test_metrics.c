@@ -477,7 +477,7 @@ static void the_properties_of_tools(void **state)
     (void)state;
     enum { SIDE = 40 };
     static const struct {
-        int from[3], size[3]; /* of the box, in voxels */
+        int from[3], size[3]; /* first voxel and size of the box, in voxels */
         ost_metrics_tool expected;
     } cases[] = {
         {{4, 10, 3}, {16, 5, 2}, {OST_METRICS_REAMER, 8, 2, {0, 0, -7}}},

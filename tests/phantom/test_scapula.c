@@ -132,7 +132,7 @@ static void test_densities(void **state)
         highest = hu > highest ? hu : highest;
         in_class[hu < 120 ? 0 : hu < 150 ? 1 : hu < 650 ? 2 : 3]++;
     }
-    assert_in_range(lowest + 1024, 0, 400); /* HU of air in the lung */
+    assert_in_range(lowest + 1024, 0, 400); /* the lowest density is that of air in the lung */
     assert_in_range(highest, 1200, 2000);
     int64_t active = count - in_class[0];
     print_message("# of %lld active voxels %lld cartilage, %lld spongy, %lld compact\n", (long long)active,

@@ -58,7 +58,7 @@ typedef struct oracle {
     const ost_volume *labels; /* labels before the separation, with holes closed by close_slices */
     bool closed[MOST];        /* true for voxels that have a label only because a hole of their slice was closed */
     int64_t height[MOST];
-    int piece[MOST]; /* -1: none */
+    int piece[MOST]; /* piece of each voxel, -1 if it belongs to none */
     int pieces;
 } oracle;
 
