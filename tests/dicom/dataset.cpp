@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The attributes of a file. Every attribute that identifies a person, a place or a time has a planted value, for which
-// the tests search everything that osteon writes.
+// The attributes of a file. Every attribute that identifies a person, a place or a time has a known value. The tests
+// search all output of osteon for these values.
 #include "dcmtk/config/osconfig.h"
 
 #include "dataset.h"

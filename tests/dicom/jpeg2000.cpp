@@ -72,7 +72,7 @@ std::vector<uint8_t> encode_jpeg2000(const std::vector<uint8_t> &pixels, int col
     opj_set_default_encoder_parameters(&how);
     how.irreversible = !lossless;
     how.tcp_numlayers = 1;
-    how.tcp_distoratio[0] = lossless ? 0 : 80; // dB
+    how.tcp_distoratio[0] = lossless ? 0 : 80; // peak signal-to-noise ratio in dB
     how.cp_disto_alloc = lossless;
     how.cp_fixed_quality = !lossless;
     // An image needs at least 2^(resolutions - 1) pixels along each axis.

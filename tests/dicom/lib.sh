@@ -22,10 +22,10 @@ slice_file() {
     echo "IM$((($1 * 1741 + 5) % 4096))"
 }
 
-# The values that make_series plants in the attributes that may identify somebody
+# Lists the values that make_series writes into the attributes that may identify a person
 printf '%s\n' PLANTED 19010203 19730405 053107 098Y 2.25.777776 2.25.777771 2.25.777772 2.25.777773 >planted
 
-# searched FILE...: searches files, unpacked if they are compressed, and their names
+# searched FILE...: checks that none of the listed values is in the files (unpacked if compressed) or in their names
 searched() {
     for file in "$@"; do
         checks=$((checks + 1))
@@ -40,13 +40,13 @@ searched() {
     done
 }
 
-# says ARGUMENT...: runs a command with any status and searches what it prints
+# says ARGUMENT...: runs a command with any status and checks its output as in `searched`
 says() {
     "$osteon" "$@" >out 2>err </dev/null
     searched out err
 }
 
-# lists ARGUMENT...: the same for the list of series, which contains UIDs of series
+# lists ARGUMENT...: the same as `says` for a list of series, which may contain the UIDs of the series
 lists() {
     "$osteon" info "$@" >list.out 2>err </dev/null
     sed -E 's/(UID |"uid": ")2\.25\.777772[0-9]+/\1/' list.out >out

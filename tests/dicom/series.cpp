@@ -61,7 +61,7 @@ bool set_flag(const std::string &text, bool *out)
     return text == "0" || text == "1";
 }
 
-// Keys whose value is a change of a slice, "K:TEXT" or "*:TEXT".
+// Returns true if the value of this key describes a change of one slice ("K:TEXT") or of every slice ("*:TEXT").
 bool is_change(const std::string &key)
 {
     static const char *const keys[] = {"drop", "double", "move", "size", "shift", "set", "remove", "cut",

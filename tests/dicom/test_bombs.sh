@@ -23,8 +23,9 @@ refuses() {
     [ ! -e bone.nrrd ] || fail "$*: a bone was written"
 }
 
-# 2.25 GB of zeros, deflated to 2.4 MB. With the sanitizers, the memory of the parser is not limited.
+# Tests a data set of 2.25 GiB of zeros, deflated to 2.4 MB. It is skipped in builds with sanitizers, because the memory
+# of the parser is not limited there.
 [ -n "${OST_SAN_CFLAGS:-}" ] || refuses 'the parser needs too much memory' 1 dims=8,6,2 syntax=deflated bomb=1:9
-# After the pixels, the file has 200,000 nested sequences.
+# Tests a file with 200,000 nested sequences after the pixels.
 refuses 'a file that is truncated or damaged, or an image without pixels' 1 dims=8,6,2 'append=1:fafffafffffffffffeff00e0ffffffff*200000'
 finish
