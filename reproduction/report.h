@@ -4,7 +4,7 @@
  * on A4.
  *
  *   summary     machines; statements of the thesis with a verdict and its reason
- *   items       table with the thesis' values next to ours, plots, pictures, remarks
+ *   items       table with the values of this run and of the thesis, plots, pictures, remarks
  *   list        every table and figure of the thesis: reproduced, not part of this run, or missing with the reason
  */
 #ifndef OST_REPRODUCTION_REPORT_H

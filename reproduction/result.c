@@ -42,7 +42,8 @@ int result_add_column(result *r, const char *key, const char *title, const char 
     return r->column_count++;
 }
 
-/* Makes room for one more element. Returns the array, or NULL if memory is exhausted. */
+/* Enlarges an array of `count` elements by one element, and returns it. If memory is exhausted, returns NULL and sets
+   r->out_of_memory. */
 static void *grow(result *r, void *array, size_t count, size_t element)
 {
     void *grown = realloc(array, (count + 1) * element);

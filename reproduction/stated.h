@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The figures that the thesis states, each with the table or section that contains it. No other file contains them.
+ * The numbers that the thesis states, each with the table or section that contains it. No other file contains them.
  *
  * Only values that occur in the text of the thesis are included. The values of its plots (Figures 3.2 and 3.8 to 3.16)
  * are not printed as numbers, so only those that the text mentions are included.

@@ -2,7 +2,7 @@
 /*
  * Measures all methods on one scene.
  *
- *   open each method --> restore, remove, result: the set is the one that the definition demands?
+ *   open each method --> restore, remove, result: compare the set with the one that the definition requires
  *                    --> one untimed event, to estimate the number of repetitions
  *                    --> repetition by repetition, method by method: restore, remove (fresh), remove, remove (steady)
  *

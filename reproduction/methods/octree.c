@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An octree of the bone (thesis, section 3.2.5). An event visits its nodes and compares them with the tool. The nodes
- * are homogeneous in content.
+ * An octree of the bone (thesis, section 3.2.5). An event visits its nodes and compares them with the tool. According
+ * to the thesis, the nodes are homogeneous in content (see below).
  *
  *   node    8 children; a child is void (0), a node, or at the lowest level a brick
  *   brick   4^3 voxels: a word with one bit per active voxel, and 64 densities. The word replaces the two lowest
@@ -32,7 +32,7 @@ typedef struct node {
 
 typedef struct tree {
     node *nodes;        /* owned */
-    uint64_t *masks;    /* owned; bit x + 4 (y + 4 z) */
+    uint64_t *masks;    /* owned; one word per brick, in which bit x + 4 (y + 4 z) belongs to voxel (x, y, z) */
     int16_t *densities; /* owned; 64 densities per brick */
     size_t node_count, node_capacity, brick_count, brick_capacity;
     int32_t root;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sparse tool points; blocks of points outside the bone are skipped early (Faieghi, Tutunea-Fatan and Eagleson,
- * "Parallelized collision detection with applications in virtual bone machining", Comput. Methods Programs Biomed. 188,
- * 2020, 105263; in the thesis: Reza et al., section 3.2.3 and Fig. 3.10):
+ * The method of Faieghi, Tutunea-Fatan and Eagleson ("Parallelized collision detection with applications in virtual
+ * bone machining", Comput. Methods Programs Biomed. 188, 2020, 105263; in the thesis: Reza et al., section 3.2.3 and
+ * Fig. 3.10) maps a sparse buffer of tool points, and skips blocks of points that are outside the bone:
  *
  *   the points are grouped in blocks of 16^3 tool voxels, with the bounds of the points of each block
  *   for each block: map the bounds; skip the block if it is outside the bone

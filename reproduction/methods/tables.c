@@ -63,8 +63,8 @@ static ost_status not_made(const methods_options *options, ost_tool_kind tool, c
 }
 
 /*
- * Returns the dimension of the bone that is needed for the tool to enter at least 64 chunks. A peg is smaller than a
- * reamer, so its bone needs more voxels.
+ * Returns the number of voxels along each axis of a bone in which the tool enters at least 64 chunks. A peg is smaller
+ * than a reamer, so its bone needs more voxels.
  */
 static int32_t counts_side(ost_tool_kind tool)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sparse tool points into a single bone buffer, without culling (Yau et al.; thesis, section 3.2.3 and Fig. 3.12):
+ * The method of Yau et al. (thesis, section 3.2.3 and Fig. 3.12) maps a sparse buffer of tool points to a single buffer
+ * of bone voxels, without culling:
  *
  *   for each point of the tool: map it to a bone voxel; if the voxel is in the bone's grid, remove it
  *

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sparse tool points inside the intersection box (Zheng et al.; thesis, section 3.2.3 and Fig. 3.11):
+ * The method of Zheng et al. (thesis, section 3.2.3 and Fig. 3.11) maps only those tool points of a sparse buffer that
+ * may lie in the bone:
  *
  *   the bone's box, mapped to the tool's grid --> the slices of points that it contains
  *   for each point of these slices: map it to a bone voxel; if the voxel is in the intersection box, remove it
