@@ -34,7 +34,7 @@ FLIP = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def poses_of(bone, tool):
-    """Returns matrices in RAS, in millimetres, of a hand that reams slowly."""
+    """Returns the matrices (RAS, millimetres) of a tool that a surgeon moves slowly to ream."""
     path = osteon.Path.builtin("glenoid-slow", osteon.Glenoid.of_meta(bone.meta), tool)
     return [FLIP @ pose.matrix_mm() @ FLIP for pose in path.poses()[::10]]
 
@@ -44,7 +44,7 @@ def message(matrix):
 
 
 def answer(connection, data):
-    """Reads up to the end of an answer: the last of its messages is ContactForce."""
+    """Reads data until the end of the server's answer. The last message of an answer is ContactForce."""
     while b"ContactForce" not in data:
         data = data[-100:] + connection.recv(1 << 16)
 

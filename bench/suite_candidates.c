@@ -53,7 +53,7 @@ static ost_status voxelize(ost_backend *backend, const ost_snapped_mesh *mesh, u
     return status;
 }
 
-/* Sets *equal to whether both methods make the grid of the reference. */
+/* Sets *equal to true if the grids of both methods equal the reference's grid, and to false if not. */
 static ost_status verify(ost_backend *const backends[2], const ost_snapped_mesh *mesh, uint64_t *bits, bool *equal,
                          ost_error *err)
 {

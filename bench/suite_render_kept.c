@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
+ * Measures frames while a reamer cuts and the camera does not move.
+ *
  *   world --16 ticks of the reamer per frame, about 60 frames a second--> ost_live_channel
  *   ost_live_channel --> viewer --> the incremental frame
  *                          '------> the complete frame

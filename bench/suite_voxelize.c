@@ -38,7 +38,7 @@ typedef struct voxelize {
     ost_snapped_mesh mesh;
     ost_backend *backend;
     ost_voxelize_report report;
-    bench_series ours_bits, ours, embree[2]; /* [low quality] */
+    bench_series ours_bits, ours, embree[2]; /* embree[1] contains the times of Embree's fast, low-quality build */
     uint64_t *bits;     /* bits of the baseline */
     uint64_t *own_bits; /* bits that osteon writes; NULL if the backend writes only bytes */
     int64_t embree_solid;
