@@ -11,7 +11,7 @@
 
 typedef struct ct_text {
     int dims[3];
-    int64_t spacing[3]; /* pm */
+    int64_t spacing[3]; /* in picometres, as is `origin` */
     int64_t origin[3];
     int decimals;
 } ct_text;

@@ -9,7 +9,7 @@
 #include "volume_files.h"
 
 typedef struct nifti_spec {
-    int version; /* 1 or 2 */
+    int version; /* version of the format, 1 or 2 */
     bool big, pair;
     int64_t dim[8];
     int datatype, bitpix;

@@ -76,7 +76,7 @@ static inline void put_tiff(bytes *b, bool big, const tiff_page *pages, size_t c
             unsigned tag, type;
             uint32_t value;
             bool present;
-            uint32_t count; /* 0 means 1 */
+            uint32_t count; /* number of values; 0 means one value */
         } entries[] = {
             {256, 4, t->width, t->width, 0},
             {257, 4, t->height, t->height, 0},
@@ -141,7 +141,7 @@ static inline void put_png(bytes *b, uint32_t width, uint32_t height, unsigned b
     put_bits(&head, height, 4, true);
     put_bits(&head, bits, 1, true);
     put_bits(&head, colour, 1, true);
-    put_bits(&head, 0, 2, true); /* compression and filter method */
+    put_bits(&head, 0, 2, true); /* compression method and filter method, one byte each */
     put_bits(&head, interlace, 1, true);
     put_chunk(b, "IHDR", head.data, head.size);
     if (colour == 3)

@@ -14,7 +14,7 @@ static const char good_fields[] =
     "type: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: raw\nendian: little\n";
 static const char sixteen[] = "\1\0\2\0\3\0\4\0\5\0\6\0\7\0\10\0";
 
-/* Writes the valid header with `field` replaced by line, or omitted if line is "". */
+/* Writes the valid header. The line of `field` is replaced by `line`, or omitted if `line` is "". */
 static void write_replaced(const char *field, const char *line, const void *data, size_t size)
 {
     static bytes file;

@@ -54,7 +54,7 @@ static void add_at(const char *z)
     add(&r);
 }
 
-/* Makes the stack of the only series. */
+/* Selects the only series of the scan and makes its stack. */
 static ost_status make(const ost_volume_options *options, ost_dicom_stack *stack, ost_dicom_report *report)
 {
     size_t series;
@@ -135,7 +135,7 @@ static void nothing(void **state)
 
 /* -------------------------------------------------------------------- order */
 
-/* The order of the files differs from that of the slices; the numbers are decimals of different lengths. */
+/* Tests files whose order differs from that of the slices. The positions are decimals of different lengths. */
 static void order_and_geometry(void **state)
 {
     (void)state;

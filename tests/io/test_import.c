@@ -291,7 +291,7 @@ static void the_result_tells_all(void **state)
     assert_int_equal(result.rect.dims.z, 2);
     assert_true(result.rect.spacing.x == 470000000 && result.rect.spacing.y == 470000000 &&
                 result.rect.spacing.z == 1000000000);
-    assert_int_equal(result.cubic.dims.z, 5); /* ceil(2 / 0.47) */
+    assert_int_equal(result.cubic.dims.z, 5); /* two layers of 1 mm become ceil(2 / 0.47) layers of 0.47 mm */
     assert_true(result.spacing_inferred[0] && result.spacing_inferred[1] && result.spacing_inferred[2]);
     assert_int_equal(result.rounded_positions, 1);
     assert_int_equal(result.scatter.samples, 6);

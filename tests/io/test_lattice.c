@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the lattice of a CT text with common spacings, written with few and with many digits. A property
- * test compares the lattice with a simple search.
+ * Tests the search for the lattice on which the positions of a CT text lie, for common spacings that are written with
+ * few and with many digits. A property test compares the result with that of a simple search.
  *
  * Covers: AR-CT-3, AR-CT-7
  */
@@ -14,7 +14,7 @@ enum { MAX = 1200 };
 typedef struct axis_text {
     ost_pm value[MAX];
     int64_t line[MAX];
-    int32_t step[MAX]; /* true step of each layer */
+    int32_t step[MAX]; /* true number of steps from the first layer to each layer */
     ost_lattice_axis axis;
 } axis_text;
 
@@ -109,8 +109,8 @@ static void spacings_of_the_field(void **state)
 }
 
 /*
- * Tests the numbers of docs/spec/arithmetic.md, AR-CT-3: four places cannot represent 0.48828125,
- * but 60 layers determine it.
+ * Tests the example of docs/spec/arithmetic.md, AR-CT-3: four decimal places cannot represent the spacing
+ * 0.48828125 mm, but 60 layers determine it.
  */
 static void few_digits_many_layers(void **state)
 {
@@ -253,15 +253,15 @@ static void what_cannot_be_found_is_asked_for(void **state)
     a.value[2] -= a.value[2] % 470000000;
     a.line[2] = 3;
     a.axis.count = 3;
-    assert_ok(find_one(&a, &found, &err)); /* 14,895 steps, within the limit of 16,384 */
+    assert_ok(find_one(&a, &found, &err)); /* the last layer is at step 14,894; the limit is 16,383 */
     a.value[2] += 1500 * INT64_C(470000000);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_RANGE);
     assert_non_null(strstr(err.text, "more than 16383 steps"));
 }
 
 /*
- * A simple search: determines the feasible spacings from all pairs of layers, then chooses one digit after
- * another. The search is exact in 128 bits and independent of the bisection in the library.
+ * Finds the spacing by a simple search, which is independent of the bisection in the library: determines the range of
+ * feasible spacings from all pairs of layers, and then selects a spacing with as few digits as possible.
  */
 static ost_pm plain_search(const axis_text *a, int64_t u)
 {
@@ -287,7 +287,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* the complete feasible interval lies on one side of the spacings tried */
+        if (best == 0) /* all feasible spacings are below, or all are above, those that the loop tried */
             best = first > near ? first : last;
         return best;
     }
@@ -295,9 +295,9 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
 }
 
 /*
- * The first eight layers are present. Each of them narrows the range of possible spacings. After the eighth
- * layer, the number of absent layers in a gap is unambiguous. With fewer layers, a spacing near the lower
- * end of the range is ambiguous and must be refused.
+ * Determines which layers are present: the first eight, and those whose bit in keep_mask is set. Each of the first
+ * eight layers narrows the range of possible spacings. After the eighth layer, the number of absent layers in a gap is
+ * unambiguous. With fewer layers, a spacing near the lower end of the range is ambiguous and must be refused.
  */
 static uint64_t keep_mask;
 static bool by_mask(int i)

@@ -111,13 +111,13 @@ static void an_eighth_of_a_voxel_is_the_border(void **state)
     const ost_pm voxel = 800000000; /* an eighth of a voxel is 100,000,000 pm */
     ost_affine affine = {.column = {{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
     const int32_t longer[3] = {201, 9, 9}, shorter[3] = {3, 3, 3};
-    affine.column[0][1] = 500000; /* 200 steps */
+    affine.column[0][1] = 500000; /* 200 steps of 500,000 pm are an eighth of a voxel */
     assert_ok(ost_orient(&affine, longer, &p, &err));
     assert_false(p.oblique);
     affine.column[0][1] = 500001;
     assert_ok(ost_orient(&affine, longer, &p, &err));
     assert_true(p.oblique);
-    affine.column[0][1] = -1562500; /* 64 steps */
+    affine.column[0][1] = -1562500; /* 64 steps of 1,562,500 pm are an eighth of a voxel */
     assert_ok(ost_orient(&affine, shorter, &p, &err));
     assert_false(p.oblique);
     affine.column[0][1] = -1562501;
@@ -131,7 +131,7 @@ static void angles_and_flat_axes(void **state)
     ost_error err = {0};
     ost_placement p;
     const int32_t sizes[3] = {10, 10, 10};
-    /* cos and sin of 30 degrees times 1 mm */
+    /* the x and y axes of this grid are rotated by 30 degrees: cos and sin of 30 degrees, times 1 mm */
     ost_affine turned = {.column = {{866025404, 500000000, 0}, {-500000000, 866025404, 0}, {0, 0, 1000000000}}};
     assert_ok(ost_orient(&turned, sizes, &p, &err));
     assert_true(p.oblique);

@@ -298,7 +298,7 @@ static void killed_at_any_moment(void **state)
     test_rng rng = rng_seeded("killed_at_any_moment");
     static const int signals[] = {SIGKILL, SIGTERM};
     for (int round = 0; round < 40; round++) {
-        /* static, because the memory is then reachable in a killed child and valgrind reports no leak */
+        /* the pointer is static, so that the memory is reachable in a killed child and valgrind reports no leak */
         static char *folder;
         char path[512];
         folder = scratch_folder();

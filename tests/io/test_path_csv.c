@@ -148,7 +148,7 @@ static void a_trackers_file_is_a_path(void **state)
             assert_int_equal(path.ticks[i].lifted, lifted[i]);
         }
         assert_true(path.ticks[0].pose.t.x == INT64_C(94771500000) && path.ticks[0].pose.t.y == INT64_C(-562000000000));
-        assert_true(path.ticks[0].pose.t.z == INT64_C(1223709123457)); /* rounded to the picometre */
+        assert_true(path.ticks[0].pose.t.z == INT64_C(1223709123457)); /* z is rounded to the picometre */
         assert_true(report.rows == 7 && report.lost_rows == 3 && report.gaps == 2);
         assert_true(report.begin_ns == 0 && report.end_ns == 21000000);
         ost_path_free(&path);
@@ -192,7 +192,7 @@ static void rows_far_apart_are_a_gap(void **state)
         {"", {10000000, 0}, 4, {0, 10, 20.001, 30}, {0, 1, 2, 3}, {[2] = true}},
         {"", {10000000, OST_PM_PER_MM / 2}, 4, {0, 1, 2, 13}, {0, 0.5, 1.001, 1}, {[2] = true, [3] = true}},
         {"", {OST_PATH_NO_GAPS, OST_PATH_NO_GAPS}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
-        /* In a file with a `lifted` column, gaps are searched only if an option sets a limit. */
+        /* If a file has a `lifted` column, the reader searches for gaps only if an option sets a limit. */
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n", {0}, 4, {0, 1, 2, 900}, {0, 1, 2, 3000}, {false}},
         {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,tool,lifted\n",
          {100000000, 0},
@@ -220,7 +220,7 @@ static void rows_far_apart_are_a_gap(void **state)
         assert_int_equal(report.gaps, gaps);
         ost_path_free(&path);
     }
-    /* Gaps are not searched between rows of different tools. */
+    /* The reader does not search for gaps between rows of different tools. */
     ost_error err = {0};
     ost_path path;
     assert_ok(read_text("0 0 0 0 1 0 0 0 0\n0.001 0 0 0 1 0 0 0 0\n0.002 99 0 0 1 0 0 0 1\n", &path, &err));

@@ -22,7 +22,7 @@ enum { HAS_PNG = 0 };
 enum { HAS_PNG = 1 };
 #endif
 
-/* columns of 0.5 mm, rows of 0.25 mm, slices of 2 mm */
+/* columns are 0.5 mm apart, rows 0.25 mm, and slices 2 mm */
 static const ost_volume_options spaced = {.stack_spacing = {500000000, 250000000, 2000000000}};
 
 /* Returns the value of a pixel, which is different in each voxel and in the range of every type. */
@@ -120,7 +120,7 @@ static void folders_are_ordered_by_number(void **state)
     for (int z = 0; z < NZ; z++) {
         put_slice(&raw, z, 1, false, false);
         const tiff_page page = tiff_plain(NX, NY, 8, raw.data, raw.size);
-        snprintf(name, sizeof name, "f/s12_bc%d.tif", 8 + z); /* 8, 9, 10, 11 */
+        snprintf(name, sizeof name, "f/s12_bc%d.tif", 8 + z); /* the numbers are 8, 9, 10 and 11 */
         write_tiff(name, false, &page, 1);
     }
     assert_reads("f");
@@ -384,8 +384,9 @@ static void pngs_that_are_refused(void **state)
 }
 
 /*
- * Pages of a TIFF may share their pixels. If 500 pages of 60 x 60 pixels refer to the same strip, a file of 60 kB would
- * need 1.8 MB of memory. Such a file is refused. Reading also ends if the links between pages form a cycle.
+ * Pages of a TIFF may share their pixels. In the first file, 300 pages of 60 x 60 pixels refer to the same strip, so
+ * that a small file would need 1.08 MB of memory. Such a file must be refused. In the second file, the links between
+ * pages form a cycle. Reading this file must end.
  */
 static void bombs_of_pages(void **state)
 {
