@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bodies, cameras and the comparison of frames, for the tests of OpenGL. */
+/* Helpers for the tests of OpenGL: bodies, cameras, and the comparison of two frames. */
 #ifndef OST_TESTS_RENDER_GL_SCENE_H
 #define OST_TESTS_RENDER_GL_SCENE_H
 

@@ -15,7 +15,7 @@
 
 enum { N = 32, ROWS = 32 * 32, CHUNKS = 3, SIDE = N * CHUNKS };
 
-/* A volume of 3^3 chunks. A chunk for which present is false does not exist, and its voxels are not active. */
+/* A volume of 3^3 chunks. A chunk for which `present` is false does not exist, and its voxels are not active. */
 typedef struct scene {
     uint8_t voxel[SIDE][SIDE][SIDE]; /* [z][y][x] */
     uint32_t words[CHUNKS][CHUNKS][CHUNKS][ROWS];
@@ -71,7 +71,7 @@ static const uint32_t *words_at(const scene *s, int x, int y, int z)
     return inside && s->present[z][y][x] ? s->words[z][y][x] : NULL;
 }
 
-/* Stores all chunks of the scene in random order, including those that do not exist. */
+/* Stores the clusters of all chunks in `out`, in random order, including those of chunks that do not exist. */
 static void clusters_of(const scene *s, test_rng *rng, ost_face_cluster out[27], int order[27])
 {
     for (int i = 0; i < 27; i++)
@@ -121,7 +121,7 @@ static void check_chunk(const scene *s, int chunk, const uint32_t *vertices, uin
                         assert_int_equal(v >> 23, 0);
                         seen |= 1 << (p[i][(f / 2 + 1) % 3] + 2 * p[i][(f / 2 + 2) % 3]);
                     }
-                    assert_int_equal(seen, 15); /* the four corners are different */
+                    assert_int_equal(seen, 15); /* each of the four corners of the face occurs once */
                     /* the normal is the cross product of two edges */
                     int e[2][3], normal[3];
                     for (int a = 0; a < 3; a++) {

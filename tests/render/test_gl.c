@@ -292,8 +292,8 @@ static void build(ost_volume *v, const ost_volume *shape, bool open)
 }
 
 /*
- * Draws with and without occlusion. The two pictures must be bit-identical. Returns the number of cells that were
- * skipped.
+ * Draws the objects twice: with occlusion, by which hidden cells are skipped, and without it. The two pictures must be
+ * bit-identical. Returns the number of cells that were skipped.
  */
 static int same_without(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count)
 {

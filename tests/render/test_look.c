@@ -321,8 +321,8 @@ static void fill_box(ost_volume *v, const int from[3], const int to[3], int16_t 
 }
 
 /*
- * A tunnel into a solid bone is outside of it, however it winds. A closed cavity is not. The tunnel is six voxels
- * wide, enters at x = 0, and has a segment in each of the six directions.
+ * A tunnel into a solid bone must count as outside of the bone, even if the tunnel has bends. A closed cavity must not.
+ * The tunnel is six voxels wide, enters at x = 0, and has a segment in each of the six directions.
  */
 static void a_tunnel_is_outside(void **state)
 {
@@ -380,8 +380,8 @@ static void a_tunnel_is_outside(void **state)
 }
 
 /*
- * Below a face there are 2 mm of cartilage, 2 mm of hard bone, and cancellous bone. There is also
- * hard bone far from the face.
+ * In the bone of this test, 2 mm of cartilage, 2 mm of hard bone and then cancellous bone lie below
+ * a face. There is also hard bone far from the face.
  */
 static void tissues_by_class_and_place(void **state)
 {
@@ -732,7 +732,7 @@ static void see_through_and_lines(void **state)
     ost_volume_free(&after);
 }
 
-/* Tests all features together, with every instruction set and several threads. */
+/* Tests all features of a picture together. Every instruction set and number of threads must give the same picture. */
 static void all_sets_show_the_same(void **state)
 {
     (void)state;
@@ -816,7 +816,7 @@ static bool compare_opengl(bool antialiased)
         assert_ok(ost_surface_set_volume(&v[i].bone, &after, 120, &err));
         assert_ok(ost_viewer_set_ghost(&v[i], &t, &pose, &err));
     }
-    /* Valgrind cannot check a driver's own code. */
+    /* OpenGL is not tested under valgrind, which cannot check the code of a driver. */
     const bool have = !getenv("OST_UNDER_VALGRIND") && ost_viewer_use_gl(&v[1], &ost_gl_ours, &err) == OST_OK;
     for (int round = 0; have && round < 6; round++) {
         ost_camera camera = {.focal_milli = 150000, .width = W, .height = H};

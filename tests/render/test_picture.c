@@ -391,7 +391,7 @@ static void test_view(void **state)
     ost_picture p;
     ost_view_options o = {.width = 200, .height = 200, .no_legend = true};
     assert_ok(ost_picture_view(&ball, NULL, &o, &p, &err));
-    assert_true(pixel(&p, 100, 100)[0] > pixel(&p, 100, 100)[2] + 10); /* #e3dac9 is warm */
+    assert_true(pixel(&p, 100, 100)[0] > pixel(&p, 100, 100)[2] + 10); /* the colour of bone, #e3dac9, is warm */
     assert_true(pixel(&p, 80, 60)[0] > pixel(&p, 120, 150)[0] + 20);
     assert_true(is_bone(&p, 100, 36) && is_bone(&p, 36, 100));
     for (int i = 0; i < 200; i++)

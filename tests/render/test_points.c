@@ -651,7 +651,7 @@ static void test_smooth(void **state)
     free(w);
 }
 
-/* Returns the bit at (x, y, z). This position may lie in the middle block or in one of its neighbours. */
+/* Returns the occupancy bit of voxel (x, y, z). The voxel may lie in the middle block or in one of its neighbours. */
 static bool bit_at(uint32_t block[3][3][3][OST_BLOCK_ROWS], int x, int y, int z)
 {
     return block[(z + 32) / 32][(y + 32) / 32][(x + 32) / 32][(y & 31) + 32 * (z & 31)] >> (x & 31) & 1;
@@ -706,7 +706,7 @@ static void test_rows(void **state)
                 assert_int_equal(behind[row], 0);
             }
             assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
-            /* If all faces border on air, the same bits must be found behind them. */
+            /* If all faces are marked as bordering on air, `behind` contains every voxel with an active neighbour. */
             memset(faces.face, 0xff, sizeof faces.face);
             k.behind(&rim, &faces, behind);
             for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {

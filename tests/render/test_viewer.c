@@ -199,7 +199,7 @@ static void views_look_where_they_say(void **state)
         const bool all = i == OST_VIEW_OVERVIEW || i == OST_VIEW_MEDIAL || i == OST_VIEW_INFERIOR;
         assert_true(fabs(o.at[0] - (all ? 0 : 30)) < 1e-9);
     }
-    /* The tool works toward -y. The camera looks along the tool from behind. */
+    /* The tool points toward -y. The camera looks along the tool from behind. */
     const ost_pose tool = {.t = {5 * MM, 6 * MM, 7 * MM}, .qw = 759250125, .qx = -759250125};
     double right[3], up[3], back[3];
     ost_orbit o = ost_view_orbit(OST_VIEW_TOOL, &s, &tool);
