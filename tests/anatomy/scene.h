@@ -145,7 +145,7 @@ static inline void scene_make(uint64_t seed, scene *out)
         *n[a] = (int32_t)((hi[a] - lo[a] + 12) / out->spacing[a]) + 1;
     }
     assert_ok(ost_volume_init(&out->ct, &grid, &err));
-    /* A slice is the mean of positions at most 0.8 mm apart. */
+    /* The density in a slice is the mean over positions along z that are at most 0.8 mm apart. */
     const int layers = (int)ceil(out->spacing[2] / 0.8);
     i = 0;
     for (int32_t z = 0; z < grid.dims.z; z++)

@@ -371,7 +371,7 @@ static void a_slow_writer_holds_nobody_up(void **state)
     film_report r;
     struct stat file;
     (void)state;
-    assert_int_equal(mkfifo("gate", 0600), 0); /* created first, because the encoder waits for it */
+    assert_int_equal(mkfifo("gate", 0600), 0); /* the pipe must exist before the encoder starts */
     film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
     /* more frames than the pipe and the queue can hold together */
     enum { MANY = 3000 };

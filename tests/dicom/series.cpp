@@ -220,7 +220,7 @@ std::vector<uint8_t> make_pixels(const series &s, const slice &at)
                 v = s.values[0] + s.smooth * (i + j + k);
             if (i < static_cast<int>(s.padding.size()))
                 v = s.padding[i];
-            // A negative value is sign-extended, as by scanners.
+            // A negative value is sign-extended, as in the files of scanners.
             uint32_t pixel = static_cast<uint32_t>(v + at.delta) << unused;
             if (s.junk)
                 pixel ^= ~stored;

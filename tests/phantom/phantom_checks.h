@@ -15,8 +15,8 @@ typedef struct chunk_count {
 } chunk_count;
 
 /*
- * Counts the chunks of the bone that an import makes by AR-CUB, which is repeated here: cubic
- * dims = ceil(dims * rect / cubic), source = floor(i * cubic / rect).
+ * Counts the chunks of the bone that an import of the volume creates. Implements the rule AR-CUB again:
+ * cubic dims = ceil(dims * rect / cubic), source = floor(i * cubic / rect).
  */
 static inline chunk_count count_chunks(const ost_volume *v)
 {

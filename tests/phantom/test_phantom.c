@@ -66,7 +66,7 @@ static void test_a_seed_makes_one_grid(void **state)
         ost_phantom_options o = {.spacing = core ? (ost_pm3){MM / 5, MM / 5, MM / 5}
                                                  : (ost_pm3){3 * MM, 3 * MM, 3 * MM}};
         ost_volume a = make((ost_phantom_kind)kind, o);
-        o.seed = 1; /* the seed 0 selects this seed */
+        o.seed = 1; /* seed 0 selects the default, which is seed 1 */
         ost_volume b = make((ost_phantom_kind)kind, o);
         o.seed = 2;
         ost_volume c = make((ost_phantom_kind)kind, o);
@@ -191,8 +191,9 @@ static double thousandths(test_rng *rng, int lo, int hi)
 }
 
 /*
- * The segments that are selected for a ball must give the same distance as all segments, bit for bit. Bars that are up
- * to 40 times as wide as thick are included: in these, the nearest segment is not always in reach.
+ * Within a ball, the distance from the segments that are selected for the ball must be bit-identical to the distance
+ * from all segments. The tested bars are up to 40 times as wide as thick; in such bars, the nearest segment is not
+ * always in reach.
  */
 static void test_a_part_gives_the_distance_of_the_bar(void **state)
 {

@@ -87,7 +87,7 @@ static void test_log_axis(void **state)
     assert_true(fabs(coarse.least - 1) < 1e-9 && fabs(coarse.most - 10000) < 1e-6);
     assert_int_equal(coarse.count, 5);
     assert_true(fabs(fine.least - 2) < 1e-9 && fabs(fine.most - 50) < 1e-9);
-    assert_int_equal(fine.count, 5); /* 2 5 10 20 50 */
+    assert_int_equal(fine.count, 5); /* the ticks are 2, 5, 10, 20 and 50 */
 }
 
 static void test_lines(void **state)

@@ -163,7 +163,7 @@ static void test_files(void **state)
     assert_non_null(mkdtemp(folder));
     fill_random(&rng, &a);
     assert_ok(write_result(folder, &a, &files, &err));
-    assert_int_equal(files.count, 4); /* CSV, SVG, PNG, JSON */
+    assert_int_equal(files.count, 4); /* the files are a CSV, an SVG, a PNG and a JSON */
     assert_ok(write_read(folder, "table-9.9", &b, &absent, &err));
     assert_int_equal(b.picture[0].size, 3);
     assert_memory_equal(b.picture[0].bytes, "abc", 3);
@@ -175,7 +175,7 @@ static void test_files(void **state)
         assert_ok(write_path(path, folder, files.name[i], &err));
         assert_int_equal(unlink(path), 0);
     }
-    assert_int_equal(rmdir(folder), 0); /* nothing else was written */
+    assert_int_equal(rmdir(folder), 0); /* the folder is empty, so no other file was written */
     result_free(&a);
 }
 

@@ -163,7 +163,7 @@ static void lone_leaves(void **state)
     scratch_path("got", got);
     write_reference(ref);
 
-    begin(&b, got); /* a tick without a change */
+    begin(&b, got); /* in this trace, tick 1 changes no leaf */
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 1, first_leaf);
     put_tick(&b, 1, 1, NULL);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests copying a picture over the previous picture. After any change, a screen that receives only the
- * boxes must show the picture. Cells that are reported as unchanged must not be read.
+ * Tests ost_changed_copy, which copies a picture over the previous one and returns boxes around the pixels that
+ * differ. After any change, a screen that receives only these boxes must show the picture. Cells that are not
+ * marked as changed must not be read.
  * Covers: REQ-WINDOW
  */
 #include <stdlib.h>
