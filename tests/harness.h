@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Common base of all tests: cmocka, a random generator whose seed is printed and can be set,
- * and a scratch folder.
+ * Common base of all tests: cmocka, a random number generator whose seed is printed and can be set, and assert_ok.
  *
  *   OST_TEST_SEED=123 tests/core/test_length     repeats a property test
  */
@@ -24,8 +23,8 @@
 #include "rng.h"
 
 /*
- * Returns a random generator. If OST_TEST_SEED is set, its value is the seed. If it is not set, the seed comes from the
- * clock. Prints the seed so that a failure can be repeated.
+ * Returns a random number generator and prints its seed, so that a failure can be repeated. The seed is the value of
+ * OST_TEST_SEED or, if that is not set, comes from the clock.
  */
 static inline test_rng rng_seeded(const char *what)
 {
@@ -35,7 +34,7 @@ static inline test_rng rng_seeded(const char *what)
     return (test_rng){seed};
 }
 
-/* Fails the test with the text of the error. */
+/* Fails the test with the text of err, which the caller declares, if the call does not return OST_OK. */
 #define assert_ok(call)                                                                             \
     do {                                                                                            \
         ost_status assert_ok_status = (call);                                                       \

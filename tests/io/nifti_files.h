@@ -86,7 +86,10 @@ static inline nifti_spec nifti_plain(int version)
                         .pixdim = {1, 1, 1, 1}};
 }
 
-/* Writes the header, four zero bytes and the data. The file is compressed if its name ends in .gz. */
+/*
+ * Writes the header and, unless it is the header of a pair, four zero bytes and the data. The file is compressed if its
+ * name ends in .gz.
+ */
 static inline void write_nifti(const char *name, const nifti_spec *s, const void *data, size_t size)
 {
     static bytes plain, packed;

@@ -266,7 +266,7 @@ static void packed_bits_turned(void **state)
     assert_true(padding < 8);
 }
 
-/* A header that declares 137 GB in a file of a few bytes must be refused before any allocation. */
+/* A header that declares 2^36 voxels (69 GB or more) in a file of a few bytes must be refused before any allocation. */
 static void small_files_with_huge_sizes(void **state)
 {
     (void)state;

@@ -95,8 +95,7 @@ static void bad_ends(void **state)
     refused("echo secret >&2; ulimit -a >&2; exit 1", "the DICOM parser ended early (exit status 1)");
 }
 
-/* Each script compares a resource limit with the value that the library sets, and ends with SIGUSR1 (signal 10) if they
-   are equal. */
+/* Each script checks a restriction that the library sets, and ends with SIGUSR1 (signal 10) if it is in effect. */
 static void limits(void **state)
 {
     (void)state;

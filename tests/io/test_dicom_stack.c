@@ -502,7 +502,7 @@ static void mixing(void **state)
     assert_int_equal(out[1], 5);
 }
 
-/* Tests a slice of 3 x 2 pixels that is moved by one and a half pixels along x and by half a pixel along y. */
+/* Tests a slice of 3 x 2 pixels that is moved by 1.5 pixels along x, and by -0.5 pixels along x and y. */
 static void shearing(void **state)
 {
     (void)state;

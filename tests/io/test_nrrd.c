@@ -202,7 +202,7 @@ static void beyond_int16_is_said_or_clamped(void **state)
     }
 }
 
-/* AR-FILE-4: the extreme values of every integer type must be read as values, both as text and raw. */
+/* AR-FILE-4: the extreme values of every integer type must be read from text. Values beyond int16 are saturated. */
 static void ends_of_types_are_values(void **state)
 {
     (void)state;

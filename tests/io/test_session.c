@@ -46,7 +46,7 @@ static int bytes_sync(void *user)
     return 0;
 }
 
-/* Returns a tick whose fields all have different values. */
+/* Returns a tick in which every field is set. Some of the values depend on the number of the tick. */
 static ost_record tick_record(uint64_t number)
 {
     const int n = (int)number;

@@ -287,9 +287,8 @@ static void lines_without_end_are_refused(void **state)
 }
 
 /*
- * Tests texts in which lines cross the end of the read buffer, at every position of a line. The
- * rows must depend neither on this position nor on the size of the portions in which they are
- * read.
+ * Reads a text of 60,000 lines of random lengths, so that some lines cross the end of the read buffer. The rows must
+ * depend neither on where the buffer ends nor on the size of the portions in which they are read.
  */
 static void blocks_do_not_show(void **state)
 {

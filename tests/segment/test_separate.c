@@ -23,7 +23,7 @@ static void make(ost_volume *ct, test_rng *rng)
     ost_error err = {0};
     const ost_geometry g = {
         .dims = {(int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10), (int32_t)rng_range(rng, 1, 10)},
-        /* 0.1 to 2.5 mm; a third of the spacings is not a whole number of micrometres */
+        /* 0.1 to 2.5 mm; two thirds of the spacings along x are not whole numbers of micrometres */
         .spacing = {rng_range(rng, 1, 25) * 100000000 + rng_range(rng, 0, 2) * 250000,
                     rng_range(rng, 1, 25) * 100000000, rng_range(rng, 1, 25) * 100000000},
     };

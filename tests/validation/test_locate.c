@@ -333,7 +333,7 @@ static const char *value_of(const operands *o, const char *name)
     return last;
 }
 
-/* For voxels at all positions, the last operand must equal the value in the reference's grid. */
+/* For randomly chosen voxels, the last operand must equal the value in the reference's grid. */
 static void operands_decide(void **state)
 {
     (void)state;

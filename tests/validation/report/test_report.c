@@ -599,7 +599,7 @@ static int clear_scratch(void **state)
     return 0;
 }
 
-/* Debian's short names: docs of the format 1.0, SPDX's list of licences. */
+/* Debian's short names of licences (machine-readable copyright format 1.0) must be converted to SPDX identifiers. */
 static void licences_of_packages_are_spdx(void **state)
 {
     static const char *const pairs[][2] = {{"Expat", "MIT"},
