@@ -37,7 +37,7 @@ static void call(kernel k, const buffers *b)
 
 /*
  * Runs the kernel for all items of the range and for up to 63 additional items per chunk. Successive items are a
- * constant step apart. The step has no common divisor with the number of items, so every item runs once.
+ * constant step apart. The step and the number of items are coprime, so every item runs once.
  */
 static void run(kernel k, uint32_t range, uint32_t chunks, test_rng *rng, const buffers *b)
 {

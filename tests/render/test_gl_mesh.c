@@ -190,8 +190,8 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     assert_int_equal(left, 0);
     assert_in_range(narrow, 0, differ / 20 + 1);
     /*
-     * About one in 128 pixels along an edge has a ray that passes the edge at less than 1/128 pixel. A picture of bone
-     * has edges everywhere.
+     * About one in 64 pixels along an edge has a ray that passes the edge at less than 1/128 pixel, on either side. A
+     * picture of bone has edges everywhere.
      */
     assert_in_range(differ, 0, covered / 50 + 10);
     free(open);
@@ -314,7 +314,7 @@ static uint64_t faces_of(const ost_surface_block *b)
 
 /*
  * After bone is removed, exactly the chunks whose visible faces changed must be meshed again, and the picture must
- * equal that of a new surface. For a change that affects only colours, no chunk must be meshed.
+ * equal that of a new surface. A chunk in which only the shades changed must not be meshed.
  */
 static void test_removal(void **state)
 {

@@ -158,8 +158,8 @@ static void a_plane_shows_the_ct(void **state)
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
         /*
-         * The plane must be at the requested position. The allowed error is the sum of a direction error of
-         * 2^-14 over 80 voxels and one unit of rounding.
+         * The plane must contain the requested point; the allowed error is 2^-14 voxel, which is one unit of d. The
+         * length of the normal must be correct to 0.01 %.
          */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {

@@ -456,8 +456,8 @@ static void test_view_marks(void **state)
 }
 
 /*
- * Tests the bounding box of the ball's active voxels. On each side, the centres of these voxels are at most
- * 8 mm, or 16 voxels of 0.5 mm, from the middle.
+ * Tests the bounding box of the ball's active voxels. It extends 8 mm, or 16 voxels of 0.5 mm, from the middle to each
+ * side.
  */
 static void test_active_box(void **state)
 {

@@ -22,7 +22,8 @@ static ost_geometry grid(int x, int y, int z)
 }
 
 /*
- * Makes a ball with holes. The ball also has surfaces inside. It contains adjacent blocks in all possible arrangements.
+ * Makes a ball with holes of single voxels, so that there are also surfaces inside the ball. A ball that is larger than
+ * a block extends over blocks that are adjacent along every axis.
  */
 static ost_volume pitted_ball(test_rng *rng, int x, int y, int z)
 {
@@ -210,7 +211,7 @@ static void test_surface(void **state)
     ost_volume_free(&v);
 }
 
-/* An encoded direction must be restored to within two degrees. */
+/* A direction that is encoded and decoded may deviate from the original by at most 2.2 degrees. */
 static void test_octahedral(void **state)
 {
     (void)state;
@@ -598,7 +599,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 
 /*
  * Compares shades for slopes of all sizes, including zero. In some cases the two slopes agree, in others
- * they disagree. Every number of points per call is tested.
+ * they disagree. The number of points per call is random.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
@@ -753,7 +754,10 @@ static void test_rows(void **state)
     }
 }
 
-/* Compares the colours of all possible shades, computed sixteen at a time and one by one. */
+/*
+ * Compares the light and the colours of random shades for every instruction set with the results of the scalar
+ * functions.
+ */
 static void test_tints(void **state)
 {
     (void)state;
