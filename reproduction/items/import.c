@@ -94,8 +94,8 @@ static ost_status import_text(reproduction *r, const char *path, ost_pm3 spacing
 }
 
 /*
- * Reads the first lines of the text with fscanf. Returns the time per line in nanoseconds, or 0 if the baseline cannot
- * run.
+ * Reads the first lines of the text with fscanf. Returns the shortest measured time per line in nanoseconds, or 0 if
+ * the baseline cannot run.
  */
 static double scan_text(const char *path, int64_t lines)
 {
