@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+#include "core/huge_pages.h"
+
 int64_t ost_dims_count(ost_dims dims)
 {
     return (int64_t)dims.x * dims.y * dims.z;
@@ -56,6 +58,7 @@ ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a grid of %d x %d x %d voxels (%zu bytes)",
                         (int)geometry->dims.x, (int)geometry->dims.y, (int)geometry->dims.z,
                         count * sizeof *volume->voxels);
+    ost_request_huge_pages(volume->voxels, count * sizeof *volume->voxels);
     return OST_OK;
 }
 

@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+#include "core/huge_pages.h"
+
 ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err)
 {
     *tool = (ost_tool_volume){.geometry = *geometry};
@@ -14,6 +16,7 @@ ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *
     tool->voxels = calloc(count, 1);
     if (!tool->voxels)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool grid of %zu voxels", count);
+    ost_request_huge_pages(tool->voxels, count);
     return OST_OK;
 }
 

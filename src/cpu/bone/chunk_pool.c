@@ -14,8 +14,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "core/huge_pages.h"
+
 enum { EXTENTS_MAX = 64 };
-#define HUGE_PAGE ((size_t)1 << 21)
 /* If no block is in use, ost_chunk_pool_trim leaves at most RETAINED_BYTES bytes of previously used blocks mapped. */
 #define RETAINED_BYTES ((size_t)1 << 28)
 
@@ -72,18 +73,16 @@ void ost_chunk_pool_close(ost_chunk_pool *pool)
  */
 static unsigned char *map_aligned(size_t bytes)
 {
-    size_t mapped_bytes = bytes + HUGE_PAGE;
+    size_t mapped_bytes = bytes + OST_HUGE_PAGE;
     void *map = mmap(NULL, mapped_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (map == MAP_FAILED)
         return NULL;
     unsigned char *begin = map;
-    size_t before = (HUGE_PAGE - (uintptr_t)begin % HUGE_PAGE) % HUGE_PAGE;
+    size_t before = (OST_HUGE_PAGE - (uintptr_t)begin % OST_HUGE_PAGE) % OST_HUGE_PAGE;
     if (before > 0)
         munmap(begin, before);
-    munmap(begin + before + bytes, HUGE_PAGE - before);
-#if defined MADV_HUGEPAGE
-    (void)madvise(begin + before, bytes, MADV_HUGEPAGE);
-#endif
+    munmap(begin + before + bytes, OST_HUGE_PAGE - before);
+    ost_request_huge_pages(begin + before, bytes);
     return begin + before;
 }
 
@@ -96,7 +95,7 @@ bool ost_chunk_pool_reserve(ost_chunk_pool *pool, int64_t count)
         return false;
     /* The size of the pool is at least doubled, so that few extents are needed. count <= 2^24, block_bytes < 2^20. */
     int64_t more = count - available > pool->total ? count - available : pool->total;
-    size_t bytes = ((size_t)more * pool->block_bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    size_t bytes = ((size_t)more * pool->block_bytes + OST_HUGE_PAGE - 1) / OST_HUGE_PAGE * OST_HUGE_PAGE;
     void **stack = realloc(pool->stack, (size_t)(pool->total + more) * sizeof *stack);
     if (!stack)
         return false;
@@ -159,7 +158,7 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;
-    uintptr_t end = (begin + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+    uintptr_t end = (begin + OST_HUGE_PAGE - 1) / OST_HUGE_PAGE * OST_HUGE_PAGE;
     if (begin < end)
         (void)madvise((void *)begin, end - begin, MADV_DONTNEED);
 }

@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 
 #include "core/conditions.h"
+#include "core/huge_pages.h"
 #include "cpu/import/import.h"
 
 /* ---------------------------------------------------------------- stores */
@@ -21,10 +22,7 @@ static cpu_store *store_open(const cpu_backend *backend, ost_dims dims)
     if (store->mapped) {
         void *map = mmap(NULL, store->bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
         store->voxels = map == MAP_FAILED ? NULL : map;
-#if defined MADV_HUGEPAGE
-        if (store->voxels)
-            (void)madvise(map, store->bytes, MADV_HUGEPAGE);
-#endif
+        ost_request_huge_pages(store->voxels, store->bytes);
     } else {
         store->voxels = calloc(store->bytes, 1);
     }

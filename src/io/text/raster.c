@@ -24,6 +24,7 @@
 #endif
 
 #include "core/file.h"
+#include "core/huge_pages.h"
 #include "core/integer.h"
 #include "io/text/lattice.h"
 #include "io/text/walk.h"
@@ -213,9 +214,7 @@ static bool map_voxels(ost_text_raster *raster, int64_t count)
     void *map = mmap(NULL, raster->voxel_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (map == MAP_FAILED)
         return false;
-#if defined MADV_HUGEPAGE
-    (void)madvise(map, raster->voxel_bytes, MADV_HUGEPAGE);
-#endif
+    ost_request_huge_pages(map, raster->voxel_bytes);
     raster->voxels = map;
     return true;
 }

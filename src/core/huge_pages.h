@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A hint to the system for large allocations. */
+#ifndef OST_CORE_HUGE_PAGES_H
+#define OST_CORE_HUGE_PAGES_H
+
+#include <stddef.h>
+
+/* The size in bytes to which a block is aligned so that it consists of huge pages only. */
+#define OST_HUGE_PAGE ((size_t)1 << 21)
+
+/*
+ * Requests huge pages for the memory of a large block, before it is first written. A page fault then provides 2 MB
+ * instead of 4 kB. Only pages that lie entirely in the block are affected; `memory` may be NULL. The request has an
+ * effect only on the speed, so it cannot fail. May be called on any thread.
+ */
+void ost_request_huge_pages(void *memory, size_t bytes);
+
+#endif
