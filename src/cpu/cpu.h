@@ -6,15 +6,15 @@
  *   cpu.c       the function table; options "isa=", "threads=", "grain=", "order=" and "voxelizer="
  *   share.c     division of work among threads: thresholds and counters
  *   kernels.c   the inner loops, chosen once when the backend is opened
- *   tool.c      tools, with the tables that removal uses
+ *   tool.c      tools as bits, with the tables that removal uses
  *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid is a list of indices
  *   bone/       chunks of bricks: upload and download of slices, leaves
  *   remove/     removal and collision; shape.c: a tool's distances and windows
  *   face_mesh.c visible faces of chunks as quads
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
- * The structs of this backend begin with those of the reference, so an operation without a fast
- * implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
+ * The structs of this backend, except tools, begin with those of the reference, so an operation
+ * without a fast implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
  * and no two threads write the same data. The results are sorted afterwards.
  */
 #ifndef OST_CPU_CPU_H

@@ -74,14 +74,19 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
     assert_ok(ost_bone_digest(bone, NULL, &root, &err));
     assert_ok(ost_bone_digest(copy, NULL, &other, &err));
     assert_memory_equal(&root, &other, sizeof root);
-    /* Voxelizes a burr and runs one event with it. */
+    /* Voxelizes a burr, downloads it, and runs one event with it. */
     ost_pm3 lo, hi;
     ost_tool_geometry grid;
     assert_ok(ost_tool_make(OST_TOOL_BURR, &(ost_tool_options){.diameter = 12 * s, .length = 30 * s}, &mesh, &err));
     assert_ok(ost_mesh_bounds(&mesh, &lo, &hi, &err));
     assert_ok(ost_tool_geometry_from_bounds(lo, hi, s, &grid, &err));
     assert_ok(ost_mesh_snap(&mesh, &grid, &snapped, &err));
-    assert_ok(ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, NULL, &tool, &err));
+    ost_voxelize_report solids;
+    ost_tool_volume volume;
+    assert_ok(ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &solids, &tool, &err));
+    assert_ok(ost_tool_download(tool, &volume, &err));
+    assert_int_equal(ost_tool_volume_count(&volume, OST_TOOL_CUTTING), solids.cutting_voxels);
+    ost_tool_volume_free(&volume);
     const ost_density_classes classes = ost_density_classes_default();
     ost_pose pose = ost_pose_identity();
     pose.t = (ost_pm3){side / 2 * s, side / 2 * s, side / 2 * s};

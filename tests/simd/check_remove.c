@@ -616,7 +616,6 @@ static void test_take(check *c)
 
 /* The workload of a benchmark: a ball with a diameter of 48 tool voxels around a unit of 32^3 bone voxels. */
 typedef struct scene {
-    uint8_t *voxels;
     ost_shape shape;
     ost_split split[2];
     ost_match match;
@@ -630,14 +629,14 @@ static scene *scene_make(void)
 {
     enum { D = 48 };
     static _Alignas(64) scene s;
-    static uint8_t voxels[D * D * D];
+    static uint64_t rows[D * D]; /* one word per row */
     const int32_t step[3][3] = {{900000, 300000, 100000}, {-290000, 880000, 210000}, {-30000, -230000, 925000}};
     for (int32_t i = 0; i < D * D * D; i++) {
         const int32_t x = 2 * (i % D) + 1 - D, y = 2 * (i / D % D) + 1 - D, z = 2 * (i / D / D) + 1 - D;
-        voxels[i] = x * x + y * y + z * z < D * D ? OST_TOOL_CUTTING : OST_TOOL_VOID;
+        rows[i / D] |= (uint64_t)(x * x + y * y + z * z < D * D) << (i % D);
     }
     ost_error err = {0};
-    if (ost_shape_make(voxels, (ost_dims){D, D, D}, OST_TOOL_CUTTING, 985000, &s.shape, &err) != OST_OK)
+    if (ost_shape_make(rows, 1, (ost_dims){D, D, D}, 985000, &s.shape, &err) != OST_OK)
         exit(99);
     ost_split_make(step, 16, &s.shape.cells, &s.split[0]);
     ost_split_make(step, 8, &s.shape.cells, &s.split[1]);

@@ -86,7 +86,7 @@ static struct kept {
     uint64_t key;
     bool made;
     ost_shape shape;
-    uint8_t *voxels;
+    uint64_t *bits;
     int32_t ratio;
     form form;
 } kept;
@@ -95,7 +95,7 @@ static void make_shape(uint64_t key, test_rng *rng)
 {
     if (kept.made) {
         ost_shape_free(&kept.shape);
-        free(kept.voxels);
+        free(kept.bits);
     }
     kept = (struct kept){.key = key, .made = true, .form = (form)rng_range(rng, 0, FORMS - 1)};
     kept.ratio = ratios[rng_range(rng, 0, sizeof ratios / sizeof ratios[0] - 1)];
@@ -103,19 +103,17 @@ static void make_shape(uint64_t key, test_rng *rng)
     int32_t d[3];
     for (int a = 0; a < 3; a++)
         d[a] = rng_range(rng, 0, 4) == 0 ? (int32_t)rng_range(rng, 1, 4) : (int32_t)rng_range(rng, 1, most);
-    kept.voxels = malloc((size_t)d[0] * (size_t)d[1] * (size_t)d[2]);
-    if (!kept.voxels)
+    const size_t words = (size_t)(d[0] + 63) / 64 + (size_t)rng_range(rng, 0, 1);
+    kept.bits = calloc(words * (size_t)d[1] * (size_t)d[2], sizeof *kept.bits);
+    if (!kept.bits)
         exit(99);
-    uint8_t *v = kept.voxels;
+    uint64_t *row = kept.bits;
     for (int32_t z = 0; z < d[2]; z++)
-        for (int32_t y = 0; y < d[1]; y++)
+        for (int32_t y = 0; y < d[1]; y++, row += words)
             for (int32_t x = 0; x < d[0]; x++)
-                *v++ = is_solid(kept.form, rng, d, (int32_t[3]){x, y, z})
-                           ? OST_TOOL_CUTTING
-                           : (uint8_t)(OST_TOOL_NONCUTTING * rng_range(rng, 0, 1));
+                row[x / 64] |= (uint64_t)is_solid(kept.form, rng, d, (int32_t[3]){x, y, z}) << (x % 64);
     ost_error err = {0};
-    if (ost_shape_make(kept.voxels, (ost_dims){d[0], d[1], d[2]}, OST_TOOL_CUTTING, kept.ratio, &kept.shape, &err) !=
-        OST_OK) {
+    if (ost_shape_make(kept.bits, words, (ost_dims){d[0], d[1], d[2]}, kept.ratio, &kept.shape, &err) != OST_OK) {
         fprintf(stderr, "checksimd: %s\n", err.text);
         exit(99);
     }
@@ -153,7 +151,7 @@ void solid_make(check *c, solid *out)
     ost_shape *s = &out->shape;
     *s = kept.shape;
     memset(s->memory, 0, sizeof s->memory); /* kept.shape owns the memory */
-    s->voxels = copy(c, "shape->voxels", kept.voxels, product(s->dims), 1, 1);
+    s->bits = copy(c, "shape->bits", kept.bits, s->words * (size_t)s->dims[1] * (size_t)s->dims[2], 8, 8);
     s->cells.value = (const int8_t *)copy(c, "cells->value", s->cells.value - 64, product(s->cells.dims) + 128, 1, 1) +
                      64;
     copy_windows(c, &s->windows, 1);

@@ -11,7 +11,7 @@
 
 /*
  * The shape of a case. Eight consecutive cases have the same shape. The cells of the shape (with 64
- * readable bytes on each side), its windows and its voxels are inputs of the case. `step` belongs to a
+ * readable bytes on each side), its windows and its bits are inputs of the case. `step` belongs to a
  * pose. The pose has the voxel ratio for which the shape was made.
  */
 typedef struct solid {

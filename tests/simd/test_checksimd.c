@@ -344,8 +344,8 @@ static void match_without_carries(const ost_match *match, const ost_cubes *brick
 
 static void match_reads_beyond(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
-    const int32_t *d = match->shape->dims;
-    touch(match->shape->voxels + (int64_t)d[0] * d[1] * d[2]);
+    const ost_shape *s = match->shape;
+    touch(s->bits + s->words * (size_t)s->dims[1] * (size_t)s->dims[2]);
     ost_match_scalar(match, bricks, hits);
 }
 

@@ -432,14 +432,14 @@ static ost_status run_event(const cpu_bone *bone, const cpu_tool *tool, const os
         status = list_chunks(bone, event, scratch, err);
     if (status == OST_OK)
         status = reserve(report, scratch->count, err);
-    if (status == OST_OK && (!apply || shapes->touches))
+    if (status == OST_OK && (!apply || tool->noncutting))
         status = reserve_copies(bone, scratch, err);
     if (status != OST_OK)
         return status;
     if (!apply)
         copy_occupancy(bone, scratch);
     run_poses(bone, &shapes->cutting, event, scratch, event->classes, apply);
-    if (shapes->touches) {
+    if (tool->noncutting) {
         if (apply)
             copy_occupancy(bone, scratch);
         run_poses(bone, &shapes->touching, event, scratch, NULL, false);

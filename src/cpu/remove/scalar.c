@@ -50,7 +50,7 @@ void ost_split_scalar(const ost_split *split, const ost_cells *cells, const ost_
     inside->count = n;
 }
 
-/* Computes the hits of a brick by reading one byte of the tool for each voxel of the brick. */
+/* Computes the hits of a brick by reading one bit of the tool for each voxel of the brick. */
 static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 {
     const ost_shape *s = match->shape;
@@ -60,7 +60,8 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
                       y = (u[1] + match->offset[1][v]) >> OST_MAP_FRACTION,
                       z = (u[2] + match->offset[2][v]) >> OST_MAP_FRACTION;
         if (x >= 0 && x < s->dims[0] && y >= 0 && y < s->dims[1] && z >= 0 && z < s->dims[2])
-            hits |= (uint64_t)(s->voxels[x + s->dims[0] * (y + (int64_t)s->dims[1] * z)] == s->kind) << v;
+            hits |= (s->bits[(size_t)x / 64 + s->words * ((size_t)y + (size_t)s->dims[1] * (size_t)z)] >> (x % 64) & 1)
+                    << v;
     }
     return hits;
 }

@@ -50,6 +50,18 @@ static size_t product(const int32_t d[3])
     return (size_t)d[0] * (size_t)d[1] * (size_t)d[2];
 }
 
+static const uint64_t *row_of(const ost_shape *shape, int32_t y, int32_t z)
+{
+    return shape->bits + shape->words * ((size_t)y + (size_t)shape->dims[1] * (size_t)z);
+}
+
+/* Counts the set bits of the `edge` bits from bit x on. `edge` is at most 16, and x is a multiple of it. */
+static int count_edge(const uint64_t *row, int32_t x, int32_t edge)
+{
+    const uint64_t bits = row[x / 64] >> (x % 64) & ((UINT64_C(1) << edge) - 1);
+    return bits ? __builtin_popcountll(bits) : 0;
+}
+
 /*
  * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted, for one line of
  * granules at a time. Returns false if memory is exhausted.
@@ -70,9 +82,9 @@ static bool mark_granules(const ost_shape *shape, lattice *l)
             memset(solid, 0, (size_t)l->dims[0] * sizeof *solid);
             for (int32_t k = z << g; k < (z + 1) << g && k < shape->dims[2]; k++)
                 for (int32_t j = y << g; j < (y + 1) << g && j < shape->dims[1]; j++) {
-                    const uint8_t *row = shape->voxels + shape->dims[0] * (j + (int64_t)shape->dims[1] * k);
-                    for (int32_t i = 0; i < shape->dims[0]; i++)
-                        solid[i >> g] = (uint16_t)(solid[i >> g] + (row[i] == shape->kind));
+                    const uint64_t *row = row_of(shape, j, k);
+                    for (int32_t x = 0; x << g < shape->dims[0]; x++)
+                        solid[x] = (uint16_t)(solid[x] + count_edge(row, x << g, edge));
                 }
             for (int32_t x = 0; x << g < shape->dims[0]; x++)
                 state[x] = solid[x] == 0 ? VOID : solid[x] == edge * edge * edge ? SOLID : BOTH;
@@ -239,6 +251,13 @@ typedef struct columns {
     size_t width[2]; /* number of rows along z, and along y */
 } columns;
 
+/* Returns the bits x to x + 7 of a row of words. */
+static uint8_t eight_bits(const uint64_t *row, int32_t x)
+{
+    const int32_t shift = x % 64;
+    return (uint8_t)(row[x / 64] >> shift | (shift > 56 ? row[x / 64 + 1] << (64 - shift) : 0));
+}
+
 static bool make_columns(const ost_shape *shape, window_size size, int32_t step, const int32_t n[3], columns *c)
 {
     c->width[0] = (size_t)((n[2] - 1) * step + size.edge);
@@ -246,20 +265,15 @@ static bool make_columns(const ost_shape *shape, window_size size, int32_t step,
     const size_t plane = c->width[0] * c->width[1], bits = (size_t)((n[0] - 1) * step + size.edge);
     const int32_t parts = size.edge / 8;
     c->byte = calloc((size_t)(n[0] * parts) * plane, 1);
-    uint8_t *row = calloc(bits, 1);
+    /* a row of the tool between empty words, so that every byte of a window can be read */
+    uint64_t *row = calloc(shape->words + bits / 64 + 4, sizeof *row);
     const bool enough = c->byte && row;
     for (int32_t z = 0; z < shape->dims[2] && enough; z++)
         for (int32_t y = 0; y < shape->dims[1]; y++) {
-            const uint8_t *voxels = shape->voxels + shape->dims[0] * (y + (int64_t)shape->dims[1] * z);
-            for (int32_t x = 0; x < shape->dims[0]; x++)
-                row[x + size.margin] = voxels[x] == shape->kind;
+            memcpy(row + 1, row_of(shape, y, z), shape->words * sizeof *row);
             uint8_t *to = c->byte + (size_t)(y + size.margin) * c->width[0] + (size_t)(z + size.margin);
-            for (int32_t i = 0; i < n[0] * parts; i++) {
-                /* The product moves byte j (0 or 1) to bit 56 + j for j = 0..7; no other byte reaches that bit. */
-                uint64_t eight;
-                memcpy(&eight, row + (size_t)(i / parts * step + 8 * (i % parts)), 8);
-                to[(size_t)i * plane] = (uint8_t)(eight * UINT64_C(0x0102040810204080) >> 56);
-            }
+            for (int32_t i = 0; i < n[0] * parts; i++)
+                to[(size_t)i * plane] = eight_bits(row, 64 + i / parts * step + 8 * (i % parts) - size.margin);
         }
     free(row);
     return enough;
@@ -368,10 +382,10 @@ static ost_status make_windows(ost_shape *shape, window_size size, int32_t step,
     return OST_OK;
 }
 
-ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
+ost_status ost_shape_make(const uint64_t *bits, size_t words, ost_dims dims, int32_t ratio, ost_shape *out,
                           ost_error *err)
 {
-    *out = (ost_shape){.voxels = voxels, .dims = {dims.x, dims.y, dims.z}, .kind = kind};
+    *out = (ost_shape){.bits = bits, .words = words, .dims = {dims.x, dims.y, dims.z}};
     ost_status status = make_cells(out, grain_for(ratio), err);
     const int32_t step = window_step(ratio, NARROW.edge), wide = window_step(ratio, WIDE.edge);
     if (status == OST_OK && step > 0)

@@ -69,18 +69,19 @@ typedef struct ost_windows {
 typedef struct ost_shape {
     ost_cells cells;
     ost_windows windows, wide; /* windows of 8^3 and of 16^3 tool voxels; at most one of the two is filled */
-    const uint8_t *voxels; /* the tool's voxels, one byte per voxel, x fastest; not owned */
+    const uint64_t *bits; /* one bit per tool voxel, 1 if the voxel is solid; x fastest; not owned */
+    size_t words;         /* number of words per row of `bits`; the bits after a row's last voxel are 0 */
     int32_t dims[3];
-    uint8_t kind; /* class of the tool voxels that the shape contains */
     void *memory[3]; /* owned */
 } ost_shape;
 
 /*
- * Computes the tables for the tool voxels of class `kind`. The parameter `ratio` is the edge of a bone voxel in tool
- * voxels, times 2^20, rounded up. It is at most OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the
- * function fails, and the caller must call ost_shape_free in either case.
+ * Computes the tables for the solid voxels in `bits`, which must remain valid as long as the shape. A row has `words`
+ * words. The parameter `ratio` is the edge of a bone voxel in tool voxels, times 2^20, rounded up. It is at most
+ * OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the function fails, and the caller must call
+ * ost_shape_free in either case.
  */
-ost_status ost_shape_make(const uint8_t *voxels, ost_dims dims, uint8_t kind, int32_t ratio, ost_shape *out,
+ost_status ost_shape_make(const uint64_t *bits, size_t words, ost_dims dims, int32_t ratio, ost_shape *out,
                           ost_error *err);
 void ost_shape_free(ost_shape *shape);
 /* Returns true if the tables of *shape are also valid for this ratio of bone voxels to tool voxels. */

@@ -11,9 +11,6 @@
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-#if defined __linux__
-#include <sys/mman.h>
-#endif
 
 #include "core/conditions.h"
 #include "core/floats.h"
@@ -21,10 +18,8 @@
 #include "cpu/tool.h"
 #include "cpu/voxelize/voxelize.h"
 
-enum {
-    PLANE_MIN = 1 << 9, /* minimum size in bytes of one plane of a tile, sufficient for one row of any width */
-    HUGE_PAGE = 1 << 21
-};
+/* The minimum size in bytes of one plane of a tile, sufficient for one row of any width. */
+enum { PLANE_MIN = 1 << 9 };
 
 typedef struct job {
     const cpu_backend *backend;
@@ -35,10 +30,9 @@ typedef struct job {
     ost_vox_bins bins[2];
     ost_embree *embree[2]; /* the Embree scenes that find candidate triangles; NULL if bins are used */
     ost_vox_result result;
-    bool stream; /* true to write classes with stores that bypass the caches */
     /*
-     * True if the fill kernel writes directly to the result. This requires that there is one mesh, that only bits are
-     * requested, and that rows fill complete blocks.
+     * True if the fill kernel writes directly to the result. This requires that there is one mesh, that the bits of the
+     * other class are not requested, and that rows fill complete blocks.
      */
     bool direct;
 } job;
@@ -56,12 +50,12 @@ typedef struct scratch {
  * thread takes time, and the thread may have to wait for a core that another process uses. Additional threads therefore
  * reduce the total time only if the work takes at least about a millisecond (docs/log/0.1.md). The estimate uses times
  * measured on one core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
- * 0.15 ns per voxel written as a byte, or 0.03 ns per voxel written as a bit.
+ * 0.03 ns per voxel.
  */
 static int64_t estimated_ns(const job *j)
 {
     const double rows = (double)j->plan.dims.y * j->plan.dims.z, voxels = rows * j->plan.dims.x;
-    double ns = voxels * (j->result.voxels ? 0.15 : 0.03);
+    double ns = voxels * 0.03;
     for (int m = 0; m < 2; m++)
         ns += j->mesh[m] ? 9.0 * (double)j->mesh[m]->triangle_count + 25.0 * rows : 0;
     return (int64_t)ns;
@@ -217,13 +211,10 @@ static uint64_t subtract(uint64_t *noncutting, const uint64_t *cutting, size_t w
 
 static void deliver_void(const job *j, const ost_vox_tile *tile)
 {
-    const size_t run = (size_t)(tile->j1 - tile->j0), words = (size_t)j->plan.words, nx = (size_t)j->plan.dims.x;
+    const size_t run = (size_t)(tile->j1 - tile->j0), words = (size_t)j->plan.words;
     for (size_t r = 0; r < ost_vox_rows(tile); r += run) {
         const size_t row = result_row(j, tile, r);
-        if (j->result.voxels)
-            memset(j->result.voxels + row * nx, OST_TOOL_VOID, run * nx);
-        if (j->result.cutting)
-            memset(j->result.cutting + row * words, 0, run * words * 8);
+        memset(j->result.cutting + row * words, 0, run * words * 8);
         if (j->result.noncutting)
             memset(j->result.noncutting + row * words, 0, run * words * 8);
     }
@@ -238,11 +229,7 @@ static void deliver(const job *j, const scratch *d)
     for (int32_t k = tile->k0; k < tile->k1; k++) {
         const size_t here = (size_t)(k - tile->k0) * run * words;
         const size_t row = (size_t)k * (size_t)plan->dims.y + (size_t)tile->j0;
-        if (j->result.voxels)
-            j->backend->kernels.vox_expand(d->bits[0] + here, j->mesh[1] ? d->bits[1] + here : NULL, run, plan->words,
-                                           plan->dims.x, j->stream, j->result.voxels + row * (size_t)plan->dims.x);
-        if (j->result.cutting)
-            memcpy(j->result.cutting + row * words, d->bits[0] + here, run * words * 8);
+        memcpy(j->result.cutting + row * words, d->bits[0] + here, run * words * 8);
         if (j->result.noncutting && j->mesh[1])
             memcpy(j->result.noncutting + row * words, d->bits[1] + here, run * words * 8);
         else if (j->result.noncutting)
@@ -321,9 +308,8 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
     make_plan(&j.plan, cutting, backend->sharing, j.threads);
     if (j.plan.tiles_y > 1 || j.plan.tiles_z > 1)
         ost_cpu_enters(backend->sharing, OST_PATH_TILED, INT64_MAX);
-    j.stream = result->voxels && ost_cpu_enters(backend->sharing, OST_PATH_TOOL_STREAM, ost_dims_count(j.plan.dims));
-    j.direct = !noncutting && !result->voxels && result->cutting && !result->noncutting &&
-               j.plan.words % OST_VOX_BLOCK == 0 && (uintptr_t)result->cutting % 64 == 0;
+    j.direct = !noncutting && !result->noncutting && j.plan.words % OST_VOX_BLOCK == 0 &&
+               (uintptr_t)result->cutting % 64 == 0;
     ost_status status = OST_OK;
     for (int m = 0; m < 2 && status == OST_OK; m++)
         if (j.mesh[m] && backend->voxelizer == OST_VOXELIZER_EMBREE)
@@ -339,42 +325,26 @@ ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *
     return status;
 }
 
-/*
- * Allocates voxels without clearing them, because every voxel is written later. The thread that computes a
- * voxel is then the first to write to its page. Requests huge pages for large tools.
- */
-static uint8_t *new_voxels(size_t size)
-{
-    void *p;
-    if (posix_memalign(&p, size >= HUGE_PAGE ? HUGE_PAGE : 64, size) != 0)
-        return NULL;
-#if defined __linux__
-    if (size >= HUGE_PAGE)
-        /* The call is a hint that affects only the speed, so an error is ignored. */
-        (void)madvise(p, size, MADV_HUGEPAGE);
-#endif
-    return p;
-}
-
 ost_status ost_cpu_voxelize_tool(ost_backend *base, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                                  ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err)
 {
     const cpu_backend *backend = (const cpu_backend *)base;
-    const ost_dims dims = cutting->grid.dims;
-    ref_tool *tool = malloc(sizeof *tool);
-    uint8_t *voxels = new_voxels((size_t)ost_dims_count(dims));
-    ost_status status = OST_OK;
-    if (!tool || !voxels)
-        status = ost_fail(err, OST_ERR_MEMORY, "out of memory for a tool of %d x %d x %d voxels", dims.x, dims.y,
-                          dims.z);
-    if (status == OST_OK)
-        status = ost_cpu_voxelize(backend, cutting, noncutting, rule, report, &(ost_vox_result){.voxels = voxels}, err);
+    cpu_tool *tool;
+    ost_voxelize_report counts;
+    ost_status status = ost_cpu_tool_create(base, &cutting->grid, noncutting != NULL, &tool, err);
+    if (status != OST_OK)
+        return status;
+    const ost_vox_result result = {.cutting = tool->cutting, .noncutting = tool->noncutting};
+    status = ost_cpu_voxelize(backend, cutting, noncutting, rule, &counts, &result, err);
     if (status != OST_OK) {
-        free(voxels);
-        free(tool);
+        ost_cpu_tool_free(&tool->base);
         return status;
     }
-    *tool = (ref_tool){.base = {.backend = base, .geometry = cutting->grid}, .voxels = voxels};
+    if (counts.solid_voxels == counts.cutting_voxels) {
+        free(tool->noncutting);
+        tool->noncutting = NULL;
+    }
+    *report = counts;
     *out = &tool->base;
-    return ost_cpu_tool_adopt(out, err);
+    return OST_OK;
 }

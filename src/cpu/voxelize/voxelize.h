@@ -13,7 +13,7 @@
  *
  *   mark    every crossing sets one bit                 mark.c, ../x86/, embree.c
  *   fill    centres between crossings become solid bits fill.c, ../x86/
- *   expand  bits become classes, 0, 1 or 2              fill.c, ../x86/
+ *   expand  bits become classes, 0, 1 or 2, when a tool is downloaded    fill.c, ../x86/
  *
  * Exact counts from single bits.  A bit can represent only one crossing.  If a second crossing has
  * the same sign and the same centre, its bit is already set.  The crossing is then spilled: it is
@@ -134,12 +134,10 @@ void ost_vox_bins_free(ost_vox_bins *bins);
 #define OST_VOX_KEY_NONE UINT32_MAX        /* key of a triangle whose bounds contain no row centre */
 #define OST_VOX_KEY_MANY (UINT32_MAX - 1u) /* key of a triangle whose bounds overlap several tiles */
 
-/* The output buffers. A buffer that is NULL is not written. Buffers of bits have ost_vox_words words per row, and rows
-   are ordered by (k, j). */
+/* The output buffers, with one bit per voxel and ost_vox_words words per row. Rows are ordered by (k, j). */
 typedef struct ost_vox_result {
-    uint8_t *voxels;      /* one byte per voxel, its class (OST_TOOL_*) */
-    uint64_t *cutting;    /* one bit per voxel, set if the voxel is solid in the cutting mesh */
-    uint64_t *noncutting; /* one bit per voxel, set if the voxel is solid in the non-cutting mesh only */
+    uint64_t *cutting;    /* 1 if the voxel is solid in the cutting mesh */
+    uint64_t *noncutting; /* 1 if the voxel is solid in the non-cutting mesh only; NULL if not requested */
 } ost_vox_result;
 
 /* Voxelizes one or two meshes on the same grid. The results equal those of ost_ref_voxelize. */

@@ -439,16 +439,15 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     }
 }
 
-/* Computes the hits of bricks from the bytes of the tool, for sixteen voxels at once. Used if there are no windows. */
+/* Computes the hits of bricks from the bits of the tool, for sixteen voxels at once. Used if there are no windows. */
 static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const ost_shape *s = match->shape;
+    /* A row has `halves` words of 32 bits. A tool has at most 2^20 rows of 32 such words, so an index fits int32. */
+    const __m512i halves = _mm512_set1_epi32(2 * (int32_t)s->words);
     const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]),
                   dz = _mm512_set1_epi32(s->dims[2]);
-    /*
-     * A lane reads the four bytes that end with the byte of its voxel, or the first four bytes of the grid,
-     * so that no byte outside the grid is read.
-     */
+    const __m512i first_bit = _mm512_set1_epi32(1), within = _mm512_set1_epi32(31);
     for (size_t i = 0; i < bricks->count; i++) {
         uint64_t word = 0;
         for (int q = 0; q < 4; q++) {
@@ -461,13 +460,11 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
             __mmask16 in = _mm512_cmplt_epu32_mask(v[0], dx);
             in = _mm512_mask_cmplt_epu32_mask(in, v[1], dy);
             in = _mm512_mask_cmplt_epu32_mask(in, v[2], dz);
-            const __m512i at = _mm512_add_epi32(
-                v[0], _mm512_mullo_epi32(dx, _mm512_add_epi32(v[1], _mm512_mullo_epi32(dy, v[2]))));
-            const __m512i from = _mm512_max_epi32(_mm512_sub_epi32(at, _mm512_set1_epi32(3)), _mm512_setzero_si512());
-            const __m512i four = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), in, from, s->voxels, 1);
-            const __m512i bits = _mm512_slli_epi32(_mm512_sub_epi32(at, from), 3);
-            const __m512i one = _mm512_and_si512(_mm512_srlv_epi32(four, bits), _mm512_set1_epi32(0xff));
-            word |= (uint64_t)_mm512_mask_cmpeq_epi32_mask(in, one, _mm512_set1_epi32(s->kind)) << (16 * q);
+            const __m512i row = _mm512_add_epi32(v[1], _mm512_mullo_epi32(dy, v[2]));
+            const __m512i at = _mm512_add_epi32(_mm512_srli_epi32(v[0], 5), _mm512_mullo_epi32(halves, row));
+            const __m512i bits = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), in, at, s->bits, 4);
+            const __m512i own = _mm512_srlv_epi32(bits, _mm512_and_si512(v[0], within));
+            word |= (uint64_t)_mm512_test_epi32_mask(own, first_bit) << (16 * q);
         }
         hits[i] = word;
     }
@@ -475,13 +472,10 @@ static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64
 
 void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
-    const int32_t *d = match->shape->dims;
     if (match->windows)
         match_windows(match, bricks, hits);
-    else if (d[0] >= 4) /* A tool has at most 2^30 voxels, so the index of a voxel fits int32. */
-        match_voxels(match, bricks, hits);
     else
-        ost_match_scalar(match, bricks, hits);
+        match_voxels(match, bricks, hits);
 }
 
 /* ------------------------------------------------------------------- take */
