@@ -5,13 +5,15 @@
  *
  *   voxelize/sphere80k/N, voxelize/knot524k/N   cubes of N = 256, 512, 1024
  *   voxelize/reamer/0.5, voxelize/peg/0.5       the parametric tools
- *   NAME/bytes, for each of these names         osteon writes one byte per voxel
+ *   NAME/tool, for each of these names          osteon creates a tool
+ *   NAME/bytes                                  osteon creates a tool and copies it to the host, one byte per voxel
  *
  * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and parity bits as
  * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the faster one
  * counts. For a fair comparison, osteon and the baseline write bits into memory that was written before the
- * measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /bytes row compares
- * the same baseline with the public call, which allocates the tool and assigns each voxel its class.
+ * measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /tool row compares
+ * the same baseline with the public call, which allocates the tool's memory. A /bytes row also includes the download,
+ * which allocates the bytes and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -38,7 +40,8 @@ typedef struct voxelize {
     ost_snapped_mesh mesh;
     ost_backend *backend;
     ost_voxelize_report report;
-    bench_series ours_bits, ours, embree[2]; /* embree[1] contains the times of Embree's fast, low-quality build */
+    bench_series ours_bits, ours_tool, ours_bytes;
+    bench_series embree[2]; /* embree[1] contains the times of Embree's fast, low-quality build */
     uint64_t *bits;     /* bits of the baseline */
     uint64_t *own_bits; /* bits that osteon writes; NULL if the backend writes only bytes */
     int64_t embree_solid;
@@ -80,16 +83,24 @@ static ost_status verify(voxelize *v)
 
 /* --------------------------------------------------------------- measuring */
 
-static ost_status time_ours(voxelize *v, bench_series *series)
+/* Creates a tool and downloads it. Records the time of the creation and the time of both, if `timed` is true. */
+static ost_status time_tool(voxelize *v, bool timed)
 {
     ost_tool *tool = NULL;
+    ost_tool_volume volume = {0};
     ost_voxelize_report report;
-    int64_t begin = bench_now();
+    const int64_t begin = bench_now();
     ost_status status = ost_voxelize(v->backend, &v->mesh, NULL, OST_FILL_WINDING, &report, &tool, v->err);
-    int64_t end = bench_now();
+    const int64_t created = bench_now();
+    if (status == OST_OK)
+        status = ost_tool_download(tool, &volume, v->err);
+    const int64_t end = bench_now();
+    ost_tool_volume_free(&volume);
     ost_tool_free(tool);
-    if (series)
-        bench_series_add(series, (double)(end - begin));
+    if (timed) {
+        bench_series_add(&v->ours_tool, (double)(created - begin));
+        bench_series_add(&v->ours_bytes, (double)(end - begin));
+    }
     return status;
 }
 
@@ -117,12 +128,12 @@ static ost_status repeat(voxelize *v, int count)
 {
     const ost_dims d = v->mesh.grid.dims;
     v->bits = calloc((size_t)(d.x + 63) / 64 * (size_t)d.y * (size_t)d.z, sizeof *v->bits);
-    ost_status status = v->bits ? time_ours(v, NULL)
+    ost_status status = v->bits ? time_tool(v, false)
                                 : ost_fail(v->err, OST_ERR_MEMORY, "out of memory for the baseline's bits");
     if (status == OST_OK)
         time_embree(v, false, NULL);
     for (int i = 0; i < count && status == OST_OK; i++) {
-        status = time_ours(v, &v->ours);
+        status = time_tool(v, true);
         if (status == OST_OK && v->own_bits)
             status = time_bits(v);
         for (int low = 0; low < 2 && v->has_embree; low++)
@@ -179,11 +190,15 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
         status = repeat(&v, bench_repeat(options, count));
     if (status == OST_OK)
         status = add_row(&v, name, &v.ours_bits);
-    char bytes[BENCH_NAME];
-    snprintf(bytes, sizeof bytes, "%.40s/bytes", name);
+    char full[BENCH_NAME];
+    snprintf(full, sizeof full, "%.40s/tool", name);
     if (status == OST_OK)
-        status = add_row(&v, bytes, &v.ours);
-    bench_series_free(&v.ours);
+        status = add_row(&v, full, &v.ours_tool);
+    snprintf(full, sizeof full, "%.40s/bytes", name);
+    if (status == OST_OK)
+        status = add_row(&v, full, &v.ours_bytes);
+    bench_series_free(&v.ours_tool);
+    bench_series_free(&v.ours_bytes);
     bench_series_free(&v.ours_bits);
     free(v.own_bits);
     bench_series_free(&v.embree[0]);
@@ -197,14 +212,15 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
 static ost_status cube(const bench_options *options, bench_table *table, const char *name,
                        ost_status (*make)(ost_pm side, ost_mesh *out, ost_error *err), int32_t side, ost_error *err)
 {
-    char full[BENCH_NAME], both[BENCH_NAME];
+    char full[BENCH_NAME], made[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
     /* The total size of two volumes on the host and of one grid on a backend. All three exist at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
+    snprintf(made, sizeof made, "voxelize/%s/%d/tool", name, side);
     snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);
-    if ((options->quick && side > 512) || !bench_wanted(options, both))
+    if ((options->quick && side > 512) || !(bench_wanted(options, both) || bench_wanted(options, made)))
         return OST_OK;
     if (bytes > (double)bench_memory()) {
         bench_row *row = bench_row_add(table, full, "ms", options->threads);
@@ -217,19 +233,20 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     if (status == OST_OK)
         status = measure(options, table, full, &mesh, &grid, REPEAT, err);
     ost_mesh_free(&mesh);
-    const char *const names[] = {full, both};
-    return bench_row_not_run(options, table, names, 2, "ms", options->threads, status, err);
+    const char *const names[] = {full, made, both};
+    return bench_row_not_run(options, table, names, 3, "ms", options->threads, status, err);
 }
 
 static ost_status tool(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
 {
-    char name[BENCH_NAME], both[BENCH_NAME];
+    char name[BENCH_NAME], made[BENCH_NAME], both[BENCH_NAME];
     ost_mesh mesh = {0};
     ost_tool_geometry grid;
     ost_pm3 lo, hi;
     snprintf(name, sizeof name, "voxelize/%s/0.5", ost_tool_kind_name(kind));
+    snprintf(made, sizeof made, "voxelize/%s/0.5/tool", ost_tool_kind_name(kind));
     snprintf(both, sizeof both, "voxelize/%s/0.5/bytes", ost_tool_kind_name(kind));
-    if (!bench_wanted(options, both))
+    if (!(bench_wanted(options, both) || bench_wanted(options, made)))
         return OST_OK;
     ost_status status = ost_tool_make(kind, NULL, &mesh, err);
     if (status == OST_OK)
@@ -239,8 +256,8 @@ static ost_status tool(const bench_options *options, bench_table *table, ost_too
     if (status == OST_OK)
         status = measure(options, table, name, &mesh, &grid, REPEAT_SMALL, err);
     ost_mesh_free(&mesh);
-    const char *const names[] = {name, both};
-    return bench_row_not_run(options, table, names, 2, "ms", options->threads, status, err);
+    const char *const names[] = {name, made, both};
+    return bench_row_not_run(options, table, names, 3, "ms", options->threads, status, err);
 }
 
 ost_status bench_voxelize(const bench_options *options, bench_table *table, ost_error *err)
