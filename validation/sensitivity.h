@@ -47,8 +47,8 @@ typedef struct sensitivity {
     /* number of mistakes that changed a result, and number of those that were detected and located every time */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
-    /* the first mistake that was not detected or not located, or the first false alarm, with the seeds that repeat it;
-       "" if there is none */
+    /* the first mistake that was not detected or not located, or the first false alarm, with the seeds that reproduce
+       it; "" if there is none */
     char first_problem[300];
 } sensitivity;
 
@@ -56,8 +56,8 @@ typedef struct sensitivity {
    unit. */
 uint64_t sensitivity_injections(plan_tier tier);
 
-/* Runs all injections on `jobs` threads. The result does not depend on the number of threads. The callback show may
-   be NULL; calls of it do not overlap. */
+/* Runs all injections on `jobs` threads. The result does not depend on the number of threads. `show` may be NULL; it
+   is never called by two threads at the same time. */
 ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);

@@ -15,7 +15,7 @@
 #include <sys/types.h>
 
 /* Adds a folder to the list and copies its path. If the list is full or the path is too long, the folder is not added,
-   and a signal does not remove it. */
+   and the signal handler does not remove it. */
 void signal_cleanup_folder(const char *path);
 void signal_cleanup_folder_gone(const char *path);
 /* Removes a folder of the list with its contents, and its entry. */

@@ -89,7 +89,8 @@ struct method_points;
 struct points_map;
 
 /*
- * These functions add to *set the voxels of its box that the definition requires. They are simple and use one thread,
+ * Each function adds voxels to *set: those in the box of the set that the method's definition requires. The functions
+ * are simple and use one thread,
  * and share no code with the methods. `voxels` contains the densities of the complete bone. If it is NULL, all voxels
  * are active.
  */

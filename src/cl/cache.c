@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the keys of cache entries, reads entries with checks, and writes entries by renaming temporary files. */
+/* Computes the keys of cache entries, verifies entries when they are read, and writes entries by renaming temporary
+   files. */
 #include "cl/cache.h"
 
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 /*
  * Draws a view of a volume as a picture: one frame of a viewer, with marks.
  *
- *   volume, before --> viewer: surface, uncut surface, colours of depth
+ *   the volume, and the volume before the operation --> viewer: surface, uncut surface, colours of depth
  *   direction, extent, or the box of the active voxels --> camera
  *   frame of 2 x 2 samples for each pixel --means--> smooth edges; marks --> picture
  */

@@ -103,7 +103,7 @@ static void no_such_device(void **state)
     assert_non_null(strstr(err.text, "at most"));
 }
 
-/* ------------------------------------- devices with wrong answers or errors */
+/* ------------------------------- devices that return wrong values or errors */
 
 static cl_device_info requested;
 static const void *answer;

@@ -13,7 +13,7 @@
 
 enum { BONES = 2, TOOLS = 3 };
 
-/* The bones and tools that a plot describes, created on one backend. */
+/* The bones and tools of a sequence, created on one backend. */
 typedef struct bench {
     ost_bone *bone[BONES];
     ost_tool *tool[TOOLS];

@@ -245,7 +245,7 @@ static void dump_sweep(void)
 /* ------------------------------------------------------------------ maps */
 
 /*
- * Moves bone, tool and pose as far away as the ranges of AR-MAP-7 allow: bone and pose are at
+ * Moves bone, tool and pose as far apart as the ranges of AR-MAP-7 allow: bone and pose are at
  * opposite ends of 16 m, and |q| is near 1.001.
  */
 static void go_to_the_limits(ost_geometry *g, ost_tool_geometry *tool, ost_pose *pose)

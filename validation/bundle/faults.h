@@ -21,7 +21,7 @@ enum { FAULTS_STATEMENT = 240 };
 void faults_statement(const sensitivity *s, char out[FAULTS_STATEMENT]);
 
 /*
- * Makes the content of sensitivity.json, owned by the caller:
+ * Creates the content of sensitivity.json. The caller frees *out, which has these members:
  * {injected, triggered, changed, detected, localized, survived, not_detected, not_localized, false_alarms,
  *  clean_runs, proved, statement, mistakes_in, seed, first_problem,
  *  kinds_total, kinds_changed, kinds_noticed, kinds_silent[], kinds[]}.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes junit.xml, which contains the verdicts in the format of test harnesses. There is one suite per
+ * Writes junit.xml, which contains the verdicts in JUnit's format. There is one suite per
  * backend. The file also contains the running time of each case, and the time and the host of the run. The
  * times and the host come from times.json and environment.json, so junit.xml differs from run to run.
  */

@@ -57,8 +57,8 @@ void sign_envelope_free(sign_envelope *e);
 enum { SIGN_TIME = 40 };
 /* Reads the certificates of a time-stamping authority. */
 ost_status sign_authority_open(const char *path, X509_STORE **out, ost_error *err);
-/* Checks a response to a time stamp query for these bytes. If the response is invalid, returns the reason. If it is
-   valid, returns NULL and writes the time of the stamp to `time`. */
+/* Checks that `response` is a valid answer to a time stamp query that was made for `bytes`. If it is, returns NULL and
+   writes the time of the stamp to `time`; otherwise, returns the reason. */
 const char *sign_time_check(X509_STORE *authority, const char *response, size_t response_size, const char *bytes,
                             size_t size, char time[SIGN_TIME]);
 

@@ -41,7 +41,8 @@ uint64_t deviant_draw(const deviant *m, uint64_t item);
    arithmetic are fused. m may be NULL. */
 bool deviant_thesis(const deviant *m, bool *fused);
 
-/* Records that the mistake changed a value inside the algorithm in unit `item`. voxel may be NULL. */
+/* Records that the mistake changed an intermediate value while unit `item` of the stage was computed. voxel may be
+   NULL. */
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3]);
 /* Records that the mistake has changed this voxel of the result. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3]);

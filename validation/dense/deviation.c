@@ -79,7 +79,7 @@ static int64_t number(const ost_dims d, int32_t x, int32_t y, int32_t z)
     return x + (int64_t)d.x * (y + (int64_t)d.y * z);
 }
 
-/* Returns the number of the cube with n^3 voxels that contains voxel v. */
+/* Returns the index of the cube of n^3 voxels that contains voxel v. */
 static int64_t cube(const ost_dims d, int32_t n, const int32_t v[3])
 {
     return number((ost_dims){(d.x + n - 1) / n, (d.y + n - 1) / n, (d.z + n - 1) / n}, v[0] / n, v[1] / n, v[2] / n);

@@ -17,8 +17,8 @@ enum { SHOWN = 10, HEADS = 8 };
  */
 #define HEAD_MARGIN (OST_PM_PER_MM)
 /*
- * Maximum distance from a position given by --bone to a voxel of the bone. The limit is greater than 0, because a
- * landmark lies on a surface and is seldom exact.
+ * Maximum distance from a position given by --bone to a voxel of the bone. The limit is greater than 0, because the
+ * position may be a landmark, which lies on the surface of the bone and is seldom exact.
  */
 #define BONE_REACH (10 * OST_PM_PER_MM)
 /* maximum distance between the position of --cut-head and the centre of the head */

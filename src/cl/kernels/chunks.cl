@@ -24,8 +24,8 @@ static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int sli
 }
 
 /*
- * Returns the number of the slab's slice from which slice k of the grid is computed. shared.h describes the parameters
- * layers, first and z0.
+ * Returns the index of the slice of the slab from which slice k of the grid is computed. shared.h describes the
+ * parameters layers, first and z0.
  */
 static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
 {

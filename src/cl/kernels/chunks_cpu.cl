@@ -71,8 +71,8 @@ __kernel void ost_chunk_scan_layers(__global const ost_cl_bone *bone, int z0, in
     }
 }
 
-/* Copies 16 voxels and sets voxels below the threshold to 0. In the result, bit i is 1 if voxel i is at least the
-   threshold. */
+/* Copies 16 voxels, and sets those below the threshold to 0. Bit i of the return value is 1 if the density of voxel i
+   is at least the threshold. */
 static uint ost_keep16(__global const short *from, __global short *to, short threshold)
 {
     ushort bits = 0;

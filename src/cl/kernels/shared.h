@@ -158,11 +158,10 @@ typedef struct ost_cl_cubic {
  *                                            z0 and z1 are int arguments
  *
  *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  Therefore a grid
- *   that was resampled only along z is read from the original grid, once for all slices that are equal.  If weights
+ *   that was resampled only along z is read from the original grid, and equal slices are read only once.  If weights
  *   >= 0 (and first >= 0), slice k is the mean of slice layers[first + k - z0] and the next slice of the slab.  The
  *   weight of the next slice is layers[weights + k - z0] / 2^15.  If this weight is 0, the next slice may not exist.
- *   The buffer layers ends with the last of these elements, and the slices ascend. The buffer layers is not used if
- * first < 0.
+ *   The buffer `layers` has no further elements, and its slice numbers ascend.  It is not used if first < 0.
  *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the number of the

@@ -60,7 +60,7 @@ typedef struct task {
     int32_t height;
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of the layer's slices that lie in the grid */
-    size_t row[2 * N_MAX]; /* the source rows of all y of the task, in ascending order, without duplicates */
+    size_t row[2 * N_MAX]; /* the source rows of the task's rows, in ascending order, without duplicates */
     /*
      * `rows` is the number of elements of row[]. For group g of four y, first[g] is the index in row[] of the first
      * source row that is not also used for a smaller y.

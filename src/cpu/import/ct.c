@@ -149,8 +149,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread. `conflict` is the batch index of the conflicting sample whose line the report names. If two
- * conflicting samples have the same line, the one with the lower index is reported.
+ * The report of one thread. `conflict` is the index of a conflicting sample in the batch; the report contains the line
+ * of this sample. If several conflicting samples have the same line, it is the lowest of their indices.
  */
 typedef struct part_report {
     ost_scatter_report sums;

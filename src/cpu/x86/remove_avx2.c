@@ -192,7 +192,7 @@ static inline uint32_t lookup(const quarters *line, __m256i x, __m256i y, __m256
     return (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_and_si256(row, bit), bit));
 }
 
-/* Loads voxels 0..7 and 16..23. high_bytes of two such registers then has the voxels in order. */
+/* Loads voxels 0..7 and 16..23, so that high_bytes returns the voxels of two such registers in order. */
 static inline __m256i ordered(const uint16_t *voxels)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128((const __m128i *)voxels)),

@@ -26,7 +26,7 @@ typedef struct mesh_input {
     uint8_t *bytes; /* owned; contents of the file or its plain form, followed by one zero byte */
     size_t size;
     uint64_t faces;     /* number of primitives (points, lines and polygons) found by the check */
-    uint64_t triangles; /* number of triangles after the polygons are divided */
+    uint64_t triangles; /* number of triangles after the polygons are triangulated */
     size_t bodies;
 } mesh_input;
 

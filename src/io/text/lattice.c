@@ -248,7 +248,7 @@ static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, in
     if (above == HERE)
         return (m + 1) * q;
     if (below != above)
-        return 0; /* m and m + 1 point towards each other, so no multiple of q is feasible */
+        return 0; /* one of m and m + 1 is too small and the other too large, so no multiple of q is feasible */
     int64_t step = above == ABOVE ? 1 : -1;
     int64_t near = step > 0 ? m + between : m, far = step > 0 ? FEASIBLE_MAX / q + 1 : 0;
     while ((far - near) * step > 1) {

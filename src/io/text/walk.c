@@ -285,8 +285,8 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
 }
 
 /*
- * Starts the next row and matches its lines without parsing any. Returns false if the first line does not match; in
- * this case, only walker->known has changed.
+ * Starts the next row and compares its lines with the expected text; no line is parsed. Returns false if the first
+ * line differs; in this case, only walker->known has changed.
  */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
 {

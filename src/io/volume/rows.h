@@ -25,7 +25,7 @@ struct ost_rows {
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* used only for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts; /* data of the file; NULL if `next` does not read from parts */
+    ost_parts *parts; /* the file's data, if `next` reads them in parts; otherwise NULL */
     ost_converter converter;
     void *scratch; /* one row of elements; set by the functions in this file */
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Finds the first difference between two outcomes of a scene: the stage, the call, and the lowest voxel,
- * leaf and chunk. Only the outcomes are compared; the record of the deviation is not used.
+ * leaf and chunk. Only the outcomes are compared; the mistake that was injected is not looked up.
  */
 #ifndef OST_TESTS_VALIDATION_DIFFERENCE_H
 #define OST_TESTS_VALIDATION_DIFFERENCE_H
