@@ -36,7 +36,6 @@ typedef struct voxelize {
     const bench_options *options;
     bench_table *table;
     ost_error *err;
-    const char *name;
     ost_snapped_mesh mesh;
     ost_backend *backend;
     ost_voxelize_report report;
@@ -142,6 +141,33 @@ static ost_status repeat(voxelize *v, int count)
     return status;
 }
 
+/* The names of the three rows of a mesh: bits, tool and bytes. */
+typedef struct row_names {
+    char name[3][BENCH_NAME];
+} row_names;
+
+static row_names names_of(const char *mesh)
+{
+    static const char *const suffix[3] = {"", "/tool", "/bytes"};
+    row_names names;
+    for (int i = 0; i < 3; i++)
+        snprintf(names.name[i], BENCH_NAME, "voxelize/%.32s%s", mesh, suffix[i]);
+    return names;
+}
+
+static bool any_wanted(const bench_options *options, const row_names *names)
+{
+    return bench_wanted(options, names->name[0]) || bench_wanted(options, names->name[1]) ||
+           bench_wanted(options, names->name[2]);
+}
+
+static ost_status not_run(const bench_options *options, bench_table *table, const row_names *names, ost_status status,
+                          ost_error *err)
+{
+    const char *const list[] = {names->name[0], names->name[1], names->name[2]};
+    return bench_row_not_run(options, table, list, 3, "ms", options->threads, status, err);
+}
+
 static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
 {
     if (v->options->filter && !strstr(name, v->options->filter))
@@ -173,10 +199,10 @@ static ost_status add_row(voxelize *v, const char *name, bench_series *ours)
 }
 
 /* Measures the voxelization of a mesh. The caller retains the ownership of mesh and grid. */
-static ost_status measure(const bench_options *options, bench_table *table, const char *name, const ost_mesh *mesh,
-                          const ost_tool_geometry *grid, int count, ost_error *err)
+static ost_status measure(const bench_options *options, bench_table *table, const row_names *names,
+                          const ost_mesh *mesh, const ost_tool_geometry *grid, int count, ost_error *err)
 {
-    voxelize v = {.options = options, .table = table, .err = err, .name = name};
+    voxelize v = {.options = options, .table = table, .err = err};
     ost_status status = ost_mesh_snap(mesh, grid, &v.mesh, err);
     if (status == OST_OK)
         status = bench_backend(options, options->threads, &v.backend, err);
@@ -188,15 +214,9 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
         status = verify(&v);
     if (status == OST_OK && v.equal)
         status = repeat(&v, bench_repeat(options, count));
-    if (status == OST_OK)
-        status = add_row(&v, name, &v.ours_bits);
-    char full[BENCH_NAME];
-    snprintf(full, sizeof full, "%.40s/tool", name);
-    if (status == OST_OK)
-        status = add_row(&v, full, &v.ours_tool);
-    snprintf(full, sizeof full, "%.40s/bytes", name);
-    if (status == OST_OK)
-        status = add_row(&v, full, &v.ours_bytes);
+    bench_series *const ours[] = {&v.ours_bits, &v.ours_tool, &v.ours_bytes};
+    for (int i = 0; i < 3 && status == OST_OK; i++)
+        status = add_row(&v, names->name[i], ours[i]);
     bench_series_free(&v.ours_tool);
     bench_series_free(&v.ours_bytes);
     bench_series_free(&v.ours_bits);
@@ -212,18 +232,17 @@ static ost_status measure(const bench_options *options, bench_table *table, cons
 static ost_status cube(const bench_options *options, bench_table *table, const char *name,
                        ost_status (*make)(ost_pm side, ost_mesh *out, ost_error *err), int32_t side, ost_error *err)
 {
-    char full[BENCH_NAME], made[BENCH_NAME], both[BENCH_NAME];
+    char name_of_cube[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
     /* The total size of two volumes on the host and of one grid on a backend. All three exist at the same time. */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
-    snprintf(full, sizeof full, "voxelize/%s/%d", name, side);
-    snprintf(made, sizeof made, "voxelize/%s/%d/tool", name, side);
-    snprintf(both, sizeof both, "voxelize/%s/%d/bytes", name, side);
-    if ((options->quick && side > 512) || !(bench_wanted(options, both) || bench_wanted(options, made)))
+    snprintf(name_of_cube, sizeof name_of_cube, "%s/%d", name, side);
+    const row_names names = names_of(name_of_cube);
+    if ((options->quick && side > 512) || !any_wanted(options, &names))
         return OST_OK;
     if (bytes > (double)bench_memory()) {
-        bench_row *row = bench_row_add(table, full, "ms", options->threads);
+        bench_row *row = bench_row_add(table, names.name[0], "ms", options->threads);
         if (row)
             snprintf(row->reason, sizeof row->reason,
                      "comparing two grids of %d^3 voxels takes %.1f GB; less is free here", side, bytes * 1e-9);
@@ -231,22 +250,20 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     }
     ost_status status = make(side * CUBE_VOXEL, &mesh, err);
     if (status == OST_OK)
-        status = measure(options, table, full, &mesh, &grid, REPEAT, err);
+        status = measure(options, table, &names, &mesh, &grid, REPEAT, err);
     ost_mesh_free(&mesh);
-    const char *const names[] = {full, made, both};
-    return bench_row_not_run(options, table, names, 3, "ms", options->threads, status, err);
+    return not_run(options, table, &names, status, err);
 }
 
 static ost_status tool(const bench_options *options, bench_table *table, ost_tool_kind kind, ost_error *err)
 {
-    char name[BENCH_NAME], made[BENCH_NAME], both[BENCH_NAME];
+    char name[BENCH_NAME];
     ost_mesh mesh = {0};
     ost_tool_geometry grid;
     ost_pm3 lo, hi;
-    snprintf(name, sizeof name, "voxelize/%s/0.5", ost_tool_kind_name(kind));
-    snprintf(made, sizeof made, "voxelize/%s/0.5/tool", ost_tool_kind_name(kind));
-    snprintf(both, sizeof both, "voxelize/%s/0.5/bytes", ost_tool_kind_name(kind));
-    if (!(bench_wanted(options, both) || bench_wanted(options, made)))
+    snprintf(name, sizeof name, "%s/0.5", ost_tool_kind_name(kind));
+    const row_names names = names_of(name);
+    if (!any_wanted(options, &names))
         return OST_OK;
     ost_status status = ost_tool_make(kind, NULL, &mesh, err);
     if (status == OST_OK)
@@ -254,10 +271,9 @@ static ost_status tool(const bench_options *options, bench_table *table, ost_too
     if (status == OST_OK)
         status = ost_tool_geometry_from_bounds(lo, hi, OST_PM_PER_MM / 2, &grid, err);
     if (status == OST_OK)
-        status = measure(options, table, name, &mesh, &grid, REPEAT_SMALL, err);
+        status = measure(options, table, &names, &mesh, &grid, REPEAT_SMALL, err);
     ost_mesh_free(&mesh);
-    const char *const names[] = {name, made, both};
-    return bench_row_not_run(options, table, names, 3, "ms", options->threads, status, err);
+    return not_run(options, table, &names, status, err);
 }
 
 ost_status bench_voxelize(const bench_options *options, bench_table *table, ost_error *err)
