@@ -25,6 +25,7 @@ static const struct {
     [OST_PATH_LEAVES] = {"digest", 64},                   /* leaves */
     [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles per part */
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
+    [OST_PATH_TOOL_DOWNLOAD] = {"download of a tool", 1 << 17},    /* voxels */
     /* sum over all chunks of the event, in voxels */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */

@@ -46,6 +46,7 @@ typedef enum ost_cpu_path {
     OST_PATH_LEAVES,
     OST_PATH_SORT,
     OST_PATH_TILES,
+    OST_PATH_TOOL_DOWNLOAD,
     OST_PATH_REMOVAL,
     OST_PATHS_SHARED,
     /* paths that do not depend on the number of threads */

@@ -85,7 +85,7 @@ ost_status ost_cpu_tool_download(const ost_tool *base, ost_tool_volume *volume, 
     const int64_t count = ost_dims_count(dims);
     const size_t words = (size_t)ost_vox_words(dims.x) * (size_t)dims.y, voxels = (size_t)dims.x * (size_t)dims.y;
     const bool stream = ost_cpu_enters(backend->sharing, OST_PATH_TOOL_STREAM, count);
-    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_GRID_COPY, count, dims.z, 0);
+    ost_team team = ost_team_of(backend->sharing, backend->threads, OST_PATH_TOOL_DOWNLOAD, count, dims.z, 0);
 #pragma omp parallel num_threads(team.threads) if (team.threads > 1)
     {
         ost_member me = ost_team_join(&team);

@@ -13,7 +13,7 @@
 #include "core/backend.h"
 #include "cpu/share.h"
 
-enum { PATHS = 15, SHARED = 9, SIDE = 72, SMALL = 40 };
+enum { PATHS = 16, SHARED = 10, SIDE = 72, SMALL = 40 };
 
 typedef struct seen {
     char name[PATHS + 1][OST_PATH_NAME];

@@ -13,7 +13,7 @@ for threads in 2 3 7; do
     checks=$((checks + 1))
     grep -q "\"name\": \"cpu:isa=[a-z0-9]*,threads=$threads,grain=1\"" b/protocol.json || fail "no backend with $threads threads that share the smallest work"
     run 0 validate --backends "cpu:isa=scalar,threads=$threads,grain=1" --only operation/0 --json
-    for kind in 'scatter' 'copy of a grid' 'conversion to chunks' 'upload of a bone' 'digest' 'sort of triangles' 'voxelization' 'removal and collision'; do
+    for kind in 'scatter' 'copy of a grid' 'conversion to chunks' 'upload of a bone' 'digest' 'sort of triangles' 'voxelization' 'download of a tool' 'removal and collision'; do
         checks=$((checks + 1))
         grep -q "\"$kind on $threads threads\": *[1-9]" out || fail "$kind is not shared on $threads threads"
     done

@@ -330,21 +330,19 @@ ost_status ost_cpu_voxelize_tool(ost_backend *base, const ost_snapped_mesh *cutt
 {
     const cpu_backend *backend = (const cpu_backend *)base;
     cpu_tool *tool;
-    ost_voxelize_report counts;
     ost_status status = ost_cpu_tool_create(base, &cutting->grid, noncutting != NULL, &tool, err);
     if (status != OST_OK)
         return status;
     const ost_vox_result result = {.cutting = tool->cutting, .noncutting = tool->noncutting};
-    status = ost_cpu_voxelize(backend, cutting, noncutting, rule, &counts, &result, err);
+    status = ost_cpu_voxelize(backend, cutting, noncutting, rule, report, &result, err);
     if (status != OST_OK) {
         ost_cpu_tool_free(&tool->base);
         return status;
     }
-    if (counts.solid_voxels == counts.cutting_voxels) {
+    if (report->solid_voxels == report->cutting_voxels) {
         free(tool->noncutting);
         tool->noncutting = NULL;
     }
-    *report = counts;
     *out = &tool->base;
     return OST_OK;
 }
