@@ -177,8 +177,7 @@ static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const os
         }
         if (status == OST_OK)
             status = propose(c, &field, &nominal, at, inward, &p, &reason);
-        const double score = p.face.seen_share;
-        if (status == OST_OK && (*chosen < 0 || score > best->face.seen_share)) {
+        if (status == OST_OK && (*chosen < 0 || p.face.seen_share > best->face.seen_share)) {
             anatomy_field_free(fine);
             *fine = field;
             *best = p;
