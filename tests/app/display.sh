@@ -59,7 +59,7 @@ ended() {
 pictures=0
 store_picture() {
     pictures=$((pictures + 1))
-    picture=osteon-00$pictures.png
+    picture=$(printf 'osteon-%03d.png' $pictures)
     xdotool key F12
     for i in $(seq 100); do
         [ -s $picture ] && break
@@ -77,4 +77,17 @@ on_screen() {
         sleep 0.1
     done
     return 1
+}
+
+# same_picture WHAT: stores a picture and checks that the screen still shows it half a second later.
+# A picture that was stored while the view or the tool moved is never shown again, so another one is
+# then stored. The HUD changes ten times per second, so the screen then shows a later frame.
+same_picture() {
+    for attempt in $(seq 10); do
+        store_picture
+        [ -s $picture ] || { fail "$1: F12 stores no picture"; return; }
+        sleep 0.5
+        on_screen && return
+    done
+    fail "$1: after $attempt pictures, $(cat differs)"
 }

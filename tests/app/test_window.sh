@@ -45,12 +45,11 @@ xdotool mousedown 3 mousemove_relative 20 10 mouseup 3 keydown ctrl click 4 keyu
 xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Home key 1 key 0 key shift+Left
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
 sleep 0.2
-# If the tool is still moving, a later picture is compared.
-for i in 1 2 3; do
-    store_picture
-    on_screen && break
-done
-on_screen || fail "the window: $(cat differs)"
+if "$osteon" devices | grep -q '^  png *yes'; then
+    same_picture "the window"
+else
+    xdotool key F12
+fi
 xdotool windowunmap "$window"
 sleep 0.1
 xdotool windowmap "$window"
@@ -68,8 +67,6 @@ check "what ended it" "$(value end)" "it was interrupted"
 if [ -e osteon-001.png ]; then
     size=$(od -An -tu1 -j16 -N8 osteon-001.png | awk '{ print $1 * 16777216 + $2 * 65536 + $3 * 256 + $4, $5 * 16777216 + $6 * 65536 + $7 * 256 + $8 }')
     check "the picture is as large as the window" "$size" "500 333"
-elif "$osteon" devices | grep -q '^  png *yes'; then
-    fail "F12 leaves no picture"
 fi
 removed=$(value sha256)
 run 0 replay window.session --verify --json

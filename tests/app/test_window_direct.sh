@@ -16,19 +16,6 @@ run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
 export force_gl_renderer="a card"
 
-# same_picture WHAT: checks that the screen shows a picture that is stored now
-same_picture() {
-    store_picture
-    [ -s $picture ] || fail "$1: F12 stores no picture"
-    # The HUD changes ten times per second, so later frames are drawn directly. On a busy machine,
-    # the first of them may take seconds.
-    for attempt in 1 2 3 4 5 6 7 8 9 10 11 12; do
-        sleep 0.5
-        on_screen && return
-    done
-    fail "$1: after $attempt attempts, $(cat differs)"
-}
-
 opened direct.session --json
 sleep 0.5
 xdotool key 2
