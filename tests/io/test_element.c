@@ -10,8 +10,9 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
-#include "io/volume/element.h"
+#include "io/volume/element_table.h"
 
 static int16_t convert_one(ost_converter *c, const void *bytes, ost_bad_kind expected)
 {
@@ -179,6 +180,68 @@ static void scaling_at_its_ends(void **state)
     }
 }
 
+/*
+ * Tests that a table has the results of ost_convert: for rows of random elements of one and two bytes, some of which
+ * cannot be converted, the densities, the counts, the position of the first bad element and its description.
+ */
+static void table_equals_conversion(void **state)
+{
+    (void)state;
+    test_rng rng = rng_seeded("table");
+    static const ost_element kinds[] = {OST_ELEMENT_INT8, OST_ELEMENT_UINT8, OST_ELEMENT_INT16, OST_ELEMENT_UINT16};
+    static const double slopes[] = {1, -1, 0.5, 2.75, 40, 1e-9}, intercepts[] = {0, -1024, 0.5, -32000, 1e6};
+    enum { COUNT = 300 };
+    int tables = 0, bad_rows = 0, rounded = 0, clamped = 0;
+    for (int i = 0; i < 400; i++) {
+        ost_converter c = {.element = kinds[rng_range(&rng, 0, 3)],
+                           .swap = rng_range(&rng, 0, 1),
+                           .clamp = rng_range(&rng, 0, 1),
+                           .scaled = rng_range(&rng, 0, 3) > 0};
+        assert_true(ost_binary_from_double(slopes[rng_range(&rng, 0, 5)], &c.slope));
+        assert_true(ost_binary_from_double(intercepts[rng_range(&rng, 0, 4)], &c.intercept));
+        ost_converter expected = c;
+        ost_element_table *table = ost_element_table_make(&c, 1 << 16);
+        assert_int_equal(table != NULL, c.scaled || c.element == OST_ELEMENT_UINT16);
+        tables += table != NULL;
+        for (int row = 0; row < 20; row++) {
+            unsigned char bytes[2 * COUNT];
+            int16_t a[COUNT] = {0}, b[COUNT] = {0};
+            ost_bad bad_a, bad_b;
+            for (size_t k = 0; k < sizeof bytes; k++)
+                bytes[k] = (unsigned char)(row % 2 ? rng_range(&rng, 0, 255) : rng_range(&rng, 0, 3));
+            const size_t done = ost_convert(&expected, bytes, COUNT, a, &bad_a);
+            assert_int_equal(ost_element_table_convert(table, &c, bytes, COUNT, b, &bad_b), done);
+            assert_memory_equal(a, b, done * sizeof a[0]);
+            assert_int_equal(bad_a.kind, bad_b.kind);
+            assert_string_equal(bad_a.value, bad_b.value);
+            bad_rows += done < COUNT;
+        }
+        assert_int_equal(c.rounded, expected.rounded);
+        assert_int_equal(c.clamped, expected.clamped);
+        rounded += c.rounded > 0;
+        clamped += c.clamped > 0;
+        free(table);
+    }
+    assert_true(tables > 200 && bad_rows > 200 && rounded > 20 && clamped > 20);
+}
+
+/* Tests that no table is made for elements that need none, or for volumes with fewer voxels than entries. */
+static void table_is_made_only_if_it_saves_time(void **state)
+{
+    (void)state;
+    ost_converter c = {.element = OST_ELEMENT_INT16, .scaled = true, .slope = {1, 0}};
+    assert_null(ost_element_table_make(&c, (1 << 16) - 1));
+    ost_element_table *table = ost_element_table_make(&c, 1 << 16);
+    assert_non_null(table);
+    free(table);
+    c.scaled = false;
+    assert_null(ost_element_table_make(&c, 1 << 16));
+    c = (ost_converter){.element = OST_ELEMENT_FLOAT32, .scaled = true, .slope = {1, 0}};
+    assert_null(ost_element_table_make(&c, 1 << 30));
+    c = (ost_converter){.scaled = true}; /* DICOM, which has its own table */
+    assert_null(ost_element_table_make(&c, 1 << 30));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -186,6 +249,8 @@ int main(void)
         cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(nan_is_air_by_option),
         cmocka_unit_test(scaling_is_exact),
         cmocka_unit_test(scaling_at_its_ends),
+        cmocka_unit_test(table_equals_conversion),
+        cmocka_unit_test(table_is_made_only_if_it_saves_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

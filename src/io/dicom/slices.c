@@ -76,7 +76,7 @@ ost_status ost_dicom_slices_open(const ost_dicom_stack *stack, const ost_dicom_l
     memset(out, 0, sizeof *out);
     out->rows = (ost_rows){.next = ost_dicom_slices_row,
                            .path = stack->scan->path,
-                           .converter = {.element = OST_ELEMENT_INT16, .scaled = true}};
+                           .converter = {.scaled = true}}; /* selects the message of ost_rows_bad */
     memcpy(out->rows.sizes, stack->sizes, sizeof out->rows.sizes);
     out->table.clamp = clamp;
     ost_status status = ost_dicom_images_open(stack, launch, &out->images, err);

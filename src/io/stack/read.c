@@ -119,7 +119,8 @@ static ost_status next_row(ost_rows *rows, int64_t first, int16_t *out, ost_erro
     if (status != OST_OK)
         return status;
     ost_bad bad;
-    const size_t count = (size_t)rows->sizes[0], done = ost_convert(&rows->converter, rows->scratch, count, out, &bad);
+    const size_t count = (size_t)rows->sizes[0];
+    const size_t done = ost_element_table_convert(rows->table, &rows->converter, rows->scratch, count, out, &bad);
     if (done == count)
         return OST_OK;
     char location[64], name[OST_SLICE_NAME];

@@ -109,7 +109,7 @@ ost_status ost_rows_next_binary(ost_rows *rows, int64_t first, int16_t *out, ost
     if (status != OST_OK)
         return status;
     ost_bad bad;
-    size_t done = ost_convert(&rows->converter, rows->scratch, count, out, &bad);
+    size_t done = ost_element_table_convert(rows->table, &rows->converter, rows->scratch, count, out, &bad);
     if (done == count)
         return OST_OK;
     /* A row never extends over two parts, so its bytes are the last bytes that were read from the open part. */
@@ -147,6 +147,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
     const int64_t count = (int64_t)n * rows->sizes[1];
     int16_t *row = malloc((size_t)n * sizeof *row), *slice = voxels ? NULL : malloc((size_t)count * sizeof *slice);
     rows->scratch = malloc((size_t)n * 8);
+    rows->table = ost_element_table_make(&rows->converter, count * slices);
     ost_status status = OST_OK;
     if (!row || !rows->scratch || (!voxels && !slice))
         status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a %s of %lld voxels", rows->path,
@@ -169,7 +170,9 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
     free(row);
     free(slice);
     free(rows->scratch);
+    free(rows->table);
     rows->scratch = NULL;
+    rows->table = NULL;
     return status;
 }
 

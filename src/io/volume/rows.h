@@ -13,7 +13,7 @@
 
 #include <osteon/io.h>
 
-#include "io/volume/element.h"
+#include "io/volume/element_table.h"
 #include "io/volume/orient.h"
 #include "io/volume/parts.h"
 #include "io/volume/target.h"
@@ -27,7 +27,9 @@ struct ost_rows {
     int32_t sizes[3]; /* sizes in the file's order */
     ost_parts *parts; /* the file's data, if `next` reads them in parts; otherwise NULL */
     ost_converter converter;
-    void *scratch; /* one row of elements; set by the functions in this file */
+    /* The following two fields are set by the functions in this file. */
+    void *scratch;            /* one row of elements */
+    ost_element_table *table; /* the converter's table; may be NULL */
 };
 
 /* Implements ost_rows.next for binary elements. */
