@@ -180,6 +180,27 @@ static void scaling_at_its_ends(void **state)
     }
 }
 
+/* Tests a row of floats in which integers, fractions and a value that is no density follow each other. */
+static void row_of_floats(void **state)
+{
+    (void)state;
+    static const float row[] = {-32768, 32767, -0.0F, 7, 2.5F, 8, -32768.4F, 9, 32768, 10};
+    static const int16_t expected[] = {-32768, 32767, 0, 7, 2, 8, -32768, 9};
+    int16_t out[10];
+    ost_bad bad;
+    ost_converter c = {.element = OST_ELEMENT_FLOAT32};
+    assert_int_equal(ost_convert(&c, row, 10, out, &bad), 8);
+    assert_memory_equal(out, expected, sizeof expected);
+    assert_int_equal(bad.kind, OST_BAD_RANGE);
+    assert_string_equal(bad.value, "32768");
+    assert_int_equal(c.rounded, 2);
+    c = (ost_converter){.element = OST_ELEMENT_FLOAT32, .clamp = true};
+    assert_int_equal(ost_convert(&c, row, 10, out, &bad), 10);
+    assert_int_equal(out[8], 32767);
+    assert_int_equal(out[9], 10);
+    assert_int_equal(c.clamped, 1);
+}
+
 /*
  * Tests that a table has the results of ost_convert: for rows of random elements of one and two bytes, some of which
  * cannot be converted, the densities, the counts, the position of the first bad element and its description.
@@ -249,6 +270,7 @@ int main(void)
         cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(nan_is_air_by_option),
         cmocka_unit_test(scaling_is_exact),
         cmocka_unit_test(scaling_at_its_ends),
+        cmocka_unit_test(row_of_floats),
         cmocka_unit_test(table_equals_conversion),
         cmocka_unit_test(table_is_made_only_if_it_saves_time),
     };

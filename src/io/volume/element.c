@@ -277,11 +277,31 @@ static bool convert_plain(const ost_converter *c, const unsigned char *bytes, si
     return true;
 }
 
+/*
+ * Fast path for a CT that was stored as float32 although its values are integers. Converts elements until one is not an
+ * integer in the range of int16, and returns the number of converted elements. The conversions between float and
+ * integer are exact, so no rounding mode affects them.
+ */
+static size_t convert_integral(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)
+{
+    if (c->element != OST_ELEMENT_FLOAT32 || c->swap || c->scaled)
+        return 0;
+    for (size_t i = 0; i < count; i++) {
+        float value;
+        memcpy(&value, bytes + i * sizeof value, sizeof value);
+        if (!(value >= INT16_MIN && value <= INT16_MAX) || (float)(int32_t)value != value)
+            return i;
+        out[i] = (int16_t)value;
+    }
+    return count;
+}
+
 size_t ost_convert(ost_converter *converter, const void *bytes, size_t count, int16_t *out, ost_bad *bad)
 {
     bad->kind = OST_BAD_NONE;
     bad->value[0] = 0;
     if (convert_plain(converter, bytes, count, out))
         return count;
-    return convert_general(converter, bytes, count, out, bad);
+    const size_t done = convert_integral(converter, bytes, count, out), size = ost_element_bytes(converter->element);
+    return done + convert_general(converter, (const unsigned char *)bytes + done * size, count - done, out + done, bad);
 }
