@@ -138,8 +138,9 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
 }
 
 /*
- * Finds the extreme point of the bone in the direction `way`. The result is the mean position of all cells that are
- * at most `within` mm behind the extreme cell along `way`. This position is then moved along `way` to the extreme.
+ * Finds the extreme point of the bone in the direction `way`. Computes the mean position of all cells whose coordinate
+ * along `way` is within `within` mm of the greatest one, and moves this position along `way` to the greatest
+ * coordinate.
  */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
 {
@@ -225,7 +226,7 @@ static int most_prominent(const relief *s, int b, int lo, int hi)
     return best;
 }
 
-/* Returns the mean, over the bins 30 to 72 mm medial of the face, of the greatest prominence in each bin. */
+/* Finds the greatest prominence in each bin 30 to 72 mm medial of the face, and returns the mean of these values. */
 static double mean_prominence(const relief *s)
 {
     double sum = 0;
@@ -260,8 +261,8 @@ static void follow_crest(const relief *s, crest *out)
 }
 
 /*
- * Returns the medial coordinate of the blade's border at a given superior coordinate. Sets *across to the mean
- * coordinate, along the blade's normal, of the cells at the border.
+ * Returns the medial coordinate of the blade's border at a given superior coordinate. Sets *across to the mean normal
+ * coordinate of the cells at the border.
  */
 static double border(const anatomy_cells *cells, const frame *f, double superior, double *across)
 {

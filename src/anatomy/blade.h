@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds two landmarks of a scapula, the trigonum spinae and the inferior angle, from its cells and its
- * glenoid's face.
+ * Finds two landmarks of a scapula, the trigonum spinae (TS) and the inferior angle (IA), from the scapula's cells
+ * (field.h) and the face of its glenoid (G).
  *
  *                    acromion                          superior
  *      medial       .--------.                            ^
@@ -12,8 +12,8 @@
  *               \  fossa     .'
  *                '-- IA ----'
  *
- *   inferior angle  the point farthest from the glenoid; then the extreme point of the blade between the directions
- *                   of the medial and the lateral border
+ *   inferior angle  the extreme point of the bone in the direction 20 degrees medial of inferior, which lies between
+ *                   the medial and the lateral border; the first estimate is the point farthest from the glenoid
  *   posterior       the side of the blade's plane on which the spine rises
  *   trigonum        the point of the medial border on the line of the spine's crest
  */

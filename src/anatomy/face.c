@@ -17,7 +17,7 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define STEP_MM 0.25
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
-#define CLIMB_MM 8.0 /* a position more than this distance above the centre belongs to the coracoid or the acromion */
+#define CLIMB_MM 8.0 /* a position that is higher above the centre than this is on the coracoid or the acromion */
 #define OUTLIER_MM 4.0   /* a rim distance that differs by more than this from the median of its neighbours is not on
                           * the rim */
 /* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
@@ -54,7 +54,7 @@ static double surface_along(const anatomy_field *f, double level, const double f
 
 /*
  * Follows the surface outward in the direction `way`. Returns the distance of the rim from the axis, or 0 if there is
- * no rim. If the surface continues and climbs to another part of the bone, the distance is negative.
+ * no rim. The distance is negative if the surface does not end at the rim but climbs to another part of the bone.
  */
 static double trace(const anatomy_field *f, double level, const anatomy_face *face, const double way[3],
                     double rim[3], double crest[3])

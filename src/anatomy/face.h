@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the face of the glenoid, that is, its rim, plane, centre and inward axis, from the surface that rays along the
- * axis meet.
+ * Finds the face of the glenoid, that is, its rim, plane, centre and inward axis. The bone's surface is sampled by
+ * rays parallel to the axis.
  *
- *              rim                     rim      from the axis outward, in 72 directions, the rim is the last
- *   outward     .-.      dish         .-.       position within 1 mm of the highest position so far, before the
- *      ^       /   '-.___________.---'   \      surface falls by 3 mm or ends (docs/reference/metrics.md)
+ *              rim                     rim      The surface is followed outward from the axis in 72 directions,
+ *   outward     .-.      dish         .-.       until it falls by 3 mm or ends. The rim is the last position within
+ *      ^       /   '-.___________.---'   \      1 mm of the highest position so far (docs/reference/metrics.md).
  *      |      /            |              \
  *                          v inward
  */
@@ -15,8 +15,8 @@
 #include "anatomy/field.h"
 
 /*
- * A variation of the measurement: the surface is where the share of bone is `level`, and only every `every`-th
- * direction of the rim is used.
+ * The parameters of a measurement. The surface is defined by the share of bone `level`. If `every` is greater than 1,
+ * only every `every`-th direction of the rim is used, beginning with direction `first`.
  */
 typedef struct anatomy_variant {
     double level;
@@ -43,8 +43,8 @@ bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *varian
 void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /*
  * Moves the centre to the middle of the rim's extents along and across the direction `superior`, and returns
- * these extents as height and width. Then makes the axis perpendicular to two mean chords of the rim through
- * the centre. The chord along `superior` determines the inclination, and the chord across it the version.
+ * these extents as height and width. Then makes the axis perpendicular to two mean chords of the rim. The chord
+ * along `superior` determines the inclination, and the chord across `superior` determines the version.
  *
  * Returns false if the rim is not found on both sides, or if the axis meets no bone.
  */

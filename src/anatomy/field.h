@@ -23,8 +23,8 @@ typedef struct anatomy_box {
 } anatomy_box;
 
 /*
- * Computes the field for the part of a bone within a box, or for the complete bone if box is NULL. A cell is a
- * block of complete voxels about `step` mm wide. If there would be more than 2^24 cells, they are wider.
+ * Computes the field for the part of a bone within a box, or for the complete bone if box is NULL. A cell is a block of
+ * complete voxels about `step` mm wide. The cells are made wider if there would otherwise be more than 2^24 cells.
  * Returns OST_ERR_INPUT if the box contains no voxel.
  */
 ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
@@ -32,8 +32,8 @@ ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *b
 void anatomy_field_free(anatomy_field *field);
 
 /*
- * Fills the cavities of the bone. A cavity is a set of cells with shares below 0.5 that no path of such cells connects
- * with the border of the field. Sets the share of each cell of a cavity to 1.
+ * Fills the cavities of the bone. A cavity is a connected set of cells with shares below 0.5 that does not reach the
+ * border of the field. Sets the share of each cell of a cavity to 1.
  */
 ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
 /*

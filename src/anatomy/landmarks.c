@@ -3,8 +3,8 @@
  * Finds the landmarks of a scapula.
  *
  *   coarse field, filled --> cells, surface --concave spheres--> candidates for the glenoid
- *   candidate --vault behind, free in front, rim, blade--> face, trigonum, inferior angle --> proposal
- *   the same computation with a moved surface, half of the rim, a coarser grid --> spreads
+ *   candidate --checks: bone behind it, free space in front of it, rim, blade--> face, trigonum, inferior angle
+ *   the same computation with a moved surface, half of the rim, or a coarser grid --> spreads (<osteon/anatomy.h>)
  */
 #include "core/conditions.h"
 
@@ -16,8 +16,8 @@
 #include "anatomy/spheres.h"
 #include "core/vector.h"
 
-#define STEP_MM 1.5     /* cell width of the coarse field; COARSER_MM is the cell width of the second coarse field,
-                         * for the spread */
+#define STEP_MM 1.5     /* cell width of the coarse field; COARSER_MM is the cell width of a second field, which is
+                         * used only to compute the spreads */
 #define COARSER_MM 2.0
 #define FINE_MM 0.7     /* cell width of the fine field around the face */
 #define ROUND_MM 36.0   /* half width of the fine field */
@@ -155,8 +155,8 @@ static ost_status fine_make(const ost_anatomy_bone *bone, const double at[3], an
 }
 
 /*
- * Selects, among the candidates for which a rim and a blade are found, the one whose rim was found in the greatest
- * share of the directions.
+ * Selects the candidate whose rim was found in the greatest share of the directions. Candidates without a rim or a
+ * blade are ignored.
  */
 static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const ost_sphere *spheres, int count,
                          anatomy_field *fine, proposal *best, int *chosen, ost_error *err)

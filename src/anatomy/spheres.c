@@ -40,7 +40,7 @@ enum {
 typedef struct search {
     const anatomy_surface *surface;
     const ost_sphere_options *options;
-    double sign;            /* -1 if the centre lies inward along the normals, 1 if it lies outward */
+    double sign;            /* direction of the centre along the normals: -1 is inward, 1 is outward */
     double least, most;     /* limits of the radius in mm */
     double lo[3], cell;     /* corner of the vote grid, and cell width */
     int32_t n[3];
@@ -221,8 +221,8 @@ static int bin_of(const double v[3])
 }
 
 /*
- * Computes the area, residual, coverage and direction of a sphere from the points within `within` mm of the sphere.
- * Stores these points in `inliers` and returns their number.
+ * Computes a sphere's area, residual, coverage and direction (`facing`) from the points within `within` mm of the
+ * sphere. Stores these points in `inliers` and returns their number.
  */
 static size_t measure(const search *s, fitted *f, double within, double (*inliers)[3])
 {
@@ -257,7 +257,7 @@ static size_t measure(const search *s, fitted *f, double within, double (*inlier
 
 /*
  * Refines a sphere by repeated fits. Returns false if the radius leaves its range, too few points remain, the
- * sphere is too far from the option `near`, or its area or coverage is too small.
+ * sphere's centre is too far from the position in the option `near`, or the sphere's area or coverage is too small.
  */
 static bool refine(const search *s, fitted *f, double (*inliers)[3])
 {

@@ -9,7 +9,7 @@ ost_status anatomy_spheres(const anatomy_surface *surface, const ost_sphere_opti
                            int most, int *count, ost_error *err);
 /* If both radii are 0, sets them to their defaults. Then checks the ranges of all options. */
 ost_status anatomy_sphere_options(ost_sphere_options *options, ost_error *err);
-/* Returns OST_ERR_USAGE or OST_ERR_RANGE if the bone has no voxels or its values are out of range. */
+/* Returns OST_ERR_USAGE if the bone has no voxels, and OST_ERR_RANGE if its densities or its geometry are invalid. */
 ost_status anatomy_bone_check(const ost_anatomy_bone *bone, ost_error *err);
 
 #endif

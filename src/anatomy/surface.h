@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The surface of a field, at which the share of bone is 0.5, as points with outward normals. */
+/* Represents the surface of a field, on which the share of bone is 0.5, by points with outward normals. */
 #ifndef OST_ANATOMY_SURFACE_H
 #define OST_ANATOMY_SURFACE_H
 
@@ -17,7 +17,7 @@ typedef struct anatomy_surface {
 
 /*
  * Finds the surface points. Between two neighbouring cells, a point lies where the share, interpolated
- * linearly, is 0.5. Returns OST_ERR_RANGE if there are more than 2^22 points. The caller frees *out by
+ * linearly, is 0.5. Returns OST_ERR_RANGE if there are more than 2^22 points. The caller frees *out with
  * anatomy_surface_free, even after a failure.
  */
 ost_status anatomy_surface_make(const anatomy_field *field, anatomy_surface *out, ost_error *err);
