@@ -6,9 +6,9 @@
  * arguments and then call through this table.
  *
  * Rules for implementers
- *   - Only the last three slots may be NULL; the slot of any other unsupported operation returns
- *     OST_ERR_UNAVAILABLE. (A backend that can never be opened in this build sets only the slots up
- *     to open.)
+ *   - Only the last three slots may be NULL. If the backend does not support the operation of any
+ *     other slot, the slot returns OST_ERR_UNAVAILABLE. (A backend that can never be opened in this
+ *     build sets only the slots from the first one to `open`.)
  *   - Objects embed the structs below as their first member; the backend fills them,
  *     except ost_backend.ops, which ost_backend_open sets.
  *   - Arguments have been checked; a slot may assert, but does not check again.
@@ -88,11 +88,12 @@ struct ost_backend_ops {
     ost_status (*ct_to_rect)(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                              ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
     /*
-     * Creates a cubic grid with the given geometry, and resamples rect to it (AR-CUB). Bit-identical on all backends.
+     * Creates a cubic grid with the given geometry, and resamples rect to it (AR-CUB). The grid is bit-identical on all
+     * backends.
      */
     ost_status (*rect_to_cubic)(const ost_grid *rect, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err);
-    /* Creates a bone from a cubic grid (AR-CHK). Bit-identical on all backends. */
+    /* Creates a bone from a cubic grid (AR-CHK). The bone is bit-identical on all backends. */
     ost_status (*cubic_to_chunks)(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                   ost_error *err);
 
@@ -152,7 +153,7 @@ struct ost_backend_ops {
      * In a backend that uses the functions of src/core, both slots are NULL or return OST_ERR_UNAVAILABLE.
      */
     /*
-     * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). The caller frees *out by
+     * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). The caller frees *out with
      * ost_snapped_mesh_free.
      */
     ost_status (*snap)(ost_backend *backend, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,

@@ -75,7 +75,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
     ost_decimal d = {.negative = negative};
     int mantissa_digits = 0;
-    int64_t tail_unit = TEN_TO_18; /* value of the last digit position that the tail contains */
+    int64_t tail_unit = TEN_TO_18; /* weight of the digit that was last added to the tail */
     int64_t exponent = 0;
     int64_t places = 0;
     bool any = false;
@@ -114,7 +114,7 @@ const char *ost_decimal_read(const char *text, const char *end, ost_decimal *out
 
 /*
  * Returns true if RHE rounds the quotient up. The fractional part of the quotient is (remainder + beyond * 10^-18) /
- * ten_to_e, plus a smaller positive number if `more` is true.
+ * ten_to_e. If `more` is true, the fractional part is slightly greater, by less than 10^-18 / ten_to_e.
  */
 static bool rounds_up(ost_i128 quotient, ost_i128 remainder, ost_i128 ten_to_e, int64_t beyond, bool more)
 {
@@ -138,8 +138,8 @@ bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, 
     bool none_rounded = beyond == 0 && !value->more;
 
     /*
-     * Each step moves one digit of the tail to `integer`. Before all 18 digits of the tail are moved, `integer` exceeds
-     * int64, and the function returns.
+     * Each step moves one digit of the tail to `integer`. If the tail is not 0, the mantissa has 18 digits, so
+     * `integer` exceeds int64 after at most two steps and the function returns.
      */
     for (int32_t e = value->exponent; e > 0 && (integer || beyond); e--) {
         if (integer > INT64_MAX)

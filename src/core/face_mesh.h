@@ -3,11 +3,12 @@
  * Face meshes: the visible faces of a chunk's active voxels as quads (thesis section 3.3.1).
  *
  *   chunk, six neighbours --pad--> 34^3 voxels --classify--> visible faces of each voxel
- *       --prefix sum, compact--> active voxels, index of each one's first quad --quads--> four vertices per face
+ *       --prefix sum, compact--> active voxels, first quad of each voxel --quads--> four vertices per face
  *       --copy--> mesh
  *
- * A face is visible if the neighbour at this face is not active. An active voxel here is a voxel with at least one
- * visible face. A neighbour that does not exist is the shared empty chunk, which has no active voxels.
+ * A face is visible if the neighbour at this face is not active. In the lists of the stages, an active voxel is a voxel
+ * with at least one visible face. If a neighbouring chunk does not exist, the shared empty chunk, which has no active
+ * voxels, is used instead.
  *
  * The quads of a chunk are in ascending order of the voxel number x + 32 (y + 32 z), and the quads of a voxel are in
  * the order of ost_face. A vertex is one word:
@@ -15,9 +16,9 @@
  *   bits  0..5   6..11   12..17   18..20      21         22
  *         x      y       z        ost_face    corner along the face's first and second axis
  *
- * x, y and z are the corner's coordinates, 0 to 32, in units of voxels from the chunk's first corner. With a the
- * face's axis, its first axis is a + 1 and its second axis is a + 2 (modulo 3). The four corners go around the face
- * counter-clockwise as seen from outside. Every backend computes the same words.
+ * x, y and z are the corner's coordinates, 0 to 32, in units of voxels from the chunk's first corner. If the face is
+ * perpendicular to axis a, its first axis is a + 1 and its second axis is a + 2 (modulo 3). The four corners go around
+ * the face counter-clockwise as seen from outside. Every backend computes the same words.
  */
 #ifndef OST_CORE_FACE_MESH_H
 #define OST_CORE_FACE_MESH_H
@@ -35,7 +36,7 @@ enum {
     OST_FACE_VOXELS = 32 * 32 * 32,
     /* maximum number of quads of a chunk, reached if half of the voxels have six visible faces */
     OST_FACE_QUADS_MAX = 3 * OST_FACE_VOXELS,
-    OST_FACE_CLUSTERS_MAX = 1 << 20, /* maximum number of clusters per call */
+    OST_FACE_CLUSTERS_MAX = 1 << 20, /* maximum number of chunks that one call meshes */
 };
 
 /*
@@ -73,20 +74,20 @@ typedef struct ost_face_mesh {
 } ost_face_mesh;
 
 void ost_face_mesh_free(ost_face_mesh *mesh); /* accepts a zero-initialized mesh */
-/* Ensures capacity for this total number of chunks and of quads. Keeps the content. */
+/* Ensures capacity for `chunks` chunks and `quads` quads in total. The content is not changed. */
 ost_status ost_face_mesh_reserve(ost_face_mesh *mesh, size_t chunks, size_t quads, ost_error *err);
 
 /*
- * Meshes `count` chunks. Returns OST_ERR_UNAVAILABLE if the backend has no face meshes (plugin) or if its device
- * fails; the mesh is then undefined. One thread at a time may use a backend.
+ * Meshes `count` chunks. Returns OST_ERR_UNAVAILABLE if the backend cannot make face meshes or if its device fails; the
+ * mesh is then undefined. One thread at a time may use a backend.
  */
 ost_status ost_backend_face_mesh(ost_backend *backend, const ost_face_cluster *clusters, size_t count,
                                  ost_face_mesh *mesh, ost_error *err);
 
 /*
- * Returns the word to add to a voxel's own word (ost_face_voxel) to obtain corner i of a face. On the faces toward +,
- * the corners are (0, 0), (1, 0), (1, 1), (0, 1) along the face's two axes; on the faces toward -, their order is
- * reversed.
+ * Returns the word for corner i of a face, relative to the voxel: the sum of this word and ost_face_voxel is the
+ * vertex. On a face in the positive direction of its axis, the corners are (0, 0), (1, 0), (1, 1), (0, 1) along the
+ * face's two axes; on a face in the negative direction, their order is reversed.
  */
 static inline uint32_t ost_face_corner(unsigned face, unsigned i)
 {

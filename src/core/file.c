@@ -211,7 +211,7 @@ static int open_unnamed(const char *folder)
     return fd;
 }
 
-/* Writes `size` bytes, also if the system accepts only a part at a time. On failure, returns false and sets errno. */
+/* Writes `size` bytes, even if the system accepts only a part at a time. On failure, returns false and sets errno. */
 static bool write_all(int fd, const char *bytes, size_t size)
 {
     while (size > 0) {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens and reads files.  All reads of files in the project use this module, which
- * docs/check-architecture checks.
+ * Opens and reads files.  All files are read through this module; docs/check-architecture checks this rule.
  *
- * Only regular files are opened, including those behind symbolic links, for three reasons. Readers check the size of a
+ * Only regular files, and symbolic links to regular files, are opened, for three reasons. Readers check the size of a
  * file before they allocate memory. They read some files twice. They must not wait for the writer of a pipe or read an
  * endless device. /dev/stdin is accepted if the shell redirects it from a regular file. A verb that accepts a pipe as
  * its input passes the name to ost_file_spool first, which copies the pipe to a file.
@@ -36,25 +35,25 @@ typedef struct ost_file {
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
- * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. Afterwards, every opening of `path` opens
- * this file from its start. Only streams that are already open are copied: standard input ("-" or /dev/stdin), and
- * /dev/fd/N, which a shell passes for <(command). The function therefore never waits for a program to open a pipe. If
- * standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The function does
- * nothing for any other path. A process has one such stream.
+ * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. The functions of this module that open
+ * `path` then open this file, at its start. Only streams that are already open are copied: standard input ("-" or
+ * /dev/stdin), and /dev/fd/N, which a shell passes for <(command). The function therefore never waits for a program to
+ * open a pipe. If standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The
+ * function does nothing for any other path. A process can spool only one stream.
  *
  * Called by the command before a file is read; must not be called while another thread opens files. Returns
- * OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if more than ost_file_spool_max bytes
- * follow, and OST_ERR_IO if the copy fails.
+ * OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if the stream has more than
+ * ost_file_spool_max bytes, and OST_ERR_IO if the copy fails.
  */
 ost_status ost_file_spool(const char *path, ost_error *err);
 
 /*
- * Returns true if `path` is the stream that ost_file_spool has copied. Such a file has no folder in which related files
- * could be searched.
+ * Returns true if `path` is the stream that ost_file_spool has copied. A stream has no folder that could contain
+ * related files.
  */
 bool ost_file_is_stream(const char *path);
 
-/* Maximum size in bytes of a stream that is spooled to a file: 16 GiB. A variable, so that tests can reduce it. */
+/* Maximum size in bytes of a stream that is spooled to a file. The value is 16 GiB; tests can reduce it. */
 extern int64_t ost_file_spool_max;
 
 /*
@@ -70,8 +69,8 @@ ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 
 /*
- * Reads the file->size bytes of an open file into `to`. Returns OST_ERR_IO if the size of the file has changed. `path`
- * is used only in messages.
+ * Reads all bytes of an open file, file->size in number, into `to`. Returns OST_ERR_IO if the size of the file has
+ * changed. `path` is used only in messages.
  */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);
 

@@ -57,8 +57,8 @@ bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], d
 bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3], double normal[3], double mean[3])
 {
     /*
-     * Computes two unit vectors u and v perpendicular to `along`, starting with the axis that is least parallel to
-     * `along`.
+     * u and v are unit vectors perpendicular to `along` and to each other. u is also perpendicular to the coordinate
+     * axis that is least parallel to `along`.
      */
     int least = 0;
     for (int a = 1; a < 3; a++)

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-/* The size in bytes to which a block is aligned so that it consists of huge pages only. */
+/* Size of a huge page in bytes. A large block is aligned to this size, so that it can begin with a huge page. */
 #define OST_HUGE_PAGE ((size_t)1 << 21)
 
 /*

@@ -22,7 +22,7 @@ enum {
     LEAF7_C_VBMI = 1 << 1,                         /* AVX512_VBMI */
     /* XCR0 bits: the operating system saves XMM registers and the upper halves of YMM registers */
     YMM_SAVED = 0x06,
-    /* bits of XCR0: the operating system also saves the opmasks, the upper halves of ZMM0-15, and ZMM16-31 */
+    /* XCR0 bits: the operating system also saves the opmasks, the upper halves of ZMM0-15, and ZMM16-31 */
     ZMM_SAVED = 0xe6,
 };
 #define LEAF7_B_AVX512                                                                                                 \

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Selects a level by its name. Detection is in isa.c, which the tests of tests/simd/portable replace, because portable
- * kernels of every level run on every machine.
+ * Selects a level by its name. The functions that detect the levels of the machine are in isa.c. They are separate,
+ * because the tests in tests/simd/portable replace them: these tests compile the kernels with portable definitions of
+ * the intrinsics, so every level can be executed on every machine.
  */
 #include "core/isa.h"
 

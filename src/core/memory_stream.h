@@ -14,7 +14,7 @@
 
 typedef struct ost_memory_stream {
     char *bytes;           /* the bytes that were written, followed by a NUL, which `size` does not count */
-    size_t size, capacity; /* sizes in bytes; valid only after the stream has been closed */
+    size_t size, capacity; /* in bytes; valid only after the stream has been closed */
 } ost_memory_stream;
 
 /*

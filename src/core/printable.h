@@ -30,8 +30,7 @@ int32_t ost_code_point(const char *text, size_t *bytes);
 int ost_code_point_is_printable(int32_t code);
 
 /*
- * Replaces every character that is in the list at the top of this file with '?', in place. The text does not become
- * longer.
+ * Replaces every character in the list at the top of this file with '?', in place. The text does not become longer.
  */
 void ost_make_printable(char *text);
 

@@ -30,7 +30,7 @@ static bool is_ninth_binary_place(double v)
 
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out)
 {
-    /* with at most six significant digits, different decimal numbers are different float32 numbers */
+    /* no two decimals with at most six significant digits read as the same float32 */
     enum { MAX_DIGITS_TRIED = 6 };
     char text[64];     /* sign, 17 digits, a separator of a few bytes, "e-308" and NUL */
     const int most = single ? 9 : 17;

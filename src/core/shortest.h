@@ -10,10 +10,12 @@
 
 /*
  * Finds the decimal that a float represents, which is the shortest decimal that reads back as the float. There is one
- * exception: a float32 represents its exact value if no decimal of at most six digits reads back as this float32 and it
- * is a multiple of 2^-9 below 2^24 in magnitude. For example, 431/512 represents 0.841796875, not 0.8417969. `value`
- * must be finite. `single` is true if `value` was read as a float32. Returns false if the exponent is out of the range
- * of ost_decimal.
+ * exception. A float32 represents its exact value if two conditions hold: its value is a multiple of 2^-9 and below
+ * 2^24 in magnitude, and no decimal of at most six digits reads back as this float32. For example, 431/512 represents
+ * 0.841796875, not 0.8417969.
+ *
+ * `value` must be finite. `single` is true if `value` was read as a float32. Returns false if the exponent is out of
+ * the range of ost_decimal.
  */
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out);
 

@@ -24,8 +24,8 @@ typedef enum ost_face {
 } ost_face;
 
 /*
- * Computes, for each face, the voxels of a row whose neighbour at this face is active. own: the row; x0 and x1: the
- * rows that continue it in the neighbours along x; y0, y1, z0, z1: the adjacent rows.
+ * Computes, for each face, the voxels of the row `own` whose neighbour at this face is active. x0 and x1 are the rows
+ * before and after `own` along x; y0, y1, z0 and z1 are the adjacent rows along y and z.
  */
 static inline void ost_visible_behind(uint32_t own, uint32_t x0, uint32_t x1, uint32_t y0, uint32_t y1, uint32_t z0,
                                       uint32_t z1, uint32_t behind[6])
