@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks the arguments of ost_difference_find and copies the patterns that hold to its result. */
+/* Implements ost_difference_find: checks the arguments, finds the patterns that hold, and copies them to the result. */
 #include <osteon/difference.h>
 
 #include <stdio.h>

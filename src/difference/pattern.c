@@ -66,9 +66,9 @@ static bool offset(const pattern_scan *s, char *text)
 }
 
 /*
- * Checks the rule `threshold` against `in`, the grid before densities below the threshold were set to 0. The rule holds
- * in two cases: at every voxel of D, B still contains a density below the threshold, or B lacks all of the lowest
- * densities in every chunk that differs, as if the threshold were higher.
+ * Checks the rule `threshold` if `in` is the grid before densities below the threshold were set to 0. The rule holds in
+ * two cases. In the first case, every voxel of D has kept a density below the threshold in B. In the second case, B
+ * was made with a higher threshold: in every chunk that differs, B lacks all densities up to a certain density.
  */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {

@@ -6,16 +6,17 @@
  *
  * Every rule is a statement that is checked on all voxels to which it applies, so a pattern that holds is
  * certain. The cause of the difference is not certain; the class indicates where to search first. If
- * several patterns hold, the class is the first of them in the list below, which begins with the pattern
- * that explains most. D is the set of differing voxels, A is the reference's grid, and B is the other grid.
+ * several patterns hold, the class is the first of them in the list below. The list begins with the patterns
+ * that describe a difference most precisely. D is the set of differing voxels, A is the reference's grid, and
+ * B is the other grid.
  *
  *   byte-order      every voxel of D is the correct value with its two bytes swapped
  *   axis-swap       B is A with axes exchanged or reversed, or memory was read with the axes in a different order
- *   shift           every voxel of D has the value of its neighbour in one common direction, or the value that
- *                   results if another voxel of the input is resampled
+ *   shift           B is A moved by a few voxels; or every voxel of D has the value of its neighbour in the same
+ *                   direction; or every voxel of D was resampled from input voxels whose index is off by one
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
- *   threshold       D consists of all voxels on one side of a density near the threshold
+ *   threshold       one grid lacks exactly the voxels below a certain density, as if its threshold were higher
  *   stale-chunk     in every chunk with a difference, B equals the bone before the event, and the chunk's
  *                   report differs
  *   lost-tail       D is the last part of the work, which was not done: samples, voxels or chunks
@@ -57,7 +58,7 @@ typedef enum pattern {
 
 const char *ost_pattern_name(pattern p);
 
-/* How the stage made the grid from its input `in`. */
+/* The relation between the grid and `in`, the input from which the stage made the grid. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
     /* `in` is resampled: voxel (x, y, z) comes from voxel (source[0][x], source[1][y], source[2][z]) of `in`, or is a
@@ -82,8 +83,8 @@ typedef struct pattern_view {
     /* for each axis, the weight of the voxel that follows the source voxel, in units of 1 / PATTERN_WEIGHT_ONE; if the
        weight is 0, that voxel is not read */
     const int32_t *weight[3];
-    /* for each voxel, the number of samples in the batch after the voxel's last sample; -1 for a voxel without samples;
-       the pointer is NULL if these numbers are unknown */
+    /* for each voxel, the number of samples that follow the voxel's last sample in the same batch; -1 for a voxel
+       without samples; the pointer is NULL if these numbers are unknown */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;

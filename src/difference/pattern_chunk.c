@@ -62,8 +62,8 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 typedef struct chunk_sums {
     /* numbers of chunks; one_sided is the number of chunks that are solid in only one of the grids */
     int64_t differ, undone, one_sided;
-    /* `hit` is the number of chunks with a hit; hit_after is the number of chunks with a hit and without a difference
-       that follow the first chunk with a difference */
+    /* `hit` is the number of chunks with a hit; hit_after counts only those that have no difference and that follow
+       the first chunk with a difference */
     int64_t hit, hit_after;
 } chunk_sums;
 

@@ -14,7 +14,7 @@
 /* Minimum number of voxels for which a pattern is significant. */
 enum { PATTERN_TELLING = 8 };
 
-/* The view, and the properties of D, the set of differing voxels, that all rules use. */
+/* The input of all rules: the grids (`v`), and the properties of D, the set of differing voxels. */
 typedef struct pattern_scan {
     const pattern_view *v;
     int64_t count;         /* number of voxels in D */

@@ -207,8 +207,8 @@ bool ost_pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Checks the rule row-pitch. Tests rows that are one voxel shorter or longer, or aligned like rows of images and
-   allocations. */
+/* Checks the rule row-pitch. Tests rows that are one voxel shorter or one voxel longer, and rows that are longer by at
+   most PADDING voxels and have a multiple of ALIGNED voxels, as aligned rows of images have. */
 bool ost_pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };

@@ -76,9 +76,9 @@ bool ost_pattern_tool_class(const pattern_scan *s, char *text)
 
 static const int ways[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* Returns the side of the surface on which a voxel of A lies: 1 if it is solid, otherwise 0. Returns the class of a
-   tool voxel. If the input is the bone before an event, returns 1 if the event removed the voxel, 0 if the voxel
-   remained, and -1 if it was not bone before. */
+/* Returns the side of the surface on which a voxel of A lies: 1 if it is solid, otherwise 0. In a tool, returns the
+   class of the voxel instead. If the input is the bone before an event, returns 1 if the event removed the voxel, 0 if
+   the voxel remained, and -1 if it was not bone before. */
 static int side_of(const pattern_view *v, int64_t i)
 {
     if (v->tool)
@@ -144,9 +144,9 @@ bool ost_pattern_boundary_layer(const pattern_scan *s, char *text)
 }
 
 /*
- * Returns true if row `row` of B would result if the counts of the previous row were not cleared. Such a
- * row is solid where at least one of the two rows is solid (winding), or where exactly one of them is solid
- * (parity). Adds the number of voxels of the row that became solid or empty to *differing.
+ * Returns true if the row of B that begins at index `row` can be explained by counts of the previous row that were not
+ * cleared. Such a row is solid where at least one of the two rows is solid (winding), or where exactly one of them is
+ * solid (parity). Adds the number of voxels of the row that became solid or empty to *differing.
  */
 static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)
 {
