@@ -48,8 +48,7 @@ typedef struct job {
     ost_bone *bone;
     ost_dims file_dims;  /* dimensions of the file's volume before it is cropped */
     int16_t *batch;      /* owned; slices that are uploaded together */
-    /* first slice and number of slices in the batch, and maximum number of slices in a batch; slices of the rect
-     * grid */
+    /* the batch: index of its first slice in the rect grid, number of slices, and maximum number of slices */
     int32_t batch_first, batch_count, batch_capacity;
     int64_t stage_start; /* start time of the current stage in ns */
 } job;

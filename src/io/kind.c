@@ -11,7 +11,7 @@
  *   "ply", 4D 4D, "solid ... facet",
  *   84 + 50 n bytes                          meshes
  *   89 "OSTSES" 0A at a multiple of 64       a session, whose first block may be damaged
- *   a first line of numbers                  4 columns: CT text; 8 or 9: a path; also a path inside gzip
+ *   a first line of numbers                  CT text (4 columns); a path (8 or 9 columns), also inside gzip
  *   a signature of foreign.c                 refused, with the program that converts it
  */
 #include <osteon/io.h>

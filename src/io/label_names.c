@@ -85,7 +85,7 @@ ost_status ost_label_names_add_segment(ost_label_names *names, const char *key, 
     if (segment < 0 || (!is_name && strcmp(key, "_LabelValue") != 0))
         return OST_OK;
     ost_label_name *item = NULL;
-    /* backwards, because the keys of a segment are usually adjacent */
+    /* The search begins with the last name, because the keys of a segment are usually adjacent. */
     for (int i = names->count - 1; i >= 0 && !item; i--)
         item = names->items[i].segment == segment ? &names->items[i] : NULL;
     const ost_status status = item ? OST_OK : append(names, &item, err);

@@ -17,7 +17,7 @@ static ost_status read_nifti(ost_input *input, ost_nifti_form form, ost_label_na
     return ost_nifti_header_read(input, form, names, &header, err);
 #else
     (void)input, (void)form, (void)names, (void)err;
-    return OST_OK; /* no error here: the reader of the voxels reports later that libnifti is missing */
+    return OST_OK; /* no error is returned, because the reader of the voxels later reports that libnifti is missing */
 #endif
 }
 

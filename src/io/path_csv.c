@@ -46,7 +46,7 @@ enum { TIMES_MEDIAN = 10 };
 typedef struct reader {
     const char *path;
     int64_t line, bytes, t_ns; /* numbers of lines and bytes read so far, and time of the last row in ns */
-    /* number of columns required in each row; if there is a header, only a minimum; 0 before the first row */
+    /* number of columns that a row must have, or minimum number if there is a header; 0 before the first row */
     int columns;
     uint8_t kind[SEEN_COLUMNS]; /* for each column, the index of its name in column_names, or NOT_READ */
     bool past_header, header, metres, lifted_column;
@@ -288,7 +288,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Computes the median of of(a, b) over all pairs of adjacent ticks a, b. There must be at least one pair. */
+/* Computes the median of `of(a, b)` over all pairs of adjacent ticks a, b. There must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -312,9 +312,9 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Computes the limit above which of(a, b), for adjacent ticks a and b, counts as a gap: `given` if it is not 0,
- * otherwise the maximum of `least` and `factor` times the median of of(a, b). The median is computed only if some pair
- * exceeds `least`, because no limit can be lower.
+ * Computes the limit for gaps: two adjacent ticks a and b have a gap if `of(a, b)` is above the limit. If `given` is
+ * not 0, it is the limit. Otherwise, the limit is the maximum of `least` and `factor` times the median of `of(a, b)`.
+ * If no pair of ticks exceeds `least`, there are no gaps; the limit is then `least`, and the median is not computed.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)

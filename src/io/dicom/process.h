@@ -67,8 +67,8 @@ ost_status ost_dicom_process_next(ost_dicom_process *process, const char *file, 
 ost_status ost_dicom_process_read(ost_dicom_process *process, const char *file, void *to, size_t size,
                                   ost_error *err);
 /*
- * Returns OST_ERR_INPUT for an invalid message from the process. The error message names the file and states `what` is
- * wrong.
+ * Returns OST_ERR_INPUT for an invalid message from the process. The error message contains the name of the file and
+ * the description `what`.
  */
 ost_status ost_dicom_process_nonsense(const char *file, const char *what, ost_error *err);
 

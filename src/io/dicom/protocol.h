@@ -6,13 +6,14 @@
  *   library <--messages: a pipe as standard output-- osteon-dicom
  *
  *   OST_DICOM_SCAN   request, paths               -> for each path: a FRAME for each of its images, then one FILE
- *   OST_DICOM_READ   request, paths, images       -> for each image: PIXELS, or FILE with the reason of a failure
- *                                                    and then the end
- *                                                    after all of them: END
+ *   OST_DICOM_READ   request, paths, images       -> for each image: PIXELS; if an image cannot be read: FILE with the
+ *                                                    reason, and no message for the remaining images
+ *
+ * The last message is END in both cases.
  *
  * A path is a uint32_t with its length in bytes, followed by its bytes without a NUL. Numbers are in native byte order,
- * because the library and osteon-dicom are built together. The field `version` reveals an osteon-dicom from a different
- * build.
+ * because the library and osteon-dicom are built together. The field `version` differs if osteon-dicom is from a
+ * different build.
  *
  * The library checks everything that it receives: a message must have the fixed size of its type, a string must end
  * within its field, and an enumeration must be below its COUNT. The record of an image contains no names, identifiers,
@@ -53,10 +54,10 @@ typedef struct ost_dicom_image {
 } ost_dicom_image;
 
 typedef enum ost_dicom_type {
-    OST_DICOM_FRAME,  /* payload: an ost_dicom_record; index: that of the path */
-    /* payload: an ost_dicom_result as a uint32_t; index: that of the path or image */
+    OST_DICOM_FRAME,  /* payload: an ost_dicom_record; index: index of the path */
+    /* payload: an ost_dicom_result as a uint32_t; index: index of the path or image */
     OST_DICOM_FILE,
-    /* payload: the stored pixel cells, rows * columns uint16_t; index: that of the image */
+    /* payload: the stored pixel cells, rows * columns uint16_t; index: index of the image */
     OST_DICOM_PIXELS,
     OST_DICOM_END,    /* no payload */
     OST_DICOM_TYPE_COUNT
@@ -77,7 +78,7 @@ typedef enum ost_dicom_result {
     OST_DICOM_RESULT_DAMAGED,     /* the file is truncated or not well-formed */
     OST_DICOM_RESULT_UNSUPPORTED, /* osteon-dicom has no decoder for the transfer syntax */
     OST_DICOM_RESULT_NO_JPEG2000, /* the transfer syntax is JPEG 2000, but osteon-dicom was built without OpenJPEG */
-    /* the pixels cannot be decoded, or the decoded image has other dimensions than stated */
+    /* the pixels cannot be decoded, or the dimensions of the decoded image differ from the request */
     OST_DICOM_RESULT_UNDECODABLE,
     OST_DICOM_RESULT_MEMORY,      /* decoding needs more memory than osteon-dicom may use */
     OST_DICOM_RESULT_TOO_LARGE,   /* the file has more bytes, frames or pixels than the limits below */

@@ -167,8 +167,8 @@ static int by_position(const void *x, const void *y)
 }
 
 /*
- * Divides the ordered images into slices. An image within 1 um of the first image of a slice is counted as a double of
- * that slice.
+ * Divides the ordered images into slices. An image within 1 um of the first image of a slice belongs to the same slice
+ * and is counted in slice->doubles.
  */
 static void divide(ost_dicom_stack *stack, const placed *images)
 {
@@ -244,8 +244,7 @@ static int by_length(const void *x, const void *y)
 }
 
 /*
- * Computes the median distance between adjacent slices; of two middle values, the lower one. Returns 0 if memory is
- * exhausted.
+ * Computes the lower median of the distances between adjacent slices. Returns 0 if memory is exhausted.
  */
 static ost_pm median_gap(const ost_dicom_stack *stack)
 {
@@ -316,7 +315,10 @@ static ost_status refuse_uneven(const ost_dicom_stack *stack, size_t worst, ost_
                     ost_pm_format(ost_rhe_div(stack->slices[steps].along, steps), b));
 }
 
-/* Computes the number of steps between the slices of the result. Sets stack->evened if the slices must be resampled. */
+/*
+ * Computes the number of equal steps from the first to the last slice of the result. Sets stack->evened if the slices
+ * must be resampled.
+ */
 static ost_status find_slices(ost_dicom_stack *stack, bool even_slices, ost_dicom_report *report, int64_t *steps,
                               ost_error *err)
 {
@@ -345,7 +347,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     char a[OST_PM_TEXT];
     for (int axis = 0; axis < 2; axis++)
         for (int64_t k = 1; k < steps; k++) {
-            /* drift, at the position of this slice, of the line through the first and the last slice */
+            /* drift that the line through the first and the last slice has at the position of this slice */
             const ost_pm line = (ost_pm)ost_rhe_div128((ost_i128)last->drift[axis] * stack->slices[k].along,
                                                        last->along);
             const ost_pm off = magnitude(stack->slices[k].drift[axis] - line);

@@ -66,7 +66,7 @@ typedef struct ply {
 typedef struct value {
     const char *text;
     size_t size;
-    /* value as a number; NAN for an ASCII word that is not an integer, of which only the text is used */
+    /* value as a number; NAN for an ASCII word that is not an integer, because only the text of such a word is used */
     double number;
 } value;
 
@@ -291,7 +291,7 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         return status;
     if (!(v.number >= 0))
         return bad_value(p, index, q->corners ? "face" : "element", "a count of values", err);
-    /* terminates: each value takes at least 1 byte, and the file's size is limited */
+    /* The loop terminates, because each value takes at least 1 byte and the file's size is limited. */
     const uint64_t count = (uint64_t)v.number;
     uint32_t first = 0, last = 0;
     for (uint64_t i = 0; status == OST_OK && i < count; i++) {

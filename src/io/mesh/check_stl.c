@@ -90,7 +90,7 @@ static ost_status vertex(ascii *a, ost_error *err)
     return OST_OK;
 }
 
-/* Reads a facet, from the word after "facet" on. */
+/* Reads a facet, beginning with the word after "facet". */
 static ost_status facet(ascii *a, ost_error *err)
 {
     ost_status status = expect(a, "normal", err);
@@ -117,7 +117,7 @@ static void skip_name(ascii *a)
         continue;
 }
 
-/* Reads a solid, from the word after "solid" on. */
+/* Reads a solid, beginning with the word after "solid". */
 static ost_status solid(ascii *a, ost_error *err)
 {
     skip_name(a);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Coordinate systems that a mesh file can state. STL, PLY and OBJ have no field for it, so 3D Slicer writes and reads
- * the text SPACE=LPS or SPACE=RAS, in the header of an STL file or in a comment of a PLY or OBJ file
+ * Coordinate systems that a mesh file can state. STL, PLY and OBJ have no field for the coordinate system, so 3D Slicer
+ * writes and reads the text SPACE=LPS or SPACE=RAS, in the header of an STL file or in a comment of a PLY or OBJ file
  * (vtkMRMLModelStorageNode). Other programs ignore this text.
  */
 #ifndef OST_IO_MESH_FRAME_H

@@ -202,8 +202,8 @@ bool ost_mesh_word_is(mesh_word word, const char *keyword)
 
 /*
  * Returns true if the word has at most 64 bytes, is a decimal, and satisfies (digits of the mantissa) + exponent <= 38.
- * The magnitude of such a decimal is at most 10^38, and the greatest float32 is 3.4 * 10^38. Should assimp still
- * convert a word to infinity, read.c refuses the vertex.
+ * The magnitude of such a decimal is at most 10^38, and the greatest float32 is 3.4 * 10^38. If assimp
+ * nevertheless converts a word to infinity, read.c refuses the vertex.
  */
 bool ost_mesh_word_number(mesh_word word)
 {

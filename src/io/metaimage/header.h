@@ -38,8 +38,8 @@ typedef struct ost_metaimage_header {
 bool ost_metaimage_sniff(const unsigned char *head, size_t size);
 
 /*
- * Reads the header from the start of the input and leaves the input at the first byte after it. *out is initialised in
- * all cases, and may be passed to ost_metaimage_header_free even after a failure.
+ * Reads the header from the start of the input and leaves the input at the first byte after the header. *out is
+ * initialised in all cases, and may be passed to ost_metaimage_header_free even after a failure.
  */
 ost_status ost_metaimage_header_read(ost_input *input, ost_metaimage_header *out, ost_error *err);
 void ost_metaimage_header_free(ost_metaimage_header *header);

@@ -23,7 +23,7 @@
 static const struct {
     int code, bits;
     ost_element element;
-    const char *name; /* name of the type in the error message that refuses it */
+    const char *name; /* description of the voxels in an error message; NULL if the type is supported */
 } types[] = {
     {DT_UINT8, 8, OST_ELEMENT_UINT8, NULL},      {DT_INT8, 8, OST_ELEMENT_INT8, NULL},
     {DT_INT16, 16, OST_ELEMENT_INT16, NULL},     {DT_UINT16, 16, OST_ELEMENT_UINT16, NULL},
@@ -148,8 +148,8 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /*
- * Replaces the length of an affine column with pixdim, if the column deviates from its axis by no more than noise and
- * its length agrees with pixdim.
+ * Replaces the length of an affine column with pixdim if the column deviates slightly from its axis, by at most 1/1000,
+ * and its length agrees with pixdim to 1/10000.
  */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
@@ -207,9 +207,9 @@ static ost_status read_form(const char *path, const nifti_image *nim, form which
 }
 
 /*
- * Returns an error if the two transforms place a voxel centre more than one voxel apart along an axis, where a voxel is
- * the smallest pixdim. The difference of the transforms is affine, so its maximum is at a corner of the grid. |apart|
- * <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
+ * Returns an error if the two transforms disagree, that is, if they map some voxel centre to two positions that differ
+ * along an axis by more than the smallest pixdim. The difference of the transforms is affine, so its maximum is at a
+ * corner of the grid. |apart| <= 2 * 8e12 * (1 + 3 * 16383) < 2^60.
  */
 static ost_status check_agreement(const char *path, const ost_affine *a, const ost_affine *b, const int32_t sizes[3],
                                   const ost_pm spacing[3], ost_error *err)
@@ -301,9 +301,9 @@ static bool same_float(ost_pm a, ost_pm b)
 }
 
 /*
- * Replaces the header's float lengths with the exact lengths from osteon's own comment, if the exact lengths round to
- * the header's. If they do not, another program has changed the header. Always removes the comment's lengths from the
- * header facts.
+ * Replaces the float lengths of the header with the exact lengths from osteon's own comment, if the exact lengths,
+ * rounded to float, equal the lengths of the header. If they differ, another program has changed the header. In both
+ * cases, removes the comment's lengths from the header facts.
  */
 static void take_exact(ost_nifti_header *h)
 {

@@ -50,8 +50,8 @@ typedef struct ost_nifti_header {
 } ost_nifti_header;
 
 /*
- * Reads the header and its extensions from an input at its (unpacked) start. Label names are added to *names unless
- * names is NULL.
+ * Reads the header and its extensions. The input must be at the start of the (unpacked) file. Label names are added to
+ * *names unless names is NULL.
  */
 ost_status ost_nifti_header_read(ost_input *input, ost_nifti_form chosen, ost_label_names *names, ost_nifti_header *out,
                                  ost_error *err);

@@ -14,7 +14,7 @@ enum { OST_NIFTI_SNIFF = 348 };
 int ost_nifti_sniff(const unsigned char *bytes, size_t size);
 
 /*
- * Reads a NIfTI file. The input must be at the (unpacked) start of the header. For the other parameters, see
+ * Reads a NIfTI file. The input must be at the start of the (unpacked) header. For the other parameters, see
  * ost_nrrd_read. Returns OST_ERR_UNAVAILABLE if osteon was built without libnifti.
  */
 ost_status ost_nifti_read(ost_input *input, const ost_volume_options *options, const ost_target *target,

@@ -69,8 +69,9 @@ typedef struct ost_nrrd_text {
 } ost_nrrd_text;
 
 /*
- * Reads a header from the start of the file and leaves the input at the first byte after it. *out is initialised in all
- * cases and can always be freed. Label names of a segmentation are added to *names unless `names` is NULL.
+ * Reads a header from the start of the file and leaves the input at the first byte after the header. *out is
+ * initialised in all cases and can always be freed. Label names of a segmentation are added to *names unless `names` is
+ * NULL.
  */
 ost_status ost_nrrd_text_read(ost_input *input, ost_label_names *names, ost_nrrd_text *out, ost_error *err);
 void ost_nrrd_text_free(ost_nrrd_text *text);

@@ -51,7 +51,7 @@ typedef struct name_value {
     int value;
 } name_value;
 
-/* Returns the value of the row that has `name` among its names, ignoring case; -1 if there is none. */
+/* Returns the value of the row that contains `name` as a spelling, ignoring case; -1 if there is no such row. */
 static int lookup(const name_value *table, size_t rows, const char *name, size_t length)
 {
     for (size_t r = 0; r < rows; r++) {

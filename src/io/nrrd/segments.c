@@ -12,8 +12,8 @@
 enum { FIELDS = 2 * OST_META_VALUE + 500, COMMON = 300 };
 
 /*
- * Returns one of 256 colours. The step of 97 gives adjacent labels very different colours and, being odd, reaches all
- * 256.
+ * Returns one of 256 colours. The step of 97 gives adjacent labels very different colours. Because 97 is odd, all 256
+ * colours occur.
  */
 static void colour_of(int label, double rgb[3])
 {

@@ -6,7 +6,7 @@
  *
  * The writer thread wakes up periodically, because waking it from `put` would require a system call within the tick.
  * Unless the disk is slow, a wait, a write and a sync together take less than 100 ms, so a power cut loses at most the
- * records of 100 ms. Killing the process loses at most those of 25 ms.
+ * records of 100 ms. If the process is killed, at most the records of 25 ms are lost.
  *
  * A failed write is undone by truncating the file to its last complete block, and retried every 250 ms. Meanwhile, the
  * ring accepts further records. Records that do not fit are counted, and blocks contain this count. If space on a full
@@ -89,7 +89,7 @@ static int file_cut(void *user, uint64_t size)
 static int file_sync(void *user)
 {
     const ost_recorder *r = user;
-    /* No error if the target, such as /dev/null, does not support syncing. */
+    /* If the target, such as /dev/null, does not support syncing, this is not an error. */
     return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
@@ -220,7 +220,7 @@ static ost_status recorder_make(const char *name, const ost_recorder_options *op
     if (capacity > CAPACITY_MAX || (capacity & (capacity - 1)) != 0)
         return ost_fail(err, OST_ERR_USAGE, "a recorder's capacity of %u records; expected a power of two up to %d",
                         (unsigned)capacity, CAPACITY_MAX);
-    /* aligned_alloc instead of calloc, because the ring's head and tail must be aligned to cache lines. */
+    /* aligned_alloc is used, because the ring's head and tail must be aligned to cache lines. */
     const size_t size = (sizeof(ost_recorder) + RING_LINE - 1) / RING_LINE * RING_LINE;
     ost_recorder *r = aligned_alloc(RING_LINE, size);
     if (!r)

@@ -8,7 +8,7 @@
  * The numbers head and tail only increase. The producer writes a slot and then head (release). The consumer reads head
  * (acquire) and the slots, and then writes tail (release). The producer reads tail (acquire) before it reuses a slot.
  * Neither thread waits for the other. The producer caches the tail and rereads it only if the ring seems full, which
- * happens about once per round. All other puts touch no cache line that the consumer writes.
+ * happens about once in `capacity` puts. All other puts touch no cache line that the consumer writes.
  */
 #ifndef OST_IO_SESSION_RING_H
 #define OST_IO_SESSION_RING_H

@@ -2,8 +2,8 @@
 /*
  * Lists the files of a stack in the order of their slices (AR-FILE-9).
  *
- *   FOLDER         its regular files; hidden files and folders in it are ignored
- *   FOLDER/a*.tif  those whose names match the shell pattern in the last part of the path
+ *   FOLDER         all regular files in the folder, except hidden files; subfolders are ignored
+ *   FOLDER/a*.tif  the files whose names match the shell pattern in the last part of the path
  *   FILE           one file
  *
  * The names must be alike, that is, they may differ in one number only. This number orders the slices:

@@ -6,9 +6,9 @@
  *          row 0, row 1, ... in this order
  *
  * A file may be malicious. Only grey pictures with one value per pixel are accepted, and their form is checked before
- * any row is read. The limits are OST_DIM_MAX for the sizes of a picture, 256 MiB (the greatest strip) for one
- * allocation of libtiff, and 1 MiB for a PNG chunk without pixels. The unpacked size must be at most
- * OST_SLICE_UNPACK_MAX times the file size, which is checked before the grid is allocated.
+ * any row is read. The limits are OST_DIM_MAX for the sizes of a picture, 256 MiB for one allocation of libtiff and
+ * thus for a strip, and 1 MiB for a PNG chunk without pixels. The unpacked size must be at most OST_SLICE_UNPACK_MAX
+ * times the file size, which is checked before the grid is allocated.
  */
 #ifndef OST_IO_STACK_SLICE_H
 #define OST_IO_STACK_SLICE_H
@@ -61,7 +61,7 @@ void ost_slice_close(ost_slice *slice); /* NULL is allowed */
 enum { OST_SLICE_NAME = 4200 };
 const char *ost_slice_name(const ost_slice *slice, char text[OST_SLICE_NAME]);
 
-/* Checks the size and the element of a slice. Called by the reader of a format after it has set all fields. */
+/* Checks the size and the element type of a slice. Called by the reader of a format, after all fields are set. */
 ost_status ost_slice_check(const ost_slice *slice, ost_error *err);
 
 /* Each function opens a file of one format and describes its first page. */

@@ -5,14 +5,14 @@
  * w.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
- *   a zero byte of x: the lowest bit of (x - 01..01) & ~x & 80..80 is in the
- *   first one.  (A borrow can only mark bytes above it.)
+ *   The first newline is the first zero byte of x, which contains the lowest set
+ *   bit of (x - 01..01) & ~x & 80..80.  (A borrow sets bits only in higher bytes.)
  *
- *   w << 8 (8 - n)   . . . . 1 0 4 3     its last digit moves to the highest byte
- *   ^ '0'            digits are 0 to 9; bytes below them are masked off
+ *   w << 8 (8 - n)   . . . . 1 0 4 3     the last digit moves to the highest byte
+ *   ^ '0'            digits become 0 to 9; the bytes below the digits are masked off
  *
- * A byte b is a digit iff b < 10. This is equivalent to b < 16 and b + 6 < 16. (A carry out of a byte requires b >=
- * 250, which the first test has found.)
+ * A byte b is a digit iff b < 10. This is equivalent to b < 16 and b + 6 < 16. (The sum carries into the next byte only
+ * if b >= 250; such a byte fails the first test.)
  */
 #ifndef OST_IO_TEXT_DENSITY_H
 #define OST_IO_TEXT_DENSITY_H

@@ -17,7 +17,7 @@
  *
  * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than their precision. Therefore, the units
  * that occur are tested from the finest to the coarsest, and the first unit with a lattice is used. Coordinates that
- * fit a finer unit also fit a coarser one, so the result claims no more precision than the digits do.
+ * fit a finer unit also fit a coarser one, so the result does not suggest a precision that the digits do not have.
  *
  * Spacing. The result is the feasible decimal with the fewest digits after the point. Of several such decimals, it is
  * the one nearest to (c_(m-1) - c_0) / n, where n = k_(m-1); of two equally near decimals, the smaller one. The left

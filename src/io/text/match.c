@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The portable matcher; all other variants are equivalent to it. Comparing the bytes before a density also yields the
- * position of the density. The newline after the density is one of the eight bytes from this position on.
+ * The portable matcher; all other variants are equivalent to it. The lengths of the texts before a density add up to
+ * the position of the density. The newline after the density is one of the eight bytes that begin at this position.
  */
 #include "core/conditions.h"
 

@@ -130,8 +130,8 @@ static ost_status parse_row(const ost_text_parser *parser, const char *p, const 
 }
 
 /*
- * Parses a line that need not contain a sample: an empty line, a comment or the header. Sets *is_row to true for any
- * other line.
+ * Processes a line that contains no sample: an empty line, a comment or the header. For any other line, sets *is_row to
+ * true.
  */
 static ost_status parse_other(ost_text_parser *parser, const char *p, const char *end, bool *is_row, ost_error *err)
 {

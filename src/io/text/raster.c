@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why one pass is sufficient. The lines of a piece are assigned to consecutive voxels [first, next). If these intervals
- * tile [0, N) in the file's order, every line is accounted for, and line L is voxel L - first_line. If a piece begins
- * within a slice, its slice coordinate comes from the piece's first line, and must therefore be compared with that of
- * the slice's first line. If the coordinates strictly rise or fall along each axis, they are distinct, and are those
- * that two passes would collect. If the coordinates are off their lattice, share a voxel, or do not form a grid, the
- * text is read in two passes.
+ * Why one pass is sufficient. The file is divided into pieces, and the lines of a piece are assigned to consecutive
+ * voxels [first, next). If these intervals tile [0, N) in the file's order, every line is accounted for, and line L is
+ * voxel L - first_line. A piece may begin within a slice. The slice's coordinate is then taken from the first line of
+ * the piece, so it must be compared with the coordinate in the first line of the slice. If the coordinates strictly
+ * rise or fall along each axis, they are distinct, and equal the coordinates that two passes would collect. If the
+ * coordinates are off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
  *
  * Why there are two readers. Two passes read any text. For a scan, one pass needs a fifth of their processor time
  * (docs/log/0.1.md, parse), because it compares lines instead of parsing them. Most texts are scans.
@@ -156,8 +156,8 @@ static bool learn_last(reading *r, bool *terminated)
 }
 
 /*
- * Finds the coordinates of the middle axis, by reading the first slice, and the number of slices. The latter follows
- * from the slow coordinates of the first, the second and the last slice.
+ * Finds the coordinates of the middle axis by reading the first slice. Computes the number of slices from the slow
+ * coordinates of the first, the second and the last slice.
  */
 static bool learn_slice(reading *r)
 {
@@ -219,7 +219,7 @@ static bool map_voxels(ost_text_raster *raster, int64_t count)
     return true;
 }
 
-/* The result of walking a piece. `placed` is false if no line begins in the piece. */
+/* The result of processing a piece. `placed` is false if no line begins in the piece. */
 typedef struct piece {
     int64_t first, next;
     int32_t slice;

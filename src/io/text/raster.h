@@ -9,8 +9,8 @@
  *   x0 y0 z1 d   ...                           the slow axis: z0, z1, ...
  *
  * Most texts are raster scans. The coordinates along each axis determine the complete scan: the voxel of a line follows
- * from its number. One pass is therefore sufficient. Each thread processes its own pieces of the file, and almost every
- * line is compared instead of parsed (match.h).
+ * from the number of the line. One pass is therefore sufficient. Each thread processes its own pieces of the file, and
+ * almost every line is compared instead of parsed (match.h).
  *
  * If any line deviates from a scan, for example in a defective text, the reader sets *found to false and has no other
  * effect. The two-pass readers, scan.h and rect.h, then read the text and report its errors. For a scan, all readers

@@ -14,7 +14,7 @@
 
 /* Maps the coordinates of one axis of the scan to voxel indices, and records their distances from the voxel centres. */
 typedef struct axis_map {
-    int32_t count;     /* number of coordinates within the crop; they are the coordinates from, from + 1, ... */
+    int32_t count;     /* number of coordinates within the crop; `from` is the index of the first of them */
     int32_t from;
     int32_t *index;    /* owned; for each coordinate, the index of its voxel in the complete grid */
     ost_pm spacing;

@@ -301,7 +301,7 @@ static ost_status find_spacing(const char *path, const ost_text_summary *summary
 
 /*
  * Returns an error if the origin stated in the text and the smallest coordinate differ by more than an eighth of a
- * voxel, which allows for rounded digits.
+ * voxel. This tolerance allows for rounded digits.
  */
 static ost_status check_origin(const char *path, const ost_text_summary *summary, int a, ost_pm spacing, ost_error *err)
 {
@@ -333,8 +333,8 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /*
-         * A spacing found from the coordinates may be as small as 1 pm, so `steps` may be as large as 1.7 * 10^13. It
-         * is clamped here, and the later check of the geometry refuses it.
+         * A spacing found from the coordinates may be as small as 1 pm, so `steps` may be as large as 1.7 * 10^13.
+         * The number is clamped here, and the later check of the geometry refuses it.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

@@ -32,8 +32,8 @@ ost_status ost_text_source_rewind(ost_text_source *source, ost_error *err);
 void ost_text_source_close(ost_text_source *source);
 
 /*
- * A fingerprint of the rows in their order, which reveals whether the file has changed between two passes. The hash
- * need not be cryptographic, because there is no reason to construct a collision.
+ * A fingerprint of the rows and their order. It shows whether the file has changed between two passes. The hash need
+ * not be cryptographic, because there is no reason to construct a collision.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;
@@ -50,7 +50,7 @@ typedef struct ost_text_coordinate {
 typedef struct ost_text_axis {
     ost_pm min, max;
     ost_pm given;       /* spacing from an option or from the text itself; 0 if it must be determined */
-    uint32_t units;     /* see ost_lattice_axis for units and rounded */
+    uint32_t units;     /* ost_lattice_axis explains `units` and `rounded` */
     bool rounded;
     size_t distinct;    /* number of coordinates in `set`, which is sorted after the pass */
     ost_text_coordinate *set;
@@ -77,8 +77,8 @@ typedef struct ost_text_summary {
  */
 void ost_text_summary_begin(ost_text_summary *summary, ost_pm3 given);
 /*
- * User data of ost_text_fact_take, which the parser calls for each header fact, and which stores the fact in the
- * summary.
+ * User data of ost_text_fact_take. The parser calls this function for each header fact; the function stores the fact in
+ * the summary.
  */
 typedef struct ost_text_facts {
     ost_text_summary *summary;
@@ -87,9 +87,9 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * Scans the text. `given` contains the spacings from options, which override those in the text; 0 if there is no
- * option. If `hasher` is not NULL, adds a record of 32 bytes per sample to it: x, y, z as int64, density as int32, 0 as
- * uint32, little-endian. progress may be NULL. The caller frees the summary, also after an error.
+ * Scans the text. `given` contains the spacings from options, which override the spacings in the text; an element is 0
+ * if there is no option. If `hasher` is not NULL, adds a record of 32 bytes per sample to it: x, y, z as int64, density
+ * as int32, 0 as uint32, little-endian. progress may be NULL. The caller frees the summary, even after an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);

@@ -13,8 +13,8 @@
 #include "io/text/lattice.h"
 
 /*
- * Number of bytes that are read and walked at a time. They are few enough to remain in the second-level cache from the
- * read to the walk.
+ * Number of bytes that are read and then processed at a time. The number is so small that the bytes are still in the
+ * second-level cache when they are processed.
  */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };
 
@@ -202,7 +202,7 @@ static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
     return true;
 }
 
-/* Processes the first line of a further row while `learning` is true. */
+/* Processes the first line of each row after the first row. Called only if `learning` is true. */
 static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     ost_text_raster *raster = walker->plan->raster;

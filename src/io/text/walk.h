@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Processes pieces of a raster scan line by line, which is called a walk (raster.h).
+ * Processes pieces of a raster scan (raster.h) line by line. The processing of a piece is called a walk.
  *
  *   file  |--- head ---|---- piece ----|---- piece ----|-- ...
  *                           ^ first line that begins in it: parsed to find its
@@ -13,9 +13,9 @@
  *    |--text--||--text--||--text-|           a position with the characters in front of it
  *
  * When a row ends, the pattern of the next row is derived from the current one: the text of the middle axis is replaced
- * by its text in the same row of the first slice. Every text except the first begins with its separator, so the
- * concatenated texts represent the same numbers as the separate texts, and a line that consists of these bytes need not
- * be parsed.
+ * by the text that this axis has in the same row of the first slice. Every text except the first begins with its
+ * separator, so the concatenated texts represent the same numbers as the separate texts, and a line that consists of
+ * these bytes need not be parsed.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H

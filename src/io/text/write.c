@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Writes a volume as text. For speed, positions are formatted once per axis, not once per voxel. A line consists of the
- * text of x, the text " y z " of its row, and the digits of the density.
+ * text of x, the text " y z " of the row, and the digits of the density.
  */
 #include "core/conditions.h"
 

@@ -17,9 +17,9 @@
 #include <osteon/io.h>
 
 /*
- * Writes a volume as text. options->text_decimals is the number of digits after the point, 1 to 9; 0 means as many as
- * the positions need. Returns OST_ERR_USAGE if a position would be more than 1/8 of a voxel off because there are too
- * few digits.
+ * Writes a volume as text. options->text_decimals is the number of digits after the point, 1 to 9; 0 selects the
+ * smallest number that represents all positions exactly. Returns OST_ERR_USAGE if the number is so small that rounding
+ * would change a position by more than 1/8 of a voxel.
  *
  * If options->omit_empty is set, voxels of density 0 and the comment dims are omitted. origin_mm is then the lower
  * corner of the bounding box of the remaining voxels, because a reader takes this box as the grid. Returns

@@ -32,7 +32,7 @@ typedef struct ost_data_names {
 } ost_data_names;
 
 typedef struct ost_data_files {
-    /* Set by the caller, up to byte_skip. */
+    /* The caller sets the members from `path` to `byte_skip`. */
     const char *path; /* path of the header */
     ost_data_names names;
     ost_data_form form;

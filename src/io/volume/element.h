@@ -4,7 +4,7 @@
  *
  *   integers    unchanged; values outside int16 are an error, or are clamped if the options allow it
  *   floats      rounded half to even to an integer, then as above; infinity is
- *               always an error, and NaN is one unless the options define it as air
+ *               always an error; NaN is an error unless the options define it as air
  *   scaled      (NIfTI) value * slope + intercept: each of the two terms is
  *               computed from the exact binary numbers and rounded down to a
  *               multiple of 2^-78 (exact whenever slope and intercept are

@@ -107,7 +107,7 @@ uint64_t ost_input_at_most(const ost_input *input)
         return left;
     if (left > UINT64_MAX / DEFLATE_LIMIT - BUFFER_BYTES)
         return UINT64_MAX;
-    /* 8 more bytes, because inflate may hold back a few input bytes and one incomplete match. */
+    /* 8 bytes are added, because inflate may hold back a few input bytes and one incomplete match. */
     return (left + 8) * DEFLATE_LIMIT + (input->out_end - input->out_at);
 }
 

@@ -91,7 +91,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    /* letter i points along LPS axis i % 3; R, A and I point in its negative direction */
+    /* letter i is a direction along LPS axis i % 3: positive for L, P and S, negative for R, A and I */
     static const char letters[] = "LPSRAI";
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};

@@ -18,8 +18,8 @@
  *
  *     sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8
  *
- *   At least 64 steps count, so that a thin stack cannot hide a real tilt.  All other grids
- *   are oblique; their angle is reported to the user.
+ *   At least 64 steps are assumed, so that a real tilt is also found in a thin stack.  All
+ *   other grids are oblique; their angle is reported to the user.
  */
 #ifndef OST_IO_ORIENT_H
 #define OST_IO_ORIENT_H

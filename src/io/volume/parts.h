@@ -21,7 +21,7 @@ typedef struct ost_parts {
     uint64_t count;
     uint64_t part_bytes; /* size in bytes of the unpacked data of each part */
     bool text; /* true if the data are text, whose length is not known in advance; part_bytes is then the minimum */
-    /* Set by the functions below. */
+    /* The functions below set the following members. */
     ost_input *input;
     uint64_t index; /* index of the next part to open */
     uint64_t left;  /* remaining bytes of the open part */

@@ -154,7 +154,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
                           voxels ? "row" : "slice", (long long)(voxels ? n : count));
     ost_placement own = *placement;
     if (!voxels) {
-        /* `own` places voxels within one slice of the result. */
+        /* The placement `own` stores every slice of the file at the start of `slice`. */
         own.base -= placement->flip[2] ? count * (slices - 1) : 0;
         own.stride[2] = 0;
     }

@@ -13,7 +13,7 @@
 
 enum { LINES = 4 };
 
-/* Adds the differences between bytes and text, under the mask, to those found so far; 0 means no difference. */
+/* Returns found | ((bytes ^ text) & mask). The result is 0 if no difference has been found. */
 static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t text, uint8x16_t mask)
 {
     return vorrq_u8(found, vandq_u8(veorq_u8(vld1q_u8((const uint8_t *)bytes), text), mask));

@@ -10,9 +10,9 @@
 enum { LANES = 4 };
 
 /*
- * Parses one density per lane. `last` contains the eight bytes that end with the density, and `length` the number of
- * its bytes, which may be any signed number. Returns the values. A lane of *good is -1 if its density is valid,
- * otherwise 0.
+ * Parses one density per lane. `last` contains the eight bytes that end with the density. `length` is the density's
+ * number of bytes; any value is permitted, even a negative one. Returns the values. A lane of *good is -1 if its
+ * density is valid, otherwise 0.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {

@@ -16,8 +16,8 @@ typedef struct densities {
 } densities;
 
 /*
- * Parses one density per lane. `last` contains the eight bytes that end with the density, and `length` the number of
- * its bytes, which may be any number.
+ * Parses one density per lane. `last` contains the eight bytes that end with the density. `length` is the density's
+ * number of bytes; any value is permitted.
  */
 static inline densities parse(__m512i last, __m512i length)
 {

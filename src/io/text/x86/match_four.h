@@ -6,8 +6,8 @@
  * A line begins where the previous one ends. Processing lines one by one is therefore a chain of dependent steps of
  * about 14 cycles each: load, compare, count zeros, add. Here, the ends of four lines are found in one step instead:
  *
- *   q = density of line 0       c_k = bytes from a density's start to the next
- *   |                                 one's, if the density had no digits
+ *   q = density of line 0       c_k = number of bytes from the end of density k - 1
+ *   |                                 to the start of density k
  *   1043\n-56.87 12.22 3.0 -7\n-56.40 12.22 3.0 512\n-55.93 12.22 3.0 88\n
  *   [0..........31]
  *             |  [1..........31]         window k: 32 bytes from q + c_1 + .. + c_k,
@@ -58,7 +58,7 @@ static inline __attribute__((always_inline)) match_state match_begin(const ost_t
     };
 }
 
-/* Adds the differences between bytes and text, under the mask, to those found so far; 0 means no difference. */
+/* Both functions return found | ((bytes ^ text) & mask). The result is 0 if no difference has been found. */
 static inline __m128i differ16(__m128i found, const char *bytes, const ost_text_column *column)
 {
     __m128i x = _mm_xor_si128(_mm_loadu_si128((const void *)bytes), _mm_loadu_si128((const void *)column->text));
@@ -112,8 +112,8 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
 }
 
 /*
- * Processes one line of any length. Returns the eight bytes from the start of its density, in which the end of the line
- * is then searched for.
+ * Processes one line of any length. Finds the end of the line in the eight bytes from the start of its density, and
+ * returns these bytes.
  */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
