@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the mean pose of a tool over the ticks in which it removed bone. The entry is the point in which the line
+ * Computes the mean pose of a tool over the ticks in which it removed bone. The entry is the point at which the line
  * through the tip along the axis meets the plane of the face, w = 0.
  *
  *   tip, axis of a tick        the axis is the tool's working direction, which
