@@ -95,7 +95,7 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
             }
     /*
      * For a voxel of the block, the distance to the third nearest point is at most `half` greater
-     * than that of the middle of the block.  The distance of any point also changes by at most `half`
+     * than for the middle of the block.  The distance of any point also changes by at most `half`
      * between the middle and the voxel.
      */
     double reach = sqrt(nearest[2]) + 2 * half;

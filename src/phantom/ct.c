@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generates a CT of the scapula: an image of the solid of scapula.h, in the pose of
- * a lying patient.
+ * Generates a CT of the scapula: an image of the solid that scapula.h defines, in the
+ * pose of a lying patient.
  *
  *   voxel centre --pose--> the bone's frame --scapula_at--> distances
  *        distances --cover--> shares of soft tissue, cartilage, plate and
@@ -216,7 +216,7 @@ typedef struct scanner {
     humerus humerus;
     pose pose;
     double blur;     /* width of the partial volume at a surface, in mm of the anatomy */
-    int64_t first[3]; /* index of this grid's first voxel in the grid by which the noise is indexed */
+    int64_t first[3]; /* index of this grid's first voxel in the grid for which the noise is defined */
 } scanner;
 
 static ost_v3 centre_of(const ost_scan *scan, int64_t i, int64_t j, int64_t k)
@@ -265,8 +265,8 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
 }
 
 /*
- * Writes a point in complete micrometres, or a direction in complete millionths. The numbers are rounded explicitly
- * and printed as integers by %lld, so that the text is the same on every machine.
+ * Writes a point, rounded to micrometres, or a direction, rounded to millionths. The numbers are rounded explicitly and
+ * printed as integers by %lld, so that the text is the same on every machine.
  */
 static ost_status write_three(ost_meta *meta, const char *key, ost_v3 v, int places, ost_error *err)
 {

@@ -39,8 +39,9 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
 
 /*
  * Calls the function `block` for boxes lo <= (i, j, k) < hi that partition the grid, on several threads at once.
- * `block` must therefore not change *user, except for the voxels of its box. A box is about `mm` millimetres of the
- * anatomy wide. Returns OST_ERR_CANCELLED if the progress callback, which is called on this thread, cancels.
+ * `block` must therefore not change *user, except for the voxels of its box. A box is about `mm` millimetres wide,
+ * measured before the anatomy is scaled. Returns OST_ERR_CANCELLED if the progress callback, which is called on this
+ * thread, cancels.
  */
 ost_status ost_scan_blocks(const ost_scan *scan, double mm,
                            void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err);

@@ -45,7 +45,7 @@ typedef struct ost_scapula_sample {
 
 ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);
 void ost_scapula_free(ost_scapula *scapula);
-/* The parts of the bars that determine the samples in a ball. The scapula must exist as long as the parts are used. */
+/* The parts of the swept bars (shape.h) on which the samples in a ball depend. The scapula must outlive the parts. */
 typedef struct ost_scapula_part {
     const ost_scapula *scapula;
     ost_bar_part crest, pillar, coracoid, root;

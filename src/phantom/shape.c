@@ -25,8 +25,8 @@ enum { PIECES = 6 }; /* number of straight pieces between two points of an outli
 typedef struct piece {
     double u, v, du, dv, inverse; /* start and direction of the piece; inverse of its squared length */
     /*
-     * Coordinate v of the piece's end, bit-identical to v of the next piece. Therefore a ray through the common
-     * point of two pieces crosses exactly one of the two pieces.
+     * Coordinate v of the piece's end, bit-identical to coordinate v of the next piece's start. Therefore a ray through
+     * the common point of two pieces crosses exactly one of the two pieces.
      */
     double end_v;
     int tag;
@@ -233,8 +233,8 @@ static double segment_distance(const ost_bar_segment *segment, ost_v3 p)
 }
 
 /*
- * Returns true if ost_bar_distance computes the distance to the segment when its best distance so far is `best`. The
- * result is also true for any greater `best`, because every operation is monotonic, including its rounding.
+ * Returns false if ost_bar_distance skips the segment, given that `best` is the best distance found so far. If the
+ * result is true, it is also true for any greater `best`, because every operation is monotonic, including its rounding.
  */
 static bool is_in_reach(const ost_bar_segment *segment, ost_v3 p, double best)
 {
@@ -323,8 +323,8 @@ double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, d
         }
     }
     /*
-     * `best` is the least distance of all segments. If ost_bar_distance does not compute the distance to the nearest
-     * segment, because the segment is flat and not in reach, its result is greater.
+     * `best` is the least distance of all segments. If the nearest segment is flat and not in reach, ost_bar_distance
+     * skips this segment and returns a greater distance, which must be used here too.
      */
     if (!is_in_reach(&bar->segment[nearest], p, best))
         best = ost_bar_distance(bar, p, far);

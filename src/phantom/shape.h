@@ -109,7 +109,7 @@ typedef struct ost_bar_node {
     ost_v3 side;        /* direction in the cross section; it need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
-/* A straight segment of a bar. `step` and the members whose names end in _step are its end minus its start. */
+/* A straight segment of a bar. `step` and the members ..._step are the differences between its end and its start. */
 typedef struct ost_bar_segment {
     ost_v3 from, step;
     ost_v3 side, side_step;
