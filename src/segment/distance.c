@@ -7,9 +7,9 @@
  *   along z   the same, for each column of a plane y = constant
  *
  * Only one slice or plane is stored as a dense array. A column is divided at its unlabelled voxels. For a voxel between
- * two unlabelled voxels, the value of the nearer of the two is at most the value of every voxel beyond them. The
- * minimum is found as the lower envelope of the parabolas f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink 2000), in
- * time proportional to the number of voxels.
+ * two unlabelled voxels, no voxel beyond the two gives a smaller value than the nearer one of the two. The minimum is
+ * found as the lower envelope of the parabolas f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink 2000), in time
+ * proportional to the number of voxels.
  *
  * Ranges: s <= 10^5 um (AR-GRID-1) and 0 <= i, j < 2^14, so (s j)^2 < 2^62; f <= FAR < 2^32.
  */

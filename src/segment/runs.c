@@ -46,8 +46,7 @@ static void join(segment_run *items, uint32_t a, uint32_t b)
 }
 
 /*
- * Joins the runs [from, to) of a row with those runs [other, end) of a neighbouring row that have an x in common with
- * them.
+ * Joins each of the runs [from, to) of a row with all runs in [other, end) of a neighbouring row that overlap it in x.
  */
 static void join_rows(segment_run *items, size_t from, size_t to, size_t other, size_t end)
 {

@@ -31,7 +31,7 @@ typedef struct segment_runs {
 /* Sets in[x] for each voxel x of row (y, z) that belongs to a component. */
 typedef void segment_row(void *user, int32_t y, int32_t z, bool *in);
 
-/* Finds the connected components. The caller frees *out by segment_runs_free, even after a failure. */
+/* Finds the connected components. The caller frees *out with segment_runs_free, even after a failure. */
 ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err);
 void segment_runs_free(segment_runs *runs);
 

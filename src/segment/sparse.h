@@ -19,7 +19,8 @@ typedef struct segment_sparse_run {
     uint32_t first;     /* compact index of voxel `begin` */
     /* for each of the rows y - 1, y + 1, z - 1, z + 1, the index of the first run whose end is greater than `begin` */
     uint32_t near[4];
-    /* for each of these rows, the index after the last run of the row; at most near[] if the row has no such run */
+    /* for each of these rows, the index after the last run of the row; at most near[] if no run of the row ends after
+     * `begin` */
     uint32_t past[4];
     int16_t label;
 } segment_sparse_run;
@@ -35,7 +36,7 @@ typedef struct segment_sparse {
 
 enum { SEGMENT_NEIGHBOURS = 6 };
 
-/* Collects the labelled voxels. The caller frees *out by segment_sparse_free, even after a failure. */
+/* Collects the labelled voxels. The caller frees *out with segment_sparse_free, even after a failure. */
 ost_status segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err);
 void segment_sparse_free(segment_sparse *sparse);
 

@@ -75,7 +75,7 @@ static void sort(const segment_sparse *sparse, const uint32_t *height, uint32_t 
 
 /*
  * Performs step 1. Basins are numbered in the order of their peaks. Of two basins, the one with the lower number is
- * therefore the higher one; if both are equally high, its peak comes first in the grid.
+ * therefore the higher one or, if both are equally high, the one whose peak comes first in the grid.
  */
 static ost_status find_basins(const segment_sparse *sparse, const uint32_t *height, uint32_t depth,
                               const uint32_t *order, uint32_t *basin_of, basins *all, ost_error *err)
