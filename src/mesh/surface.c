@@ -6,7 +6,7 @@
 
 /*
  * A cell is the cube between eight voxel centres. Corner c is at (c & 1, c >> 1 & 1, c >> 2). Edge e = 4 * axis + p is
- * parallel to `axis`; bits 0 and 1 of p are its positions along the axes axis + 1 and axis + 2 (mod 3).
+ * parallel to `axis`; bits 0 and 1 of p are the edge's positions along the axes axis + 1 and axis + 2 (mod 3).
  */
 enum { CORNERS = 8, EDGES = 12, LOOP_MAX = 12 };
 
@@ -30,8 +30,8 @@ typedef struct pattern {
     struct {
         uint8_t length;
         /*
-         * index of a vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if there is none,
-         * in which case the loop needs an additional vertex in its middle
+         * index of a vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if no vertex has
+         * this property, in which case the loop needs an additional vertex in its middle
          */
         int8_t apex;
         uint8_t edge[LOOP_MAX];

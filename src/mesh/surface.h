@@ -11,7 +11,7 @@
  *     o---x---o     o solid, x vertex      two solid corners across a face:
  *     |  /    |     . empty                o--x--.
  *     x /     |                            | /   |   each solid corner
- *     | \     |                            x   / x   is cut off alone
+ *     | \     |                            x   / x   is separated
  *     .  `x---.                            .--x--o
  *
  * A vertex always lies on its lattice edge, so its distance from the border between the two voxels is at most half a
