@@ -4,7 +4,7 @@
  * table of figures, pictures (plots.c), the technique, and a list of what was not measured. The table gives, for each
  * figure, the planned value, the aim and values from the literature.
  *
- * The colours can be distinguished with red-green colour blindness, and each colour is accompanied
+ * Readers with red-green colour blindness can distinguish the colours, and each colour is accompanied
  * by a sign and a word. The page loads no other file.
  */
 #include "app/debrief/debrief.h"

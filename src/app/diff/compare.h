@@ -5,7 +5,7 @@
  *   verdict   equal or not
  *   geometry  dims, spacing, origin
  *   chunks    which blocks differ, and how much
- *   kinds     each voxel that differs is removed, added, changed or below
+ *   kinds     each voxel that differs is removed, added, changed, or below the threshold in both grids
  *   patterns  the shape of all differences together (pattern.c)
  *   voxels    the first voxels that differ, with both values
  *
@@ -46,7 +46,7 @@ enum { DIFF_PATTERN_MAX = PATTERNS + 3 };
 
 typedef struct diff_result {
     bool same_dims, same_spacing, same_origin;
-    bool rounded_geometry; /* true if spacing and origin differ by no more than rounding to float32 does */
+    bool rounded_geometry; /* true if rounding to float32 can explain the differences of spacing and origin */
     bool equal;
     int64_t count[DIFF_KIND_COUNT], different;
     ost_voxel_box box; /* smallest box that contains all differing voxels */

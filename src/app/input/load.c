@@ -54,7 +54,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
         return usage_error(app, err, "%s: another output already goes to standard output", path);
     app->to_stdout |= ost_outfile_is_stdout(path);
     const bool exists = stat(path, &st) == 0;
-    /* A name that is too long is rejected before any work. Otherwise, the error would occur only after all the work. */
+    /* A name that is too long is rejected here, because the error would otherwise occur after all work is done. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
@@ -125,7 +125,7 @@ ost_status load_import_options(const app_state *app, const ct_options *ct, bool 
     *out = (ost_import_options){
         .spacing = ct->spacing,
         .cubic = ct->cubic,
-        .threshold = (int32_t)ct->threshold, /* 0: the threshold in the bone's file or, for a CT, 120 */
+        .threshold = (int32_t)ct->threshold, /* 0 selects the threshold in the bone's file or, for a CT, 120 */
         .chunk_size = 16 << ct->chunk,
         .has_resample = ct->resample >= 0,
         .resample = ct->resample >= 0 ? (ost_resample)ct->resample : OST_RESAMPLE_LINEAR,
@@ -375,7 +375,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text by importing it, because an import limits the memory to the size of the grid. */
+/* Loads a CT given as text. The CT is imported as a bone, because an import stores the grid but not all samples. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

@@ -40,9 +40,9 @@ static bool is_part(const preview_input *in, int16_t value)
 }
 
 /*
- * Finds the bounds of the parts. Also finds, on each axis, the slice with the most voxels of the first part; if several
- * slices have the same number, the first of them. If the input contains labels, the first part is the largest part. The
- * caller frees *slices, an array of counts.
+ * Finds the bounds of the parts. On each axis, also finds the slice with the most voxels of the first part. If several
+ * slices have the same number of these voxels, the first of these slices is used. If the input contains labels, the
+ * first part is the largest part. The caller frees *slices, an array of counts.
  */
 static ost_status count_slices(const preview_input *in, extent *e, uint64_t **slices, ost_error *err)
 {
@@ -171,7 +171,7 @@ static int level_of(const preview_input *in)
 
 static void colour_of(const void *user, size_t index, double rgb[3])
 {
-    /* strength of the tint: dense voxels outside all parts, and voxels of parts */
+    /* strength of the tint of dense voxels outside all parts, and of voxels of parts */
     static const double strength[2] = {0.55, 0.25};
     const planes *p = user;
     int32_t v[3];

@@ -207,8 +207,8 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
                            .parts = &parts,
                            .threshold = info.threshold,
                            .nearest = result->resample == OST_RESAMPLE_NEAREST,
-                           /* The rule of the thesis displaces the bone. With this rule, the bone's border would be
-                              coloured as well. */
+                           /* With the resampling rule of the thesis, the bone is displaced relative to the CT, so
+                              voxels at the bone's border would be coloured as well. */
                            .left_out = selected && result->resample != OST_RESAMPLE_THESIS,
                            .unoriented = !view_oriented(&result->meta),
                            .meta = &result->meta,

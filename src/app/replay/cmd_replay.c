@@ -27,11 +27,11 @@ typedef struct replay_args {
     bool ticks_given, verify, compress;
 } replay_args;
 
-/* The end of a session: as the file states it, and as the replay reached it. */
+/* The end of a session, as recorded in the file and as reached by the replay. */
 typedef struct ending {
     bool found;     /* true if the file contains an end record */
     bool complete;  /* true if the file contains an end record and every tick before it */
-    bool compared;  /* true if the replay reached the end, so that it was compared */
+    bool compared;  /* true if the replay reached the end of the session, so that the ends were compared */
     uint64_t ticks; /* number of recorded ticks, from the end record or, without one, from the last readable tick */
     ost_session_end end;
     ost_world_totals totals;
@@ -232,7 +232,7 @@ static ost_status print_end(const app_state *app, replay *here, const ending *e,
     return OST_ERR_DIFFER;
 }
 
-/* Reports a difference, without --verify. The report names the tick but not the position. */
+/* Reports a difference if --verify is not given. The report names the tick but not the position. */
 static ost_status print_briefly(const app_state *app, const replay *here, ost_error *err)
 {
     json_t *o = json_object();
@@ -342,7 +342,7 @@ static ost_status run(app_state *app, const replay_args *args, replay *r, debrie
     if (status != OST_OK)
         return status;
     e.compared = e.complete && !r->differs && r->done == s->ticks;
-    /* writes the bone only if everything was verified and nothing differs */
+    /* the bone is written only if everything was verified and nothing differs */
     if (args->out && !r->differs && !end_differs(&e) && !verified_in_part(args, r, &e)) {
         const ost_write_options write = {.compress = args->compress, .progress = progress_show};
         ost_digest file;

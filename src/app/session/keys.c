@@ -48,7 +48,7 @@ static void set_digest(writer *w, const char *key, const ost_digest *digest)
     set(w, key, ost_digest_hex(digest, hex));
 }
 
-/* Sets a key to the name with this index in a list "a|b|c". */
+/* Sets a key to the name at position `index` of a list such as "a|b|c". */
 static void set_choice(writer *w, const char *key, const char *choices, int index)
 {
     char text[40];

@@ -45,7 +45,7 @@ static ost_status ticks_of(const app_state *app, const char *name, const option_
     return OST_OK;
 }
 
-/* Checks the options against --headset, and sets options that it implies. */
+/* Checks that the other options are compatible with --headset, and sets the options that --headset implies. */
 static ost_status check_headset(const app_state *app, sim_args *args, ost_error *err)
 {
     if (args->no_clock)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts the state of an operation to the facts that the HUD shows. This is used for live operations with or
- * without a window, and for recorded operations.
+ * Converts the state of an operation to the facts that the HUD shows. The operation may be live, with or without a
+ * window, or recorded.
  */
 #ifndef OST_APP_SIM_FACTS_H
 #define OST_APP_SIM_FACTS_H

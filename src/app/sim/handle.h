@@ -22,9 +22,9 @@ sim_handle sim_handle_at(const ost_pose *pose, int32_t tool);
 void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, double dy, int height);
 /* Turns the hand about the picture's up and right directions. dx and dy are in picture pixels. */
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy);
-/* Rotates the handle about the tool's axis by an angle in radians. */
+/* Rotates the hand about the tool's axis by an angle in radians. */
 void sim_handle_twist(sim_handle *handle, double angle);
-/* Moves the handle along the tool's axis by a length in mm; positive values move it towards the bone. */
+/* Moves the hand along the tool's axis by a length in mm; positive values move it towards the bone. */
 void sim_handle_push(sim_handle *handle, double mm);
 /*
  * Stores in *out the state that a device with the pose of the hand would report. Returns false if the pose is out of

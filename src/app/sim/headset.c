@@ -92,9 +92,7 @@ static void *work(void *user)
         if (ost_headset_counts_get(h->headset).drawn == drawn)
             continue;
         drawn++;
-        /*
-         * The time to draw is measured from the end of the runtime's wait, that is, from the update for the first eye.
-         */
+        /* The time to draw is measured from the update for the first eye, which follows the runtime's wait. */
         const int64_t now = ost_clock_ns();
         frame_times_add(&h->show->drawn, now - h->show->updated_ns);
         if (h->last_ns)

@@ -16,8 +16,8 @@ typedef struct sim_headset sim_headset;
 
 /* Finds the headset and sets s->headset. Called first, because the other preparations take seconds. */
 ost_status sim_headset_open(const sim_args *args, simulation *s, ost_error *err);
-/* Closes the headset. The device must be closed before. `headset` may be NULL. */
-void sim_headset_close(sim_headset *headset); /* headset may be NULL */
+/* Closes the headset. The device must be closed first. `headset` may be NULL. */
+void sim_headset_close(sim_headset *headset);
 ost_hand_input *sim_headset_hand(const simulation *s); /* NULL without a headset */
 
 /*

@@ -41,8 +41,8 @@ static ost_status add_tools(sim_show *show, const simulation *s, ost_error *err)
     return status;
 }
 
-/* Opens the backend that --backend selects a second time, because the servo loop uses the first one at the same
-   time. */
+/* Opens a second instance of the backend that --backend selects, because the servo loop uses the first instance at the
+   same time. */
 static ost_status use_mesh(sim_show *show, ost_error *err)
 {
     ost_status status = backend_choose(show->app, &show->mesher, err);
@@ -267,8 +267,8 @@ ost_status sim_show_end(sim_show *show, ost_error *err)
 }
 
 /*
- * Reports the voxels that passed through the processor's memory from OpenCL to OpenGL. They are not shared: the
- * processor computes the surface points from them (docs/design/rendering.md).
+ * Reports the chunks that were copied from OpenCL to OpenGL through the processor's memory. OpenCL and OpenGL share no
+ * voxels, because the processor computes the surface points from the voxels (docs/design/rendering.md).
  */
 static void print_copied(const app_state *app, const sim_show *show, json_t *row)
 {
@@ -315,7 +315,7 @@ void sim_show_report(const app_state *app, const sim_show *show)
     if (*show->viewer.no_card)
         put_text(o, "no_card", show->viewer.no_card);
     put_integer(o, "frames", (int64_t)drawn->count);
-    if (!show->args->headset) { /* the frames of a headset have its own size */
+    if (!show->args->headset) { /* the headset determines the size of its frames */
         put_integer(o, "width", show->width);
         put_integer(o, "height", show->height);
     }

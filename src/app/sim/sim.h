@@ -42,7 +42,7 @@ typedef struct sim_args {
     int64_t fps, rehearse_us, rpm;
     const char *buttons_text;
     ost_action buttons[OST_BUTTONS_MAX]; /* actions assigned to the device's buttons */
-    bool motor_waits;     /* true if the motor starts when the user switches it on, not with the operation */
+    bool motor_waits;     /* true if the motor is off until the user switches it on */
     film_options video;
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;

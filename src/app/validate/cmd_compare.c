@@ -5,8 +5,8 @@
  *
  *   a folder of dumps, or a backend's name --campaign--> verdicts, margins --> table, --json, exit status
  *
- * The comparison is that of `osteon validate`, but without a bundle and a sensitivity proof. The verb is intended for
- * developers of another program.
+ * The comparison is the same as in `osteon validate`, but the verb makes neither a bundle nor a sensitivity proof. The
+ * verb is intended for developers of another program.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
  * Uses the user's own files as cases. The files are read with the options of import, voxelize and ream, and recorded in
  * a bundle by size and digest. For a rerun, the recorded files are identified among the given files.
  *
- * This source file has more than 500 lines, because the record of a file is written and compared next to the reader
- * whose options the record stores.
+ * This source file has more than 500 lines, because the code that reads a file and the code that writes and compares
+ * the record of this file must treat the same options.
  */
 #include "app/validate/user_files.h"
 
@@ -159,7 +159,7 @@ static ost_status still_the_same(const user_files *u, const json_t *files, ost_e
 
 /* --------------------------------------------------------------------- CTs */
 
-/* Returns true if a sample lies within the grid. Positions are within 8 m, so their differences are below 2^54. */
+/* Returns true if a sample lies within the grid. Positions are within 8 m, so differences are below 2^44 pm. */
 static bool lies_in(const ost_geometry *g, const ost_text_row *row)
 {
     const int64_t origin[3] = {g->origin.x, g->origin.y, g->origin.z},

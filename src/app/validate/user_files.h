@@ -29,7 +29,7 @@ typedef struct user_files {
 
 #define USER_FILES_DEFAULT {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT, .sweep = 1}
 
-/* The rows, in a verb's option table, of the options that name the user's files. */
+/* The rows of the options for the user's files in a verb's option table. */
 #define USER_FILES(u, about_ct, about_tool, about_path)                                                \
     {.name = "ct", .kind = OPTION_LIST, .out = &(u).cts, .value = "FILE", .help = about_ct},           \
     {.name = "tool", .kind = OPTION_LIST, .out = &(u).tools, .value = "FILE", .help = about_tool},     \

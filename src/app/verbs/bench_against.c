@@ -59,7 +59,7 @@ void bench_against_free(bench_against *against)
     *against = (bench_against){.path = NULL};
 }
 
-/* Returns the ratio of the shortest times, or 0 if the row has none. */
+/* Returns the ratio of the shortest times of a row, or 0 if the row contains no ratio. */
 static double ratio_of(const json_t *row)
 {
     const json_t *ratio = json_object_get(row, "ratio_of_minima");

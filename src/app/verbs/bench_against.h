@@ -4,8 +4,9 @@
  *
  *   FILE of --json --> rows by name --> ratio then / ratio now --> slower than allowed: exit status 1
  *
- * The times themselves are not compared, but the ratio of the shortest time of the baseline to that of osteon. Both are
- * measured alternately on the same machine, so the ratio depends little on the machine and on other load.
+ * The runs are compared by a ratio instead of by times: the shortest time of the baseline divided by the shortest time
+ * of osteon. Both times are measured alternately on the same machine, so the ratio depends little on the machine and on
+ * other load.
  */
 #ifndef OST_APP_VERBS_BENCH_AGAINST_H
 #define OST_APP_VERBS_BENCH_AGAINST_H

@@ -173,7 +173,7 @@ static void print_disturbed(const app_state *app, const bench_table *table)
     }
 }
 
-/* Prints every baseline of a suite once, and why baselines are missing. */
+/* Prints every baseline of a suite once, and the reasons why baselines are missing. */
 static void print_baselines(const app_state *app, const bench_table *table)
 {
     for (size_t i = 0; i < table->count; i++) {

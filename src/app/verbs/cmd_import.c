@@ -13,9 +13,9 @@
 #include "app/picture/previews.h"
 
 /*
- * Warns if a grid is too small or too large for a patient's bone, as the mesh reader does. The warning names the units
- * that would make the size plausible. This is not an error, because a micro-CT may really be so small. A phantom is
- * marked in its header and causes no warning.
+ * Warns if a grid is too small or too large for a patient's bone. The warning names the units that would make the size
+ * plausible. Such a size is not an error, because a micro-CT may be this small. A phantom is marked in its header and
+ * causes no warning.
  */
 static void warn_size(const app_state *app, const char *name, const ost_import_result *r)
 {

@@ -58,7 +58,7 @@ typedef struct drawing {
     double draw_ms;
 } drawing;
 
-/* Parses "x,y,z,qw,qx,qy,qz", the format in which a path's line states a pose. */
+/* Parses "x,y,z,qw,qx,qy,qz", the format of the pose in a line of a path. */
 static ost_status parse_pose(const app_state *app, render_args *args, ost_error *err)
 {
     ost_decimal number[7];

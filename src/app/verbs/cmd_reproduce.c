@@ -57,7 +57,7 @@ static ost_status select_item(const app_state *app, const char *name, bool chose
     return usage_error(app, err, "'%s' is not an item; --list shows all", name);
 }
 
-/* Selects the items of a list "table-3.3,figure-3.2", or all of them. */
+/* Selects the items in a list such as "table-3.3,figure-3.2". Selects all items if the text is "all" or NULL. */
 static ost_status select_items(const app_state *app, const char *text, bool chosen[ITEMS_MAX], ost_error *err)
 {
     const bool all = !text || strcmp(text, "all") == 0;
@@ -170,7 +170,7 @@ static ost_status finish_item(app_state *app, const reproduce_args *args, reprod
     return OST_OK;
 }
 
-/* Returns true if the failure prevents only this item, not the others, from being measured on this machine. */
+/* Returns true if the failure concerns only this item, so that other items may still be measured on this machine. */
 static bool only_this_item(ost_status status)
 {
     return status == OST_ERR_UNAVAILABLE || status == OST_ERR_IO || status == OST_ERR_MEMORY ||
@@ -216,7 +216,7 @@ static ost_status measure(app_state *app, const reproduce_args *args, const bool
 
 /* ----------------------------------------------------------------- merging */
 
-/* Merges an item from all folders that contain it. If there is no such folder, the result contains no machine. */
+/* Merges an item from all folders that contain it. If there is no such folder, the result names no machine. */
 static ost_status merge_item(const reproduce_args *args, const reproduction_item *item, result *out, ost_error *err)
 {
     ost_status status = OST_OK;
