@@ -136,7 +136,8 @@ static inline size_t ost_cl_staging(const cl_backend *b, size_t limit)
    kernel set, and with the count of each path of OST_CL_PATHS. */
 void ost_cl_paths(const ost_backend *backend, ost_path_visit *visit, void *user);
 
-/* Functions for tests: they implement slots in cl.c, and take the table of OpenCL functions as a parameter. */
+/* These functions implement three slots of the function table. Their first parameter is the table of OpenCL functions,
+   which a test can replace. */
 ost_status ost_cl_open_with(const ost_cl_api *cl, const char *options, ost_backend **out, ost_error *err);
 bool ost_cl_available_with(const ost_cl_api *cl, char *reason, size_t size);
 ost_status ost_cl_visit_with(const ost_cl_api *cl, ost_device_visit *visit, void *user, ost_error *err);

@@ -139,7 +139,7 @@ static ost_status reserve_quads(cl_backend *b, faces *f, size_t quads, ost_error
     return status;
 }
 
-/* Launches kernel k with `range` work items per chunk, for this number of chunks. */
+/* Launches kernel k for a number of chunks, with `range` work items per chunk. */
 static ost_status launch(cl_backend *b, int k, size_t range, size_t chunks, const cl_mem *const *args, cl_uint count,
                          ost_error *err)
 {
@@ -170,8 +170,7 @@ static ost_status stage_done(cl_backend *b, ost_face_mesh *mesh, ost_face_stage 
     return status;
 }
 
-/* Writes the words of a cluster, which are those of the chunk and of one layer of each neighbour, in the layout of
-   kernels/face_mesh.cl. */
+/* Writes the words of a chunk and of one layer of each of its neighbours, in the layout of kernels/face_mesh.cl. */
 static void pack(const ost_face_cluster *cluster, uint32_t words[CLUSTER])
 {
     const uint32_t *const *n = cluster->neighbour;

@@ -140,7 +140,8 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* A grid that consists of lists of slices first gets a store of its own. The values of the voxels do not change. */
+    /* The function casts const away, because a grid that is computed from a shared store first gets a store of its
+       own. The values of the voxels do not change. */
     cl_grid *grid = (cl_grid *)(uintptr_t)base;
     const size_t slice = slice_bytes(&base->geometry);
     ost_status status = ost_cl_alive(base->backend, grid->lost, "grid", err);

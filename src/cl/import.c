@@ -3,10 +3,10 @@
  * Converts samples to a rect grid, and a rect grid to a cubic grid, on the device
  * (AR-CT-4..6, AR-CUB).
  *
- * A batch of samples is uploaded in parts of at most PART_BYTES.  For the kernels, each
- * part is a batch of its own with the same first line.  Therefore the reports of the
- * parts are combined like those of batches (see kernels/shared.h).  The host reads a
- * report of 32 bytes per part.  Two further kernels run only if there is a conflict.
+ * A batch of samples is uploaded in parts of at most PART_BYTES.  The kernels process each
+ * part as a separate batch with the same first line.  Therefore the reports of parts are
+ * combined in the same way as the reports of batches (see kernels/shared.h).  The host
+ * reads a report of 32 bytes per part.  Two further kernels run only if there is a conflict.
  */
 #include "cl/objects.h"
 
@@ -149,8 +149,8 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z1 = geometry->dims.z,
     };
     /*
-     * If the two grids have the same spacing along an axis, every rule reads each voxel from the source voxel with the
-     * same index, and the weight of the upper neighbour is 0.
+     * If the two grids have the same spacing along an axis, each voxel is computed only from the source voxel with the
+     * same index, with every resampling rule, because the weight of the upper neighbour is 0.
      */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;

@@ -3,8 +3,8 @@
  * Creates buffers, transfers data and launches kernels.  All stages use the queue only
  * through these functions.
  *
- * Work groups.  Kernels accept ranges that are rounded up, have no barrier and never
- * read their group, so the size of a group affects only the speed.  The host always specifies the size: some drivers
+ * Work groups.  Kernels accept ranges that are rounded up, have no barrier and do not use the number of their work
+ * group, so the size of a work group affects only the speed.  The host always specifies the size, because some drivers
  * would choose groups of one item if a range is a prime number.
  */
 #include "cl/cl.h"

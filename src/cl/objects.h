@@ -25,7 +25,7 @@ typedef struct cl_grid {
     cl_mem cubic, sources;
     /* true if ost_cubic_linear makes the voxels from the store; false if ost_cubic_gather does */
     bool linear;
-    cl_mem seen, owner; /* for scattering samples, see kernels/shared.h; NULL before the first batch */
+    cl_mem seen, owner; /* arguments of the kernels that scatter samples; NULL before the first batch */
     bool lost;
 } cl_grid;
 
@@ -120,7 +120,7 @@ ost_status ost_cl_bone_sample(const ost_bone *bone, size_t count, const int32_t 
 /* voxelize.c, tool.c */
 ost_status ost_cl_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting,
                            ost_fill_rule rule, ost_voxelize_report *report, ost_tool **out, ost_error *err);
-/* Voxelizes tile by tile, for CPUs. The results are those of ost_cl_voxelize. */
+/* Voxelizes tile by tile, for CPUs. Computes the same results as ost_cl_voxelize. */
 ost_status ost_cl_voxelize_tiles(ost_backend *backend, const ost_snapped_mesh *cutting,
                                  const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                  ost_tool **out, ost_error *err);

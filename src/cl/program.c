@@ -4,7 +4,7 @@
  *
  *   cache has a binary --> the driver accepts it --> done
  *          | no                  | no
- *          '---------> source <--'   built; the binary is stored, if it pays
+ *          '---------> source <--'   built; the binary is stored if this saves time
  *
  * The log of a failed build may be long and has no fixed format.  The error message
  * contains the first line of the log that contains "error".
@@ -81,13 +81,13 @@ static bool from_binary(cl_backend *b, const ost_cl_cache *cache, const char *op
 }
 
 /*
- * Returns true if the binary of a program that was built from its source is to be stored.
+ * Returns true if the binary of a program that was built from its source should be stored.
  *
  * PoCL compiles all kernels of a program when its binary is requested, which takes longer than everything else in the
- * first start of a command. Without this request, it compiles a kernel when the kernel is launched, and stores the
- * result in its own cache. The first program of a process is therefore not stored, and a command, which opens one
- * backend, never pays for kernels that it does not launch. A process that opens several backends saves more time by
- * the binary than the request takes. POCL_KERNEL_CACHE=0 switches PoCL's own cache off.
+ * first start of a command. Without this request, PoCL compiles a kernel when the kernel is launched, and stores the
+ * result in its own cache. The binary of the first program of a process is therefore not requested. Thus a command,
+ * which opens one backend, compiles only the kernels that it launches. In a process that opens several backends, the
+ * stored binary saves more time than the request takes. POCL_KERNEL_CACHE=0 switches PoCL's own cache off.
  */
 static bool pays_to_store(const cl_backend *b)
 {

@@ -4,12 +4,12 @@
  * the third dimension of the range is the chunk. This file is OpenCL C 1.2 and a program of its own, because it
  * computes no voxel.
  *
- *   ost_face_pad        words of a cluster -> 34^3 values of 16 bits      an item: one value
- *   ost_face_classify   -> mask of visible faces of each voxel           an item: one voxel
- *   ost_face_rows       -> active voxels and faces of each row           an item: one row of 32 voxels
- *   ost_face_slices     -> their prefix sums within a slice              an item: one slice of 32 rows
- *   ost_face_compact    -> active voxels without gaps, sums of the chunk an item: one row
- *   ost_face_quads      -> four vertices for each visible face           an item: one active voxel
+ *   ost_face_pad        words of a chunk and its neighbours -> 34^3 values of 16 bits  an item: one value
+ *   ost_face_classify   -> mask of visible faces of each voxel                         an item: one voxel
+ *   ost_face_rows       -> active voxels and faces of each row                         an item: one row of 32 voxels
+ *   ost_face_slices     -> their prefix sums within a slice                            an item: one slice of 32 rows
+ *   ost_face_compact    -> active voxels without gaps, sums of the chunk               an item: one row
+ *   ost_face_quads      -> four vertices for each visible face                         an item: one active voxel
  *
  * The prefix sum has two levels: ost_face_slices sums the rows of a slice, and ost_face_compact adds the sums of the
  * preceding slices. Therefore no kernel needs a barrier, and no result depends on the size of a work group.
@@ -19,7 +19,7 @@
 #define VOXELS 32768u
 #define ROWS 1024u
 #define PADDED_VOXELS 39304u
-/* number of words per cluster: the chunk's own, and a layer of 32 words for each of six neighbours */
+/* number of words of a chunk and its neighbours: 1024 of the chunk, and a layer of 32 words of each neighbour */
 #define CLUSTER_WORDS (1024 + 6 * 32)
 
 /*

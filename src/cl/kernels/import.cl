@@ -215,9 +215,9 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
 }
 
 /*
- * Copies a run of voxels from their sources. If the spacings are equal, the source of a voxel has the voxel's own index
- * or, beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the index of the
- * last source is count - 1 above the index of the first source.
+ * Copies a run of voxels from their sources. If the spacings are equal, the source index of a voxel is the voxel's own
+ * index or, beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the last
+ * source index of the run minus the first source index is count - 1.
  */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)
@@ -242,10 +242,10 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
 }
 
 /*
- * Interpolates a run of voxels.  Adds the sums along x of four rows, at most 2^30 each,
- * multiplied by the products of the weights along y and z, which sum to 2^30.  A
- * neighbour with weight 0 may lie outside the grid; the voxel itself is then read
- * instead of the neighbour.
+ * Interpolates a run of voxels.  The sum along x of each of four rows, at most 2^30, is multiplied
+ * by the product of the row's weights along y and z, and the four results are added.  The four
+ * products of weights sum to 2^30.  A neighbour with weight 0 may lie outside the grid; the voxel
+ * itself is then read instead of the neighbour.
  */
 __kernel void ost_cubic_linear(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)

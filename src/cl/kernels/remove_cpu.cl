@@ -7,14 +7,14 @@
  *
  * At each step, the tool's cell at the middle of a cube determines the class of the entire cube if the cell's reach is
  * at least the pose's complete[] (shared.h). Eight cubes are looked up at once. The tool voxels that a brick may
- * overlap lie in one window of 8^3 voxels, which has 64 bytes. If the window is full or empty, so is the brick.
- * Otherwise the bits for the voxels are selected from the window, sixteen at a time, by a tree of selections instead of
- * loads. If the tool's voxels are finer than the bone's, a brick may be larger than a window, and is then looked up
- * voxel by voxel.
+ * overlap lie in one window of 8^3 voxels, which has 64 bytes. If the window is full or empty, the brick is also full
+ * or empty. Otherwise the bits for the voxels are selected from the window, sixteen at a time, by a tree of selections
+ * instead of loads. If the tool's voxels are finer than the bone's, a brick may be larger than a window, and is then
+ * looked up voxel by voxel.
  *
- *   four             rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each: number b + 4 k
- *   group b + 4 c    the fours b of the planes 4 c to 4 c + 3: the rows of a row of bricks
- *   brick            as bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
+ *   word b + 4 k     the rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each (variable `four`)
+ *   group b + 4 c    the words b + 4 k of the planes k = 4 c to 4 c + 3: the rows of a row of bricks
+ *   brick            64 bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
  *
  * The vectors are vector types of OpenCL C (uint16, int8), so the compiler need not vectorize loops. The ranges are the
  * same as in remove.cl.
@@ -25,7 +25,7 @@
 
 #ifdef __clang__
 #if __has_warning("-Wpsabi") /* NVIDIA's compiler is a clang that does not have this warning */
-/* Disables a warning about the calling convention of wide vectors, which only functions of this file pass. */
+/* Disables a warning about the calling convention for wide vectors. Only functions of this file pass wide vectors. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 #endif
@@ -58,7 +58,7 @@ typedef struct ost_block_rows {
 
 /*
  * The coordinates of a block for one pose: the coordinates of the block's first voxel in tool cells plus 2^30, and the
- * steps. All numbers are unsigned, and their sums are those of AR-MAP-5.
+ * steps. All numbers are unsigned. AR-MAP-5 gives the ranges of their sums.
  */
 typedef struct ost_view {
     /* offsets from a brick's first voxel to the 16 voxels of the brick's first slice, x fastest */

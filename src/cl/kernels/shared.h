@@ -2,7 +2,7 @@
 /*
  * The interface between host and device.  This file describes the layout of every
  * buffer and, for every kernel, its arguments, its range, and why its results do not
- * depend on the order of work items.  Both the C compiler and OpenCL C 1.2 compile it.
+ * depend on the order of work items.  The file is valid C11 and valid OpenCL C 1.2.
  *
  * A program consists of this file, common.h, and the .cl files of this folder in alphabetical order, one after the
  * other; none of them includes another. fingerprint_float.cl is a separate program, because this program contains no
@@ -79,20 +79,23 @@ typedef uint64_t ost_cl_u64;
  *   voxels   short[voxels]                the rect grid
  *   report   ost_cl_scatter_report[1]     of the batch; at first, lines and index are OST_CL_NONE, all else is 0
  *
- * claim: for every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the sample's
- * key. Keys are ordered so that the sample that determines the voxel has the greatest key: the earliest sample (error,
- * first), the latest (last) or the densest (max). For exactly one sample of a voxel, the previous owner is 0. This
- * sample is not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates. Which sample this is may
- * vary, but the number of duplicates does not vary. place: the sample with the greatest key writes its voxel. Keys are
- * unique, except with the max rule: several samples of the same density may then have the greatest key, and the first
- * of them that sets a flag writes the voxel. place also finds the first line with the worst offset. check: updates seen
- * and clears owner. With the error rule, a voxel that is set does not change again, and check also finds the lowest
- * line whose density differs from the density of its voxel. report_first_bad: finds the first sample on that line whose
- * density differs. had: reads the density of the voxel of that sample. The host combines the report of the batch with
- * that of earlier batches. Counts are added. Of the two worst offsets, the greater one is used; if they are equal and
- * above 0, the lower line is used. Of the other line numbers, the lower one is used. Before lines are compared, the
- * batch's first_line is added to them. conflict_has is the density of sample conflict_index. count <= 2^31 - 2, and no
- * line equals OST_CL_NONE.
+ * ost_ct_claim: For every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the
+ * sample's key. The sample that determines the voxel has the greatest key: the earliest sample (rules error and first),
+ * the latest (last) or the densest (max). For exactly one sample of a voxel, the previous owner is 0. This sample is
+ * not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates. Which sample this is may vary, but
+ * the number of duplicates does not vary.
+ * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule max: several
+ * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the voxel.
+ * The kernel also finds the first line with the worst offset.
+ * ost_ct_check: Updates seen and clears owner. With the rule error, a voxel that is set does not change again, and the
+ * kernel also finds the lowest line with a sample whose density differs from the density of its voxel.
+ * ost_ct_report_first_bad: Finds the first sample on this line whose density differs.
+ * ost_ct_had: Reads the density of the voxel of this sample.
+ *
+ * The host combines the report of the batch with the reports of earlier batches. Counts are added. Of the two worst
+ * offsets, the greater one is used; if they are equal and above 0, the lower line is used. Of the other line numbers,
+ * the lower one is used. Before lines are compared, the batch's first_line is added to them. The host sets conflict_has
+ * to the density of sample conflict_index. count <= 2^31 - 2, and no line equals OST_CL_NONE.
  */
 enum { OST_CL_DUPLICATES_ERROR, OST_CL_DUPLICATES_FIRST, OST_CL_DUPLICATES_LAST, OST_CL_DUPLICATES_MAX };
 
@@ -413,7 +416,7 @@ typedef struct ost_cl_block_report {
 #define OST_CL_TURNS_LEAST (15u * 4096u + 64u)
 #define OST_CL_TURNS_POSES(turns) (((turns) - 400u) / 18u)
 
-/* Maps each value of uint to a different one. The sequence of all 2^32 values is a single cycle. */
+/* Returns the value after x in a sequence that repeats only after all 2^32 values of uint. */
 #define OST_CL_NEXT_TURN(x) ((x) * 1664525u + 1013904223u)
 #define OST_CL_FLOATS 16
 
@@ -437,7 +440,7 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  * skip[r]: if the cell of a voxel has the reach r, the next skip[r] voxels of the row, at most 15,
  * certainly have the class of this cell.  Let m be the greatest |step[0][a]|. At a distance of j voxels, a coordinate
  * differs by at most j m, so its tool voxel differs by at most floor(j m / 2^20) + 1. This is < r if
- * j m < (r - 1) 2^20. m <= 2^24 + 1, so all this is below 2^29.
+ * j m < (r - 1) 2^20. m <= 2^24 + 1, so all these values are below 2^29.
  *
  * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
  * per edge determines the class of the entire cube.  The middle is the first voxel's coordinate

@@ -16,7 +16,7 @@
 
 #ifdef __clang__
 #if __has_warning("-Wpsabi") /* NVIDIA's compiler is a clang that does not have this warning */
-/* Disables a warning about the calling convention of wide vectors, which only functions of this file pass. */
+/* Disables a warning about the calling convention for wide vectors. Only functions of this file pass wide vectors. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 #endif
