@@ -24,9 +24,9 @@ typedef struct contact_shell {
     size_t count;
     float at[3][OST_SHELL_MAX], inward[3][OST_SHELL_MAX];
     float outside[3][OST_SHELL_MAX]; /* position one voxel outward of each point, at which bone is looked up */
-    /* x and y components of the unit vector opposite to the point's velocity that is due to the tool's rotation */
+    /* x and y components of the unit vector opposite to the velocity that the tool's rotation gives to the point */
     float against[2][OST_SHELL_MAX];
-    float spin[OST_SHELL_MAX];       /* speed of the point in m/s that is due to the tool's rotation */
+    float spin[OST_SHELL_MAX];       /* speed in m/s that the tool's rotation gives to the point */
     float area[OST_SHELL_MAX];
     /* resistance in N s/m to the advance of the point in bone of the reference density */
     float give[OST_SHELL_MAX];

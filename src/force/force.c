@@ -275,8 +275,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. The parameter `turn` is a given part of the tool's angular velocity in the
- * tool's frame. The balance does not solve for this part.
+ * Adds the touching points to the balance. The parameter `turn` is the part of the tool's angular velocity that is
+ * given, in the tool's frame; the balance does not solve for this part.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {
