@@ -71,7 +71,7 @@ static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost
 typedef struct cpu_options {
     const char *isa;
     int threads;
-    int64_t grain; /* size from which work enters every path (share.h); 0 selects the measured thresholds */
+    int64_t grain; /* threshold of all paths (share.h); 0 selects the measured thresholds */
     int64_t order; /* seed of the random order in which blocks are processed (share.h); 0 selects the usual order */
     ost_voxelizer voxelizer;
     unsigned given; /* bit k is set if the option named keys[k] was given */

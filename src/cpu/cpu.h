@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The CPU backend: results bit-identical to the reference's, computed with the
- * machine's instruction sets and threads.
+ * The CPU backend. It uses the machine's instruction sets and threads; its results are bit-identical to the results of
+ * the reference.
  *
  *   cpu.c       the function table; options "isa=", "threads=", "grain=", "order=" and "voxelizer="
  *   share.c     division of work among threads: thresholds and counters
@@ -13,7 +13,7 @@
  *   face_mesh.c visible faces of chunks as quads
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
- * The structs of this backend, except tools, begin with those of the reference, so an operation
+ * The structs of this backend, except tools, begin with the structs of the reference, so an operation
  * without a fast implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
  * and no two threads write the same data. The results are sorted afterwards.
  */

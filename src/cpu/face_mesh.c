@@ -2,7 +2,7 @@
 /*
  * Face meshes (core/face_mesh.h) by bit operations: a row of 32 voxels is one word.
  *
- *   words of a cluster --pad--> 34 rows of 34 words, and the words of both neighbours along x
+ *   words of a chunk and its neighbours --pad--> 34 rows of 34 words, and the words of both neighbours along x
  *       --classify--> six words for each row: the voxels whose face is visible (core/visible.h)
  *       --compact--> active voxels in ascending order: number | visible faces << 15
  *       --quads--> one addition of four words for each face
@@ -159,7 +159,7 @@ static void find_active(const ost_face_cluster *cluster, bool timed, thread_scra
     stage_done(t, timed, OST_FACE_STAGE_COMPACT, &begin);
 }
 
-/* Computes the meshes of up to BATCH clusters, starting with cluster `from`. */
+/* Computes the meshes of up to BATCH chunks, starting with element `from` of clusters. */
 static ost_status mesh_batch(const ost_face_cluster *clusters, size_t from, int count, const uint32_t corners[6][4],
                              int threads, compacted *list, ost_face_mesh *mesh, ost_error *err)
 {

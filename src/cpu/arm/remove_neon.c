@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels of removal for NEON. The steps are those on x86, with these differences:
+ * The kernels of removal for NEON. The steps are the same as on x86, except for these differences:
  *
  *   split   the eight parts of a cube are in two registers, which a table of moves packs
  *   match   the high bytes of coordinates in 16-bit lanes are used; the 64 bytes of a
@@ -87,8 +87,8 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 
 /*
- * The positions of the bricks of a piece in their windows, and the list of the bricks that are tied. c is
- * the least coordinate of a brick, relative to the first voxel of the brick's window (remove.h).
+ * The positions of the bricks of a piece in their windows, and the list of the tied bricks (remove.h, "Sixteen bits per
+ * lane"). c is the least coordinate of a brick, relative to the first voxel of the brick's window.
  */
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */

@@ -14,7 +14,7 @@
  * lines instead of sixteen. The occupancy words of 8^3 voxels fill one cache line. The bricks of a cube of 8, 16 or
  * 32 voxels per side are contiguous for every chunk size.
  *
- * The invariants are those of core/chunk_grid.h. A voxel is active iff its density is at least the
+ * The invariants of core/chunk_grid.h apply. A voxel is active iff its density is at least the
  * threshold; all other voxels are 0. A voxel's occupancy bit is set iff the voxel is active.
  * Memory is allocated for a chunk iff its `active` field is above 0. The padding is 0. In
  * addition, no density of a chunk is above the chunk's `highest` field, which never decreases.

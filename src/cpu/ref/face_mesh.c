@@ -2,7 +2,8 @@
 /*
  * Face meshes (core/face_mesh.h) in the steps of thesis section 3.3.1, one voxel after the other:
  *
- *   cluster --pad--> 34^3 densities, so that no neighbour look-up needs a branch
+ *   chunk and neighbours
+ *           --pad--> 34^3 densities, so that no neighbour look-up needs a branch
  *           --classify--> a mask of visible faces for each of the 32^3 voxels
  *           --scan--> number of active voxels, and of faces, before each voxel (exclusive prefix sums)
  *           --compact--> the active voxels without gaps, each with the index of its first quad

@@ -6,10 +6,10 @@
  *                  |                   |
  *                  '- inside, outside -'
  *
- * Coordinates are those of AR-MAP-4: int32 in units of 2^-20 tool voxels.  The
- * coordinate u of a cube is that of its first voxel.  The voxels of the cube have the
- * coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge.  They are all
- * in the same 16^3 block, so that these sums are exact.
+ * Coordinates are defined by AR-MAP-4: int32 in units of 2^-20 tool voxels.  The
+ * coordinate u of a cube is the coordinate of its first voxel.  The voxels of the cube have
+ * the coordinates u + i step[0] + j step[1] + k step[2], 0 <= i, j, k < edge.  All voxels
+ * of a cube are in the same 16^3 block, so these sums are exact.
  *
  * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] + step[2]); it is rounded
  * down to a unit (an error below 1 on each axis).  No voxel is farther from the centre than R, the
@@ -23,15 +23,16 @@
  * 9 - step voxels wide, so it lies in the window number floor((voxel + margin) / step), and
  *     c + offset < step + 8 - step = 8 voxels = 2^23 units
  * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
- * the table. The centre of such a brick lies in a cell with |v| < least. Therefore a granule that is not empty, and
- * with it the tool's grid, is nearer to the cell than `least` units of 1/8 granule, and `least` is at most
- * (R + 2) / unit + 1. With R <= 3.6 voxels, granules of up to 2 voxels and cells of up to 4 voxels, that is
- *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels on an axis between the grid and the centre.
- * The least coordinate is at most 3.5 voxels and a unit below the centre, and
- * not above it: > -12, < dims + 8.
- * The same is true for wide windows (ost_match.wide), with 16 in place of 8. There, R <= 7.5 voxels, granules have up
- * to 4 voxels and cells up to 8, and 7.5 + 2/2^20 + 1/2 + 8 < 16.1. The least coordinate is at most 7.5 voxels and a
- * unit below the centre: > -24, < dims + 16.
+ * the table. The centre of such a brick lies in a cell with |v| < least. Therefore a granule that is not empty is
+ * nearer to the cell than `least` units of 1/8 granule. This granule overlaps the tool's grid, and `least` is at most
+ * (R + 2) / unit + 1. With R <= 3.6 voxels, granules of up to 2 voxels and cells of up to 4 voxels, the distance
+ * between the grid and the centre on an axis is less than
+ *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels.
+ * The least coordinate of the brick is not above the centre, and at most 3.5 voxels and a unit below it. The least
+ * coordinate is therefore > -12 and < dims + 8 voxels.
+ * For wide windows (ost_match.wide), the proof is the same with 16 in place of 8. Then R <= 7.5 voxels, granules have
+ * up to 4 voxels and cells up to 8, and 7.5 + 2/2^20 + 1/2 + 8 < 16.1. The least coordinate is at most 7.5 voxels and a
+ * unit below the centre, and therefore > -24 and < dims + 16.
  *
  * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is

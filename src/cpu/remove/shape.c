@@ -2,7 +2,7 @@
 /*
  * Computes the tables of shape.h.
  *
- * The distances are those between boxes on a lattice, so each axis can be processed
+ * All distances are distances between boxes on a lattice, so each axis can be processed
  * separately.  Let gap(c, g) be the distance in granules between cell c and granule g
  * along an axis (0 if they overlap or touch).  The distance D of a cell is
  *

@@ -30,10 +30,10 @@
  * (remove.h).
  *
  * Wide windows.  For bone voxels of 1.347 to 2.886 tool voxels, there are windows of 16^3 tool voxels with a margin of
- * OST_WIDE_MARGIN instead. A wide window has eight lines: row (y, z) of the voxels x < 8 is byte 16 y + z of these 512
- * bytes, and that of the other voxels is byte 256 + 16 y + z. Any 17 - step adjacent voxels lie in one wide window; the
- * step is 6 up to 1.924 tool voxels per bone voxel, 3 up to 2.501, 2 up to 2.694 and 1 up to 2.886. Only the kernel for
- * AVX-512 VBMI reads wide windows.
+ * OST_WIDE_MARGIN instead. A wide window has eight lines, that is, 512 bytes. The voxels x < 8 of row (y, z) are byte
+ * 16 y + z, and the other voxels of this row are byte 256 + 16 y + z. Any 17 - step adjacent voxels lie in one wide
+ * window; the step is 6 up to 1.924 tool voxels per bone voxel, 3 up to 2.501, 2 up to 2.694 and 1 up to 2.886. Only
+ * the kernel for AVX-512 VBMI reads wide windows.
  */
 #ifndef OST_CPU_SHAPE_H
 #define OST_CPU_SHAPE_H

@@ -10,11 +10,11 @@
  *   kernel      vox_mark processes the listed triangles in the tile's rows
  *
  * No crossing is missed.  Coordinates of vertices and of row centres are integers up to 2^20. The bounds with a unit
- * added, and their differences to a ray's origin, are integers below 2^24. All of these numbers are exact as floats. If
- * a triangle owns a row, the row lies within the triangle's bounds in y and z, and therefore at least a unit inside the
- * enlarged bounds. In x, the ray starts left of all bounds and ends right of them. A slab test may multiply these exact
- * differences in any way: their signs do not change, and the test finds that the ray is inside. The box of an inner
- * node contains the boxes of its children.
+ * added, and their differences from a ray's origin, are integers below 2^24. All of these numbers are exact as floats.
+ * If a triangle owns a row, the row lies within the triangle's bounds in y and z, and therefore at least a unit inside
+ * the enlarged bounds. In x, the ray starts left of all bounds and ends right of them. A slab test may multiply these
+ * exact differences in any way: their signs do not change, and the test finds that the ray is inside. The box of an
+ * inner node contains the boxes of its children.
  *
  * No crossing is counted twice.  Several packets of a tile may hit a primitive, and
  * one packet may hit it several times.  The first hit stores the tile's number with

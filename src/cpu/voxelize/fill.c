@@ -14,7 +14,7 @@
  * each centre, and X = P xor M. If
  *
  *   X = Q xor L                    Q changes where there is a crossing, and only there
- *   X and (Q xor P) = 0            it becomes 1 where one enters, 0 where one leaves
+ *   X and (Q xor P) = 0            Q becomes 1 where a crossing enters, 0 where a crossing leaves
  *   the last bit of Q is 0
  *
  * then W = Q, by induction: W(-1) = Q(-1) = 0, and at each centre, W and Q change by the same

@@ -24,10 +24,10 @@
  * or above. Because m and m + 1 are doubles, the rounded quotient is within [m, m + 1]. It is strictly inside if the
  * rounding error is less than 1/D. This error is at most half a unit in the last place or, in other rounding modes,
  * less than a unit. An integer quotient is a double and is not rounded.
- *   rows       |C| <= 2^43, D = |dz| w <= 2^30.  Quotients above 2^13 only have to
- *              remain outside the tile; below, a unit in the last place is
- *              <= 2^-40 < 2^-30.
- *   crossings  of owned rows: i is in [0, 2^12], nx <= 2^40.  The quotient is
+ *   rows       |C| <= 2^43, D = |dz| w <= 2^30.  A quotient above 2^13 only has to
+ *              remain outside the tile.  For smaller quotients, a unit in the last
+ *              place is <= 2^-40 < 2^-30.
+ *   crossings  In owned rows, i is in [0, 2^12] and nx <= 2^40.  The quotient is
  *              within 2^12 of zero, where a unit in the last place is
  *              <= 2^-41 < 2^-40.  The dividend is within nx 2^12 <= 2^52 of zero,
  *              so it is a double.

@@ -54,9 +54,10 @@ enum {
 };
 
 /*
- * A triangle is small, and is marked in lanes (lanes.h), if its extents ex, ey, ez on
+ * A triangle is small, and is marked in lanes (lanes.h), if its extents ex, ey, ez along
  * the axes, in lattice units, satisfy (ex + w) ey ez <= OST_VOX_SMALL with w = 2^f. For
- * f = 10, examples are about 80 voxels on each axis, or 1,024 by 160 by 2 voxels.
+ * f = 10, for example, a triangle is small if its extents are about 80 voxels on each axis,
+ * or 1,024 by 160 by 2 voxels.
  */
 #define OST_VOX_SMALL (INT64_C(1) << 49)
 
@@ -140,7 +141,7 @@ typedef struct ost_vox_result {
     uint64_t *noncutting; /* 1 if the voxel is solid in the non-cutting mesh only; NULL if not requested */
 } ost_vox_result;
 
-/* Voxelizes one or two meshes on the same grid. The results equal those of ost_ref_voxelize. */
+/* Voxelizes one or two meshes on the same grid. Computes the same results as ost_ref_voxelize. */
 ost_status ost_cpu_voxelize(const cpu_backend *backend, const ost_snapped_mesh *cutting,
                             const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                             const ost_vox_result *result, ost_error *err);

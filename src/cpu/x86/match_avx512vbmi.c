@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernel `match` for AVX-512 VBMI. The 64 voxels of a brick are 64 byte lanes of one register, and the 64 bytes of
- * a window are another one (remove.h, "Carries").
+ * The kernel `match` for AVX-512 VBMI. One register contains the 64 voxels of a brick, one byte per voxel, and another
+ * register contains the 64 bytes of a window (remove.h, "Carries").
  *
  *   place    sixteen bricks at once: finds the window and, for each axis, the voxel in the window and the rank of the
  *            fraction

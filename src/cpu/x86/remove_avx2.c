@@ -102,8 +102,8 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
 
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128 };
 
-/* The positions of the bricks of a piece in their windows, as in remove_avx512.c, and the list of the bricks that are
-   tied. */
+/* The positions of the bricks of a piece in their windows, as in remove_avx512.c, and the list of the tied bricks
+   (remove.h, "Sixteen bits per lane"). */
 typedef struct places {
     _Alignas(32) uint32_t high[3][PIECE]; /* c >> 7 of each brick, a 16-bit value, in both halves of a 32-bit lane */
     uint32_t low[3][PIECE];               /* c mod 2^7 */
@@ -214,7 +214,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* Recomputes the hits of the bricks that are ties, including the carries of the low bits. */
+/* Recomputes the hits of the tied bricks, including the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);

@@ -116,7 +116,7 @@ typedef struct split_piece {
     /* the cubes of the piece that have active voxels; used only if the occupancy of the cubes' parts is available */
     int32_t u[3][PIECE_CUBES + 8], number[PIECE_CUBES + 8];
 } split_piece;
-/* The first cube of a piece, in the kernel's list or in split_piece, as pointers. */
+/* The cubes of a piece. The pointers refer to elements of the kernel's list or of a split_piece. */
 typedef struct some_cubes {
     const int32_t *u[3], *number;
     size_t count;
@@ -136,7 +136,7 @@ INLINED __m512i part_numbers(int wide, int q)
                      : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-/* Register q contains parts of several cubes. Returns a register that contains eight[p] in each lane of part p. */
+/* Returns a register that contains eight[p] in each lane in which register q contains part p of a cube. */
 INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
     if (wide == 8)
