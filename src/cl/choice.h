@@ -51,7 +51,7 @@ void ost_cl_devices_free(ost_cl_devices *devices);
 typedef enum ost_cl_set { OST_CL_SET_AUTO = 0, OST_CL_SET_GPU = 1, OST_CL_SET_CPU = 2 } ost_cl_set;
 
 typedef struct ost_cl_options {
-    /* name, part of the name, or number, of the platform and of the device; "" selects any */
+    /* name, part of the name, or index, for the platform and for the device; "" selects any */
     char platform[OST_CL_NAME], device[OST_CL_NAME];
     size_t workgroup;                                /* number of work items per work group; 0 selects the default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */

@@ -90,7 +90,7 @@ static void ost_load_rows(ost_block_rows *rows, __global const ushort *words, ul
 }
 
 /*
- * In a group, marks the voxels that are covered by tool voxels of class c (1 or 2). The parameter `bits` contains the
+ * Marks those voxels of a group that are covered by tool voxels of class c (1 or 2). The parameter `bits` contains the
  * covered voxels of each row.
  */
 static void ost_mark_group(ost_block_rows *rows, uint c, ulong bits, int group)
