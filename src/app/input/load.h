@@ -117,10 +117,10 @@ ost_status load_bone(const app_state *app, ost_backend *backend, const char *nam
 /* Returns a word for the type of a file, such as "NRRD" or "text". For OST_FILE_UNKNOWN, returns "built in". */
 const char *load_kind_name(ost_file_kind kind);
 
-/* Converts the parsed options of a verb to those of ost_import. */
+/* Converts the parsed options of a verb to options of ost_import. */
 ost_status load_import_options(const app_state *app, const ct_options *ct, bool digests, ost_import_options *out,
                                ost_error *err);
-/* Converts the parsed DICOM options to those of ost_volume_read. */
+/* Converts the parsed DICOM options to options of ost_volume_read. */
 void load_dicom_options(const dicom_options *options, ost_volume_options *out);
 /* Prints a warning for each irregularity of a DICOM series that the reader found. */
 void load_warn_dicom(const app_state *app, const char *name, const ost_dicom_report *r);
@@ -153,7 +153,7 @@ ost_status load_tool_parts(const char *name, const tool_options *options, ost_me
 typedef enum load_kind { LOAD_CT, LOAD_BONE, LOAD_TOOL } load_kind;
 typedef struct loaded_volume {
     load_kind kind;
-    ost_volume volume;             /* voxels; a voxel of a tool has its class as value: 0, 1 or 2 */
+    ost_volume volume;             /* voxels; the value of a tool's voxel is its class: 0, 1 or 2 */
     ost_tool_geometry tool;        /* valid if `kind` is LOAD_TOOL */
     /* Lowest value of a solid voxel: the stored threshold for a bone, 1 for a tool, 120 for any other volume. */
     int32_t threshold;

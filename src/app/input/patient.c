@@ -83,7 +83,7 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
         status = ost_glenoid_side(axis, side, &left, err);
         if (status == OST_OK && side == OST_SIDE_UNKNOWN)
             status = ost_meta_set(meta, OST_META_SIDE, left ? "left" : "right", err);
-        /* Without a side in the header, verbs that need one require --side. */
+        /* If the header contains no side, verbs that need the side require --side. */
         if (status == OST_ERR_USAGE) {
             *err = (ost_error){0};
             status = OST_OK;

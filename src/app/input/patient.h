@@ -72,13 +72,13 @@ typedef struct patient_options {
 ost_status patient_check(app_state *app, const patient_options *options, ost_error *err);
 
 /*
- * Stores in meta the facts from the options and from the landmarks file that the options name. Reports unknown labels
- * in this file. Landmarks are proposed for `bone`. `name` is the name of the volume, for messages.
+ * Stores the facts from the options, and from the landmarks file that the options name, in meta. Reports unknown
+ * labels in this file. Landmarks are proposed for `bone`. `name` is the name of the volume, for messages.
  */
 ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
-/* Stores in meta the facts of all options --set KEY=VALUE, in their order. An empty VALUE removes the fact. */
+/* Stores the facts of all options --set KEY=VALUE in meta, in their order. An empty VALUE removes the fact. */
 ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
                        ost_meta *meta, ost_error *err);
 

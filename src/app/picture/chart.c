@@ -10,8 +10,8 @@
 
 enum { BACK = 0x201a16, INK = 0xf0e8e0, PALE = 0xb9b2aa, AMBER = 0x50c8ff, FULL = 256 }; /* 0xBBGGRR */
 /*
- * Lengths in pixels. CAPITAL and TITLE are the heights of capitals, LINE is the distance of baselines, and SQUARE is
- * the side of a coloured square.
+ * Lengths in pixels. CAPITAL and TITLE are the heights of capitals, LINE is the distance between baselines, and
+ * SQUARE is the side of a coloured square.
  */
 enum { CAPITAL = 11, TITLE = 15, LINE = 22, KEY_WIDTH = 128, SQUARE = 14, TITLE_BASELINE = 38 };
 

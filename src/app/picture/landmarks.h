@@ -10,8 +10,8 @@
 ost_status landmarks_subject(const ost_meta *meta, ost_view_subject *subject, ost_error *err);
 
 /*
- * Adds to the viewer's scene the landmarks of the subject, and the rim of the glenoid as found on the uncut bone.
- * Without a rim, only the landmarks are drawn. Returns OST_ERR_USAGE if the subject has no landmarks.
+ * Adds the landmarks of the subject, and the rim of the glenoid as found on the uncut bone, to the viewer's scene. If
+ * no rim is found, only the landmarks are drawn. Returns OST_ERR_USAGE if the subject has no landmarks.
  */
 ost_status landmarks_show(const ost_view_subject *subject, ost_viewer *viewer, ost_error *err);
 

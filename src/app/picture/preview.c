@@ -115,8 +115,8 @@ static int16_t voxel_of(const ost_volume *volume, const int32_t v[3])
 }
 
 /*
- * Returns the density of the CT at the centre of a voxel of the parts' grid. Outside the CT, the density is that of
- * air.
+ * Returns the density of the CT at the centre of a voxel of the parts' grid. Returns the density of air outside the
+ * CT.
  */
 static double density_at(const preview_input *in, const int32_t v[3])
 {

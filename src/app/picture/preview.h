@@ -35,7 +35,7 @@ typedef struct preview_input {
     const ost_volume *parts; /* labels of the CT's voxels, or the densities of a bone with cubic voxels */
     bool labels;             /* true if `parts` contains labels; voxels above 0 then belong to parts */
     int32_t threshold;       /* lowest density of bone */
-    bool nearest; /* true if each density is that of the nearest voxel of the CT; false if densities are interpolated */
+    bool nearest; /* true if densities are taken from the nearest voxel of the CT; false if they are interpolated */
     bool left_out;           /* true if dense voxels of the CT that belong to no part are shown in a colour */
     bool unoriented; /* true if the directions of the axes are only assumed; no orientation letters are then drawn */
     const ost_meta *meta;    /* facts about the patient: position and axis of the glenoid, and side */

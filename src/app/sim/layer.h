@@ -20,7 +20,7 @@ typedef struct sim_layer {
 void sim_layer_free(sim_layer *layer); /* accepts zero-initialized memory */
 /* Returns true if the layer has the given size. A layer of another size must be drawn again. */
 bool sim_layer_fits(const sim_layer *layer, int width, int height);
-/* Draws the HUD with these facts in place of the layer's contents. */
+/* Erases the layer, then draws the HUD with the given facts on it. */
 ost_status sim_layer_draw(sim_layer *layer, int width, int height, const sim_hud *hud, const sim_hud_facts *facts,
                           ost_error *err);
 /* Returns the layer for ost_viewer_show. It is valid until the layer is drawn again. */

@@ -14,8 +14,8 @@ ost_status export_removed(const app_state *app, const char *before, const char *
                           ost_error *err);
 
 /*
- * Replaces the voxels by a label map: 1 at or above the threshold, 0 elsewhere. The header facts become those of a
- * label map. If the volume already is a label map, it remains unchanged.
+ * Replaces the voxels by a label map: 1 at or above the threshold, 0 elsewhere. The header facts are changed to the
+ * facts of a label map. If the volume already is a label map, it remains unchanged.
  */
 ost_status export_labels(const char *name, loaded_volume *in, ost_error *err);
 
