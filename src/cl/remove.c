@@ -349,9 +349,9 @@ static ost_status write_input(plan *p, ost_error *err)
 }
 
 /*
- * Launches the removal kernel once without a block. This happens in an event whose boxes overlap no block, which a
- * world runs when a tool is added. Some drivers build a kernel for a group size only when the kernel is first launched;
- * this launch makes them build it before the operation.
+ * Launches the removal kernel once without a block. Some drivers build a kernel for a group size only when the kernel
+ * is first launched; this launch makes them build it before the operation. The function is called for an event whose
+ * boxes overlap no block. A world runs such an event when a tool is added.
  */
 static ost_status warm(plan *p, ost_error *err)
 {

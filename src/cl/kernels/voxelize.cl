@@ -193,12 +193,12 @@ __kernel void ost_vox_count(__global const ost_cl_vox *vox, __global const uchar
 
 /*
  * Computes the reach of each cell along one more axis.  After axis 0, the reach of a cell refers to
- * its row, after axis 1 to its slice, and after axis 2 to the grid.  The cells nearer than r to a
- * cell, along the axes processed so far and the new axis, have the cell's class iff each cell at
- * distance d < r along the new axis has this class and an old reach of at least r.  Therefore the
- * new reach is the least of these numbers: the cell's own old reach; d for each neighbour of a
- * different class; and max(d, old reach of the neighbour) for each neighbour of the same class.
- * Cells outside the grid are treated as empty cells with unlimited reach.
+ * its row, after axis 1 to its slice, and after axis 2 to the grid.  A cell has a new reach of at
+ * least r if every cell at a distance d < r along the new axis has the same class and an old reach
+ * of at least r.  Otherwise, its new reach is below r.  Therefore the new reach is the least of these
+ * numbers: the cell's own old reach; d for each neighbour of a different class; and max(d, old reach
+ * of the neighbour) for each neighbour of the same class.  Cells outside the grid are treated as
+ * empty cells with unlimited reach.
  */
 __kernel void ost_tool_reach(__global const ost_cl_tool *tool, __global const uchar *from, __global uchar *to)
 {

@@ -331,10 +331,11 @@ static bool add_window(line_store *store, const uint64_t word[WORDS], size_t lin
 }
 
 /*
- * Returns the coarsest step of windows of this edge for this ratio, or 0 if no step is possible. A brick's coordinates
- * span at most 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a
- * tool axis. The span must be below edge - step voxels, so that a brick overlaps at most edge + 1 - step voxels. Only
- * steps by which the kernels divide exactly (x86/window_avx512.h) are used.
+ * Returns the coarsest possible step of windows with the given edge, or 0 if no step is possible. `ratio` is the size
+ * of a bone voxel in tool voxels, times 2^20 (ost_shape_make). A brick's coordinates span at most
+ * 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a tool axis.
+ * The span must be below edge - step voxels, so that a brick overlaps at most edge + 1 - step voxels. Only steps by
+ * which the kernels divide exactly (x86/window_avx512.h) are used.
  */
 static int32_t window_step(int32_t ratio, int32_t edge)
 {

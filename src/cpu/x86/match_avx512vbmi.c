@@ -113,8 +113,8 @@ void ost_match_carries_avx512vbmi(ost_match *match)
    thresholds of this group. The tables are rotated so that the result of each step is the index for the next step. */
 typedef struct rank_tables {
     /*
-     * greatest thresholds of the groups; element 0 belongs to group 7 in `middle`, 3 in `quarter`, 1 in `eighth` and 0
-     * in `last`
+     * The greatest thresholds of the groups, rotated. Element 0 is the threshold of group 7 in `middle`, of group 3 in
+     * `quarter`, of group 1 in `eighth`, and of group 0 in `last`.
      */
     __m512i middle, quarter, eighth, last;
     __m512i group[3];

@@ -90,7 +90,7 @@ static inline __m256i two_vertices(const ost_snapped_mesh *mesh, const uint32_t 
     return _mm256_inserti128_si256(_mm256_castsi128_si256(p0), p1, 1);
 }
 
-/* The same function as bounds_meet_rows in voxelize_avx512.c, for two triangles at a time. */
+/* Computes the same result as bounds_meet_rows in voxelize_avx512.c, two triangles at a time. */
 static inline unsigned bounds_meet_rows(const ost_vox_tile *tile, const uint32_t *t)
 {
     const __m256i h = _mm256_set1_epi32(1 << (tile->f - 1)), h1 = _mm256_set1_epi32((1 << (tile->f - 1)) - 1);
@@ -165,7 +165,7 @@ static inline __m256i count_bytes(__m256i v)
 
 enum { WORDS = 4 }; /* words per vector */
 
-/* The same function as fill_blocks in voxelize_avx512.c, for four words at a time. */
+/* Computes the same result as fill_blocks in voxelize_avx512.c, four words at a time. */
 static inline bool fill_vectors(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                 uint64_t *bits, bool *marked, __m256i *counts)
 {
