@@ -177,7 +177,7 @@ ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume
 
 /*
  * Checks that `path` has one of the extensions in `ends`, such as "nrrd|nii|nii.gz|txt", and that its folder exists.
- * Called before any work. An existing file is later replaced without a warning.
+ * Called before any work is done. An existing file is later replaced without a warning.
  */
 ost_status out_check(app_state *app, const char *path, const char *ends, ost_error *err);
 bool ends_with(const char *path, const char *end);

@@ -10,7 +10,7 @@
 
 /*
  * Checks the file name of a preview, and checks that pictures can be written. The file name may be NULL. Begins to
- * record warnings. Called before any work.
+ * record warnings. Called before any work is done.
  */
 ost_status preview_check(app_state *app, const char *path, ost_error *err);
 

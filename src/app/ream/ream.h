@@ -25,7 +25,7 @@ typedef struct ream_args {
     const char *debrief, *max_gap;
     ost_path_options gaps; /* options for gaps, parsed from max_gap */
     option_decimal rate;
-    int64_t period_ns; /* time between two removals, from --rate; 0 means that every tick removes */
+    int64_t period_ns; /* time between two removals, from --rate; 0 means that every tick removes bone */
     int64_t rpm;
     bool rpm_given;
     ost_density_classes classes; /* density classes, parsed from classes_text; if count is 0, the defaults apply */

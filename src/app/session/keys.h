@@ -24,8 +24,8 @@ typedef struct session_setup {
 } session_setup;
 
 /*
- * Makes a header. `bone` and `tools` must be in their state before the first tick. `device` is "path" or the name of
- * a driver.
+ * Makes a header. Must be called before the first tick, because the header contains digests of `bone` and `tools`.
+ * `device` is "path" or the name of a driver.
  */
 ost_status session_keys_make(const session_setup *setup, ost_backend *backend, const ost_bone *bone,
                              ost_tool *const *tools, const char *device, ost_session_header **out, ost_error *err);

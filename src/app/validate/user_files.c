@@ -4,7 +4,7 @@
  * a bundle by size and digest. For a rerun, the recorded files are identified among the given files.
  *
  * This source file has more than 500 lines, because the code that reads a file and the code that writes and compares
- * the record of this file must treat the same options.
+ * the record of this file depend on the same options.
  */
 #include "app/validate/user_files.h"
 
