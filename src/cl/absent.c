@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The `cl` backend in a build without OpenCL. It only reports why it is unavailable. */
+/* The `cl` backend in a build without OpenCL. The backend only reports why it is unavailable. */
 #include "core/backend.h"
 
 #include <stdio.h>

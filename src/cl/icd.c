@@ -2,8 +2,8 @@
 /*
  * Finds the reason why the loader reports no platform, for a message to the user.  A
  * loader silently skips drivers that it cannot load.  The functions of this file read
- * the loader's folder of .icd files, each of which has one line with the name of a
- * driver's library, and try to load each library.
+ * the .icd files in the loader's folder and try to load the driver's library that each
+ * file names.  An .icd file consists of one line with the name of the library.
  */
 #include "cl/choice.h"
 

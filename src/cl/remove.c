@@ -13,7 +13,7 @@
  * corners of the block all lie on one side of the grid.
  *
  * The entries of a launch have at most ENTRIES_BYTES.  An event with more entries is
- * divided into several launches of complete blocks.  This affects only the time,
+ * divided into several launches of complete blocks.  The division affects only the time,
  * because chunks are independent of each other.
  */
 #include "cl/mirror.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads single voxels of a bone. They are read from a copy in host memory, the mirror. */
+/* Reads single voxels of a bone from the mirror, which is a copy of the voxels in host memory. */
 #include "cl/mirror.h"
 
 #include <stdlib.h>

@@ -164,7 +164,7 @@ typedef struct ost_cl_cubic {
  *   that was resampled only along z is read from the original grid, and equal slices are read only once.  If weights
  *   >= 0 (and first >= 0), slice k is the mean of slice layers[first + k - z0] and the next slice of the slab.  The
  *   weight of the next slice is layers[weights + k - z0] / 2^15.  If this weight is 0, the next slice may not exist.
- *   The buffer `layers` has no further elements, and its slice numbers ascend.  It is not used if first < 0.
+ *   The buffer `layers` has no further elements, and its slice numbers ascend.  The buffer is not used if first < 0.
  *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the number of the
@@ -439,14 +439,14 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
 /*
  * skip[r]: if the cell of a voxel has the reach r, the next skip[r] voxels of the row, at most 15,
  * certainly have the class of this cell.  Let m be the greatest |step[0][a]|. At a distance of j voxels, a coordinate
- * differs by at most j m, so its tool voxel differs by at most floor(j m / 2^20) + 1. This is < r if
+ * differs by at most j m, so its tool voxel differs by at most floor(j m / 2^20) + 1. This number is < r if
  * j m < (r - 1) 2^20. m <= 2^24 + 1, so all these values are below 2^29.
  *
  * complete[c]: the least reach r with which the cell at the middle of a cube of e = 4 << c voxels
  * per edge determines the class of the entire cube.  The middle is the first voxel's coordinate
  * plus (e - 1) / 2 of the three steps, rounded to integer units.  Let t be the sum of the three |step[b][a]|. A
  * coordinate of the cube differs from that of the middle by at most d = ((e - 1) t + 1) / 2, so its tool voxel differs
- * by at most floor(d / 2^20) + 1. This must be < r. 15 t < 2^29 (AR-MAP-5).
+ * by at most floor(d / 2^20) + 1. This number must be < r. 15 t < 2^29 (AR-MAP-5).
  *
  * planes: along an axis, the coordinates of a brick are at most 3 t above the least coordinate. The brick's tool voxels
  * are therefore the voxel of the least coordinate and at most floor(3 t / 2^20) + 1 further voxels. A window begins

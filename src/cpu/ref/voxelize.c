@@ -129,7 +129,7 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        /* The sum starts at the total of all steps of the row. It is 0 or, with the parity rule, even. */
+        /* The sum starts at the total of all steps of the row, which is 0 or, with the parity rule, even. */
         winding += steps[i];
         if (winding & mask)
             row[i] = tool_class;

@@ -315,8 +315,8 @@ typedef struct places {
 } places;
 
 /*
- * Returns the mask of the lanes whose c is near a tie. This is the case if bit (c >> LOW >> 3) % 1024 of
- * `near` is set. The rotation instruction uses its count modulo 32.
+ * Returns the mask of the lanes whose c is near a tie. A value c is near a tie if bit (c >> LOW >> 3) % 1024
+ * of `near` is set. The rotation instruction uses its count modulo 32.
  */
 static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 {
