@@ -93,8 +93,8 @@ static void write_still(film *f, const job *j)
 }
 
 /*
- * Repeats the previous frame until the video has `index` frames. This fills the intervals for which no frame was
- * passed.
+ * Repeats the previous frame until the video has `index` frames. The repeated frames fill the time for which no frame
+ * was passed.
  */
 static ost_status repeat_until(film *f, int64_t index, ost_error *err)
 {

@@ -50,7 +50,7 @@ static uint32_t at_most_32(uint64_t n)
 }
 
 /*
- * Returns true if the result of the latest step equals the recorded result. This includes the digest and the other
+ * Returns true if the result of the latest step equals the recorded result. Compares the digest and the other
  * fields of a recorded tick.
  */
 bool replay_as_recorded(const replay *r, const ost_session_tick *tick)

@@ -23,7 +23,7 @@ bool sim_layer_fits(const sim_layer *layer, int width, int height);
 /* Erases the layer, then draws the HUD with the given facts on it. */
 ost_status sim_layer_draw(sim_layer *layer, int width, int height, const sim_hud *hud, const sim_hud_facts *facts,
                           ost_error *err);
-/* Returns the layer for ost_viewer_show. It is valid until the layer is drawn again. */
+/* Returns the layer for ost_viewer_show. The result is valid until the layer is drawn again. */
 ost_gl_sheet sim_layer_sheet(const sim_layer *layer);
 /* Clears `changed`. Must be called after the layer was shown. */
 void sim_layer_shown(sim_layer *layer);

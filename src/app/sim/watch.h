@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints the progress and the state of the recorder. This happens on a thread of normal priority while the servo
- * thread runs.
+ * Prints the progress and the state of the recorder. A thread of normal priority prints them while the servo thread
+ * runs.
  */
 #ifndef OST_APP_SIM_WATCH_H
 #define OST_APP_SIM_WATCH_H
