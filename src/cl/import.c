@@ -149,8 +149,8 @@ ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geomet
         .z1 = geometry->dims.z,
     };
     /*
-     * If the two grids have the same spacing along an axis, each voxel is computed only from the source voxel with the
-     * same index, with every resampling rule, because the weight of the upper neighbour is 0.
+     * Along an axis on which the two grids have the same spacing, every resampling rule computes a voxel only from the
+     * source voxel with the same index; the weight of the upper neighbour is 0.
      */
     const bool z_alone = geometry->spacing.x == r->spacing.x && geometry->spacing.y == r->spacing.y;
     const bool linear = rule == OST_RESAMPLE_LINEAR;

@@ -305,7 +305,7 @@ static ost_status launch(const plan *p, size_t blocks, ost_error *err)
                          OST_CL_ARG(s->reports_device));
 }
 
-/* Enqueues the transfer of the event and its arrays as one buffer. Ensures the size of the reports' buffer. */
+/* Enqueues the transfer of the event and its arrays as one buffer. Enlarges the buffer for the reports if needed. */
 static ost_status write_input(plan *p, ost_error *err)
 {
     struct ost_cl_event_scratch *s = p->s;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The tools of the `cl` backend. A tool has a class, one uint8, for each voxel, and cells, which
- * removal reads. A cell is a class together with its reach (kernels/shared.h).
+ * The tools of the `cl` backend. For each voxel, a tool has a class (one uint8) and a cell, which
+ * removal reads. A cell is the class together with the voxel's reach (kernels/shared.h).
  */
 #include "cl/objects.h"
 

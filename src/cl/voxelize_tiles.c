@@ -147,10 +147,10 @@ static void set_size(ost_cl_tiles *tiles, tile_size size)
 }
 
 /*
- * Chooses the size of tiles. First, the number of rows of a tile and the number of slices of a pass are chosen so that
- * the scratch memory of a pass fits into the cache, and the number of slices of a tile so that the grid has at least
- * BANDS tiles along z if it has enough slices. Tiles and layers are then enlarged until the scratch memory of all tiles
- * and the lists are small enough.
+ * Chooses the size of tiles. The number of rows of a tile and the number of slices of a pass are chosen so that the
+ * scratch memory of a pass fits into the cache. The number of slices of a tile is chosen so that there are at least
+ * BANDS tiles along z, if the grid has enough slices. Tiles and layers are then enlarged until the scratch memory of
+ * all tiles and the lists are small enough.
  */
 static tile_size choose_size(const cl_backend *b, ost_cl_tiles *tiles, mesh_bins bins[2])
 {

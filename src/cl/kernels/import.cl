@@ -2,11 +2,11 @@
 /*
  * Converts the samples of a CT text to the rect grid (AR-CT-4..6), as described in
  * shared.h.  Three launches are needed, because the sample that determines a voxel is
- * known only after all samples have been compared.  The element of a voxel in `owner`:
+ * known only after all samples have been compared.  Each voxel has an element in `owner`:
  *
- *   claim     is set to the greatest key of the voxel's samples
- *   place     selects the sample that writes the voxel (for max, a flag is set too)
- *   check     is set to 0 again
+ *   claim     sets the element to the greatest key of the voxel's samples
+ *   place     selects the sample that writes the voxel (for max, also sets a flag)
+ *   check     sets the element to 0 again
  *
  * Ranges.  |p|, |origin| <= 8 * 10^12, so |p - origin| < 2^44 and, with
  * spacing <= 10^11, |index * spacing| < 2^45.  off <= spacing / 2, so

@@ -22,8 +22,8 @@ static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 
 /*
  * Fills the table of bone axis b and tool axis a. `start` is the exact coordinate of the first block. From one
- * block to the next, the coordinate increases by 16 columns, which are added as a quotient and a
- * remainder: 16 column = (16 step) divisor + 16 e with e = column - step divisor, |e| <= divisor / 2.
+ * block to the next, the coordinate increases by 16 times the map's column[b][a] (ost_map), which is added as a
+ * quotient and a remainder: 16 column = (16 step) divisor + 16 e with e = column - step divisor, |e| <= divisor / 2.
  */
 static void fill(ost_block_bases *bases, const ost_divider *by, int b, int a, ost_i128 start)
 {
