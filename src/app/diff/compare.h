@@ -96,7 +96,7 @@ ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const di
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
-/* Returns true if nothing states how the axes of the grid are oriented in the patient. */
+/* Returns true if the orientation of the grid's axes in the patient is not known. */
 bool diff_unoriented(const loaded_volume *in);
 
 /* Writes the result as a self-contained HTML page (html.c). */

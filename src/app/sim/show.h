@@ -2,7 +2,7 @@
 /*
  * Renders an operation while the servo loop runs.
  *
- *   operation --ost_live_channel--> viewer --camera--> frames      in a window, or on a separate thread without one
+ *   operation --ost_live_channel--> viewer --camera--> frames  in a window or, without a window, on a separate thread
  *
  * The show starts from the bone at the time of its creation and follows all later changes.
  */
