@@ -317,6 +317,21 @@ static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_re
 }
 
 /*
+ * Initialises an element of the list of chunks. Of its two tallies, only the elements that the kernels change are set
+ * to 0, because clearing both tallies of every chunk would take 4 % of the time of a tick.
+ */
+static void list_chunk(ost_event_chunk *out, int32_t index, const int32_t first[3], cpu_chunk *chunk, int classes)
+{
+    out->index = index;
+    memcpy(out->first, first, sizeof out->first);
+    out->chunk = chunk;
+    out->occupancy = chunk->occupancy;
+    for (int c = 0; c < classes; c++)
+        out->tally.voxels[c] = out->tally.density[c] = 0;
+    out->touched.voxels[0] = out->touched.density[0] = 0;
+}
+
+/*
  * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all poses are
  * listed. Reserves memory for the bases of the longest box along each axis.
  */
@@ -324,14 +339,14 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *eve
                               ost_error *err)
 {
     const int32_t n = bone->base.chunk_size;
-    int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {0, 0, 0}, blocks[3] = {0, 0, 0}, first[3], last[3];
+    int32_t lo[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, hi[3] = {0, 0, 0}, blocks[3] = {0, 0, 0}, begin[3], end[3];
     for (int p = 0; p < event->pose_count; p++) {
         ost_voxel_box box;
         if (!clip_box(&event->boxes[p], bone->base.geometry.dims, &box))
             continue;
-        block_range(&box, first, last);
+        block_range(&box, begin, end);
         for (int a = 0; a < 3; a++) {
-            blocks[a] = max32(blocks[a], last[a] - first[a]);
+            blocks[a] = max32(blocks[a], end[a] - begin[a]);
             lo[a] = min32(lo[a], box.lo[a] / n);
             hi[a] = max32(hi[a], (box.hi[a] - 1) / n + 1);
         }
@@ -352,8 +367,8 @@ static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *eve
                     scratch->chunks = grown;
                     scratch->capacity = capacity;
                 }
-                scratch->chunks[scratch->count++] = (ost_event_chunk){
-                    .index = index, .first = {x * n, y * n, z * n}, .chunk = chunk, .occupancy = chunk->occupancy};
+                const int32_t first[3] = {x * n, y * n, z * n};
+                list_chunk(&scratch->chunks[scratch->count++], index, first, chunk, event->classes->count);
             }
     return ost_block_bases_reserve(&scratch->plan.bases, blocks, err);
 }
