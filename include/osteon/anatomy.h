@@ -78,8 +78,9 @@ typedef struct ost_scapula_landmarks {
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*
-     * The uncertainty of the proposal. A spread is the maximum change of a value in these variants: the surface is
-     * moved inward or outward, only the even or only the odd directions of the rim are used, or the grid is coarser.
+     * The uncertainty of the proposal. A spread is the maximum change of a value when the search is repeated in these
+     * variants: the surface is moved inward or outward, only the even or only the odd directions of the rim are used,
+     * or the grid is coarser.
      */
     double rim_share;      /* share of the directions in which the rim was found */
     double rim_residual_mm; /* RMS distance of the rim from its plane */
@@ -96,7 +97,8 @@ OST_API ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, cons
 
 /*
  * Finds the rim of a glenoid, given its centre (mm) and its inward axis. The result has up to OST_RIM_MAX
- * positions, ordered around the axis. Returns OST_ERR_INPUT if the volume ends before the glenoid.
+ * positions, ordered around the axis. Returns OST_ERR_RANGE if a coordinate of the centre is beyond 8 m or the axis is
+ * not a direction, and OST_ERR_INPUT if the region around the centre is outside the volume.
  */
 OST_API ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centre_mm[3], const double axis[3],
                                         ost_pm3 rim[OST_RIM_MAX], int *count, ost_error *err);

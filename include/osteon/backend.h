@@ -183,8 +183,8 @@ OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_res
 
 /*
  * Creates a bone from a cubic grid (AR-CHK). Voxels whose density is at least threshold are active; all other
- * voxels are stored as 0. chunk_size is 16, 32 or 64, and 1 <= threshold <= 32767; otherwise the function returns
- * OST_ERR_USAGE or OST_ERR_RANGE. Returns OST_ERR_USAGE if the voxels are not cubes. The caller frees *out.
+ * voxels are stored as 0. Returns OST_ERR_USAGE if the voxels are not cubes or chunk_size is not 16, 32 or 64, and
+ * OST_ERR_RANGE if threshold is not within 1 to 32767. The caller frees *out.
  */
 OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                        ost_error *err);

@@ -48,7 +48,7 @@ typedef struct ost_difference {
 } ost_difference;
 
 /*
- * Classifies the difference between the voxels of a, which are correct, and those of b. Spacing and origin are not
+ * Classifies the difference between two grids. The voxels of a are assumed to be correct. Spacing and origin are not
  * compared. If the dims differ, only the exchange of axes is checked. Returns OST_ERR_USAGE if a volume has no voxels,
  * if the dims of `before` differ from those of a, or if the chunk size is not 16, 32 or 64. Returns OST_ERR_RANGE if a
  * threshold is not within 0 to 32767.

@@ -7,8 +7,8 @@
  *                     |             '--shell--> bone's densities
  *                     '--> force --safety--> device
  *
- * The tool's surface is a shell of points with inward normals.  A point touches
- * bone if the voxel one voxel outward of it is active.  There are two force laws:
+ * The tool's surface is a shell of points with inward normals.  A point touches bone if the position one voxel outward
+ * of the point lies in an active voxel.  There are two force laws:
  *
  *   energy    A spring and a damper couple the tool to the device.  The pressure of a
  *             cutting point on bone determines the point's cutting power.  The point
@@ -162,7 +162,7 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    /* maximum force in N and maximum torque in N m; the limits are approached smoothly */
+    /* maximum force in N and maximum torque in N m; small values hardly change, and large values approach the limits */
     double max_force_n, max_torque_nm;
     double slew_n;              /* maximum change of the force in one tick, in N */
     double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */

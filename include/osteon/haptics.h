@@ -32,7 +32,7 @@ enum {
     OST_HAPTIC_TOOL = 8,        /* the device reports which tool is in use */
     OST_HAPTIC_OWN_CLOCK = 16,  /* the device calls the tick function on its own thread */
     OST_HAPTIC_LOGICAL = 32,    /* the device's poses depend only on the tick number, not on time */
-    OST_HAPTIC_SHOWN = 64       /* the device accepts and displays forces, but does not render them */
+    OST_HAPTIC_SHOWN = 64       /* the force is displayed by viewers but is not rendered by the device */
 };
 
 /*
@@ -43,7 +43,7 @@ typedef enum ost_action {
     OST_ACTION_NONE,
     OST_ACTION_MOTOR,        /* the motor is on while the button is held */
     OST_ACTION_SWITCH,       /* each press switches the motor on or off */
-    OST_ACTION_TOOL,         /* each press selects the next tool, whose first pose is the device's pose */
+    OST_ACTION_TOOL,         /* each press selects the next tool, which starts at the device's pose */
     OST_ACTION_CLUTCH,       /* while the button is held, the tool does not move and the device moves freely */
     OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
     OST_ACTION_COUNT
@@ -106,7 +106,7 @@ typedef struct ost_haptic_setup {
  *   null              does not move
  *   script            follows a path, one row per tick
  *   replay            repeats the ticks of a session
- *   sim               simulates a device of 60 g with friction and encoders in a hand that follows a path:
+ *   sim               simulates a device of 60 g with friction and encoders, held by a hand that follows a path:
  *                     grip=light|normal|firm (normal), seed=N (1), tremor=UM (0), friction=MN (260)
  *   motion:FILE       recorded motion of a tracked hand (docs/reference/devices.md), plain or gzip: scale=PERCENT (5),
  *                     gap=MS, jump=MM (both are derived from the rows of the file by default)
@@ -163,7 +163,7 @@ OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
-    /* tracking is lost; when tracking resumes, the device continues from the last pose of the tool */
+    /* tracking is lost; afterwards, the tool continues from its last pose, unless the first new pose is lifted */
     OST_HAPTIC_NOT_TRACKED,
     OST_HAPTIC_ENDED, /* the input, for example a path, has ended; no more poses will follow */
     OST_HAPTIC_LOST   /* the device failed or was unplugged; no more poses will follow */
@@ -198,8 +198,8 @@ OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *
 OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
 
 /*
- * The input of the `mouse` device.  A window's thread sets a pose.  The device follows this pose smoothly, and no
- * faster than an operation accepts.  Setting and reading the pose are wait-free.  Only one thread may call
+ * The input of the `mouse` device.  A window's thread sets a pose. The device follows this pose smoothly, at a speed
+ * that an operation accepts.  Setting and reading the pose are wait-free.  Only one thread may call
  * ost_mouse_input_put.
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the `mouse` device */

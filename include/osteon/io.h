@@ -5,7 +5,7 @@
  * Input files may be malicious. Every reader reports an error in one line that contains the file, the line or
  * offset, the value, and the expected value. Memory is bounded by the size of the resulting grid, not by the size
  * of the file. An output file appears under its name only when it is complete. Until then, it is an unnamed or
- * temporary file in the same folder; when it is synced, it gets its name.
+ * temporary file in the same folder; it gets its name after it has been synced.
  *
  * If the content of a file has a signature, the signature determines the kind of the file. If not, the name does. Text
  * is read in the C locale, regardless of the program's locale.
@@ -37,14 +37,15 @@ typedef enum ost_file_kind {
 /*
  * Determines the kind of a file by its content. If the content has no signature, the name determines the kind. A
  * folder is a stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, and its
- * files are not examined further. For a format that osteon does not read, such as a compressed file, returns
- * OST_ERR_INPUT with a message that names a program for its conversion.
+ * files are not examined further. Returns OST_ERR_INPUT for a format that osteon does not read, for example a
+ * compressed file; the message names a program that converts the file.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
 /* --------------------------------------------------------------- volumes */
 
-/* The properties of a DICOM series that was read. docs/reference/dicom.md describes how each case is treated. */
+/* The properties of a DICOM series that was read. docs/reference/dicom.md describes how the files, images and pixels
+ * that are counted here are treated. */
 typedef struct ost_dicom_report {
     int64_t images;         /* number of slices that were read; 0 if the volume is not DICOM */
     int64_t other_files;    /* number of files without a DICOM image, which were ignored */
@@ -95,7 +96,8 @@ typedef struct ost_volume_options {
     bool even_slices; /* for DICOM: true to resample unevenly spaced slices (linear), which are otherwise an error */
     bool untilt;            /* for DICOM: true to shear tilted slices back (linear), which are otherwise an error */
     bool nan_as_air;        /* true to convert NaN to -1024 HU, the density of air; NaN is otherwise an error */
-    ost_pm3 stack_spacing;  /* for a stack, which states no spacing: spacing of columns, rows and slices */
+    ost_pm3 stack_spacing;  /* for a stack, whose spacing is not read from the files: spacing of columns, rows and
+                             * slices */
     ost_progress *progress; /* called with the stage "reading"; may be NULL */
     void *progress_user;
 } ost_volume_options;
@@ -153,8 +155,9 @@ OST_API void ost_dicom_list_free(ost_dicom_list *list);
 
 typedef struct ost_write_options {
     bool compress;        /* true to compress .nrrd by gzip; .nii.gz is always compressed */
-    int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects as many as the positions need */
-    /* for .txt: true to write no lines for voxels of density 0; a reader then finds the bounding box of the remaining
+    int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects the smallest number that represents all
+                           * positions exactly */
+    /* for .txt: true to omit voxels of density 0; the grid read from the file is then the bounding box of the other
      * voxels */
     bool omit_empty;
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */

@@ -40,15 +40,15 @@ typedef struct ost_metrics_plan {
 } ost_metrics_plan;
 
 /*
- * Size of the surface maps. A map is centred on the plan's axis and has OST_METRICS_MAP^2 cells at distances of
- * OST_METRICS_PITCH_MM.
+ * Size of the surface maps. A map is centred on the plan's axis and has OST_METRICS_MAP^2 cells. Adjacent cells are
+ * OST_METRICS_PITCH_MM apart.
  */
 enum { OST_METRICS_MAP = 81 };
 #define OST_METRICS_PITCH_MM 0.5
 
 /* The role of a tool in the metrics. */
 typedef enum ost_metrics_tool_kind { OST_METRICS_REAMER, OST_METRICS_DRILL, OST_METRICS_OTHER } ost_metrics_tool_kind;
-/* Width of the cutting part from which on a tool is a reamer. */
+/* Minimum width of a reamer's cutting part. */
 #define OST_METRICS_REAMER_MM 16.0
 /* Properties of a tool that the metrics use. */
 typedef struct ost_metrics_tool {
@@ -60,10 +60,10 @@ typedef struct ost_metrics_tool {
 /*
  * Determines the properties of a tool from its cutting voxels. A tool that is at least OST_METRICS_REAMER_MM wide is
  * a reamer. A narrower tool that is at least twice as long as wide is a drill. All other tools, and tools without
- * cutting voxels, are of the third kind. The length is measured along z, and the width is the larger of the sizes
- * along x and y. The tool's axis is the z axis of its frame if this axis passes through the cutting part; otherwise,
- * it passes through the middle of the cutting part. The tip is the lowest point of the cutting part on this axis.
- * Returns an error if the tool cannot be copied to host memory.
+ * cutting voxels, have the kind OST_METRICS_OTHER. The length is measured along z, and the width is the larger of the
+ * sizes along x and y. The tool's axis is the z axis of its frame if this axis passes through the cutting part;
+ * otherwise, it passes through the middle of the cutting part. The tip is the lowest point of the cutting part on this
+ * axis. Returns an error if the tool cannot be copied to host memory.
  */
 OST_API ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, ost_error *err);
 /*
@@ -152,7 +152,7 @@ typedef struct ost_metrics {
      */
     double hole_wall_mm;
     bool hole_breach;    /* true if the hole perforates the wall at a depth of at least 6 mm below the face */
-    /* Maps of the positions of both surfaces along w; NAN where there is no bone. */
+    /* Maps of the positions, along w, of the surfaces before and after the operation; NAN where there is no bone. */
     float before_mm[OST_METRICS_MAP * OST_METRICS_MAP], after_mm[OST_METRICS_MAP * OST_METRICS_MAP];
     float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* map of the depth below the native face; NAN where no bone
                                                         * was exposed */

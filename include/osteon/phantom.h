@@ -59,8 +59,8 @@ typedef enum ost_tool_kind { OST_TOOL_REAMER, OST_TOOL_PEG, OST_TOOL_BURR, OST_T
 
 /*
  * A part of a tool: the complete tool, its cutting part (head) or its non-cutting part (shaft).
- * The shaft of a reamer is the hub behind its back; the shaft of a burr starts at the centre of the
- * sphere.  The union of head and shaft is the complete tool.  A peg has no shaft.
+ * The shaft of a reamer is the hub on the back of its head; the shaft of a burr starts at the centre of the sphere.
+ * The union of head and shaft is the complete tool.  A peg has no shaft.
  */
 typedef enum ost_tool_part { OST_TOOL_COMPLETE, OST_TOOL_HEAD, OST_TOOL_SHAFT } ost_tool_part;
 

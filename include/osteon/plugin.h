@@ -157,7 +157,7 @@ typedef struct ost_plugin_int128 {
  *
  *   exact     (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *             in units of 2^-20 tool voxel
- *   integer   block_base of the host, and step; these integers define the result
+ *   integer   the base from the host's block_base, and step; these integers define the result
  *   affine    affine[a][0..2] (i, j, k) + affine[a][3] in tool voxels: the doubles
  *             nearest to the exact map, for plugins that compute in floating point
  */
@@ -380,7 +380,7 @@ typedef struct ost_plugin {
                     const ost_plugin_raw_mesh *mesh, ost_plugin_snapped *made, ost_plugin_error *error);
     /*
      * Computes the poses and maps of an event (AR-SWEEP-1 to 4, AR-MAP-1 to 3). Calls in->add once for each pose,
-     * in order. If the slot returns an error of its own, it must not have called in->add.
+     * in order. An error that the slot itself detects must be returned before the first call of in->add.
      */
     int32_t (*steps)(ost_plugin_instance *self, const ost_plugin_steps *in, ost_plugin_error *error);
 } ost_plugin;
