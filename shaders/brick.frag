@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Steps along the ray through the cells of a brick, one per voxel, up to the first with an exposed face (Amanatides and
- * Woo 1987). In a regular grid, the distances of their centres order bricks along every ray, as they order voxels.
+ * Woo 1987). In a regular grid, every ray meets the bricks in the order of the distances from the eye to their centres;
+ * the same applies to voxels.
  *
  * A voxel that is drawn as a single point is slightly wider than a cell. Therefore, if the ray passes close to an edge
  * of a cell, the shader tests every voxel of the brick like point.frag, and uses the nearest one that is hit.
@@ -16,7 +17,8 @@ out vec4 kept;
 out uvec2 kept; /* first word: colour | face << 24; second word: depth */
 #endif
 
-/* distance in voxels, above the sum of a voxel's enlargement and the rounding error */
+/* distance from an edge, in voxels, below which a ray counts as close; greater than the sum of a voxel's enlargement
+ * and the rounding error */
 const float CLOSE = 4e-4;
 
 uint ones(uint v)
@@ -85,7 +87,7 @@ void main()
         bvec3 least = equal(next, vec3(first));
         /*
          * Detects that the ray crosses two planes at almost the same distance. `apart` is the difference of the two
-         * distances, divided by the larger of the ray's lengths within a cell along the two axes.
+         * distances, divided by the larger of the two lengths of the ray between adjacent planes of an axis.
          */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lights the face at each pixel. The first layer fills the frame; a later layer replaces only pixels at which it is
- * nearer.
+ * Lights the face at each pixel. The first layer fills the frame; a later layer replaces a pixel only if the layer is
+ * nearer at this pixel.
  */
 uniform usampler2D seen;
 out vec4 colour;

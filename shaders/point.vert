@@ -22,7 +22,7 @@ flat out vec3 o;
 
 /*
  * Places a vertex where it is invisible: outside the clip volume or, without TRUE_DEPTH, on the far plane, where it
- * fails every depth test. The latter avoids clipping, which is slow in software.
+ * fails every depth test. A vertex on the far plane need not be clipped, which would be slow in software.
  */
 void nowhere()
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes a pixel of a visible face. As in face.glsl, the depth is that at which the ray crosses the plane of the face.
+ * Writes a pixel of a visible face. As in face.glsl, the depth is that of the point at which the ray crosses the plane
+ * of the face.
  */
 flat in uint tint; /* 0xBBGGRR */
 flat in uint face;

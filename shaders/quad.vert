@@ -31,7 +31,7 @@ void main()
     PRECISE vec3 base = vec3(page.xyz) - eye_at.xyz;
     PRECISE vec3 centre = base + vec3(voxel);
     o = centre;
-    /* A face that is turned away, or whose voxel the near plane cuts, is placed where it is invisible. */
+    /* A face is placed where it is invisible if it is turned away from the eye or if the near plane cuts its voxel. */
     float toward = side == 1u ? -o[axis] : o[axis];
     gl_Position = vec4(0.0, 0.0, 1.0, 1.0);
     if (!(toward > 0.5) || !(dot3(eye_forward.xyz, o) - eye_forward.w > axis_2.w))

@@ -43,8 +43,8 @@ float sphere(vec4 a, vec4 b)
 }
 
 /*
- * Computes the centre and the size of the square in pixels. Returns false unless the sphere is completely beyond the
- * eye's plane.
+ * Computes the centre and the size of the square in pixels. Returns false unless the sphere is completely in front of
+ * the eye.
  */
 bool square_of(vec3 o, out vec2 middle, out float size)
 {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Copies a picture to a framebuffer, in which row 0 is the bottom row, and blends a sheet over it.
+ * Copies a picture to a framebuffer, in which row 0 is the bottom row, and blends a sheet (a layer of letters and
+ * boxes) over the picture.
  *
  * If ANTIALIASED is 1, edges are smoothed by the method of src/render/points/antialias.c. Functions of the same names
- * compute the same integers, so the colours are bit-identical. Sides are computed from the pixels when needed instead
- * of being stored.
+ * compute the same integers, so the colours are bit-identical. antialias.h defines the terms side and run. Sides are
+ * computed from the pixels when needed instead of being stored.
  */
 uniform sampler2D picture;
 uniform sampler2D sheet;
@@ -32,7 +33,8 @@ int side(ivec2 p, ivec2 to)
     return any(greaterThanEqual(abs(pixel(p) - pixel(p + to)), ivec3(LEAST))) ? 1 : 0;
 }
 
-/* Returns the number of further sides of the run in the direction `along`, limited to RUN + 1. */
+/* Returns the number of sides by which the run extends beyond the side between p and p + across in the direction
+ * `along`, limited to RUN + 1. */
 int run_of(ivec2 p, ivec2 across, ivec2 along)
 {
     int n = 0;
@@ -48,8 +50,9 @@ int share_of(int before, int after)
 }
 
 /*
- * Takes the side between the pixels p and p + across. Returns the weight with which the second pixel is mixed into the
- * first if `sign` is 1, or the first into the second if `sign` is -1.
+ * Computes a weight for the side between the pixels p and p + across. If `sign` is 1, this is the weight with which the
+ * second pixel is mixed into the first. If `sign` is -1, it is the weight with which the first pixel is mixed into the
+ * second.
  */
 int share(ivec2 p, ivec2 across, int sign)
 {
