@@ -195,8 +195,8 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err)
 }
 
 /*
- * Closes OpenGL if `status` is a failure of OpenGL, so that the CPU draws from now on. OST_ERR_RANGE is not one: the
- * camera is out of range, which the CPU renderer would report too.
+ * Closes OpenGL if `status` is a failure of OpenGL, so that the CPU draws from now on. OST_ERR_RANGE is not a failure
+ * of OpenGL: the camera is out of range, which the CPU renderer would report too.
  */
 static void check_gl(ost_viewer *viewer, ost_status status, const ost_error *why)
 {

@@ -9,8 +9,8 @@
  *   reference (uncut bone) ------> colours of the cut surface
  *   clip plane, ghost, overlays -> drawn with it
  *
- * A viewer must be used by only one thread at a time. Without a live state to follow, it shows the surfaces that were
- * set.
+ * A viewer must be used by only one thread at a time. If a viewer follows no live state, it draws the surfaces that its
+ * user has set.
  */
 #ifndef OST_RENDER_VIEWER_H
 #define OST_RENDER_VIEWER_H

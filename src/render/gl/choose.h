@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects what to draw of an object: the blocks in view, nearest first, and in them the points with a face toward
-   the eye. */
+/* Selects the parts of an object to draw: the blocks in view, nearest first, and the points of these blocks that have a
+ * face toward the eye. */
 #ifndef OST_RENDER_GL_CHOOSE_H
 #define OST_RENDER_GL_CHOOSE_H
 

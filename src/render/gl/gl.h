@@ -99,8 +99,8 @@ typedef struct ost_gl_info {
 
 /* Returns NULL if this build supports OpenGL, otherwise the reason why it does not. */
 const char *ost_gl_missing(void);
-/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE, with a message that names what is missing, if this build has no OpenGL,
-   or if EGL, a driver, OpenGL 3.3 or a required graphics card is missing. */
+/* Opens OpenGL. Returns OST_ERR_UNAVAILABLE if this build has no OpenGL, or if EGL, a driver, OpenGL 3.3 or a required
+ * graphics card is missing; the message names the missing component. */
 ost_status ost_gl_open(const ost_gl_options *options, ost_gl **out, ost_error *err);
 void ost_gl_close(ost_gl *gl); /* NULL is allowed */
 /* Frees a renderer that was opened with the option `current`, without calling OpenGL. NULL is allowed. */

@@ -299,7 +299,7 @@ static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost
             ost_gl_pool_write(&store->quads, run->first, store->mesh.vertices + 4 * (size_t)first, count);
         run->count = count;
         run->listed = s->slot[store->slots[i]]->listed;
-        run->version = 0; /* so that the shades are written again */
+        run->version = 0; /* the shades must be written again */
         store->uploaded += count * 4 * sizeof(uint32_t);
     }
     store->meshed += (uint32_t)n;

@@ -24,7 +24,7 @@ typedef struct ost_gl_run {
     uint32_t first, count, granules;
     /* first element and number of granules of the run of shades; only for bricks and quads */
     uint32_t shade_first, shade_granules;
-    uint64_t listed;      /* block's `listed` when the quads were made; only for quads */
+    uint64_t listed;      /* value of the block's `listed` when the quads were made; only for quads */
     uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
     uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
     uint64_t hidden;      /* set of the cells that the last search found hidden (hide.h); bits as in `cells` */

@@ -14,10 +14,10 @@
  *
  * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not change:
  *
- *   blocks whose lists changed --old and new compared entry by entry--> voxels that differ
- *        --cells that these may cover--> drawn again, in the planes of the first object alone
- *   those cells, and cells that other layers covered --copied from these planes--> the frame, and
- *   over it the other layers
+ *   blocks with changed lists --old and new compared entry by entry--> voxels that differ
+ *   cells that these voxels may cover --drawn again--> planes with only the first object
+ *   these cells, and the cells that other layers covered --copied from these planes--> frame
+ *   other layers --drawn over the copied cells--> frame
  *
  * The picture is bit-identical to one that is drawn completely. In a cell that no changed voxel can cover, the nearest
  * voxel is the same as before. Ties between equal distances are broken by the voxel's number, which has the same order
@@ -89,7 +89,7 @@ typedef struct ost_frame_layer {
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* edge length of this layer's voxels, in voxels of the first object */
-    /* true if the eye is inside or so close to the object that faces between two active voxels may be visible */
+    /* true if the eye is inside the object, or so close to it that faces between two active voxels may be visible */
     bool within;
     /* true if frames are stored and the eye and the light are the same as in the previous frame */
     bool same;
@@ -178,7 +178,7 @@ ost_sheet ost_frame_sheet(const ost_frame *frame);
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame, whichever renderer has drawn it. The object's weight is `share` / 256 where it
+ * Blends one more object over a frame, which any renderer may have drawn. The object's weight is `share` / 256 where it
  * is in front of other objects, and half of that elsewhere. Only colours change. `spacing` is the voxel spacing of the
  * first object, which is the unit of depth.
  */

@@ -58,8 +58,8 @@ const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. `base` is the planes that receive only the first layer; if frames are not stored, it
-   is &f->drawn. */
+/* Draws a band of all layers. `base` contains the planes into which only the first layer is drawn; if frames are not
+ * stored, `base` is &f->drawn. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);

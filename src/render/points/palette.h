@@ -2,7 +2,7 @@
 /*
  * Maps paint numbers to colours.
  *
- *   1 .. 127     a scale, or a colour for each tissue, lit as the surface is
+ *   1 .. 127     a scale, or a colour for each tissue, lit like the surface
  *   128 .. 255   the tissues again, or the grey window of a CT, without lighting
  *
  * The scale runs from light to dark, through yellow, green, blue and violet, so that its order is also recognizable to

@@ -3,7 +3,7 @@
  * The smoothing is a weighted sum over nine neighbours on each axis (smooth.h). It is computed slice by slice, so that
  * all data stay in the first-level cache:
  *
- *            z, y: -5 .. 36      x: -8 .. 39; the first and last few are only neighbours
+ *            z, y: -5 .. 36      x: -8 .. 39; the outermost entries are used only as neighbours
  *   bone    [42][42][48]   0 .. 63
  *     y     [42][34][48]   0 .. 63 * 25
  *     z     [34][34][48]   0 .. 63 * 625 = 39375, then a sixteenth of it, rounded

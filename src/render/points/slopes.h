@@ -3,9 +3,9 @@
  * Computes shades from fields. The slopes are read point by point and then converted to shades, sixteen points at a
  * time if the registers are wide enough. Float operations have a fixed order, and each is rounded separately:
  *
- *   fine, wide slope --their angle--> share t of the wide one
+ *   fine, wide slope --their angle--> share t of the wide slope
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
- *   fine, wide value --> openness by the fine one, by both --t--> openness
+ *   openness from the fine value, openness from both values --mixed with the share t--> openness
  *
  * The value of a field depends on both a voxel's distance from the smooth surface and its openness. Let f be the value
  * of the fine field and w that of the wide field. Across a plane, w rises half as fast as f, so 2 w - f is independent

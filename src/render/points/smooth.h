@@ -34,7 +34,7 @@ enum {
     OST_FIELD_ROWS = OST_BLOCK + 2,
     OST_FIELD_ALL = 63,    /* value of a voxel that is 100 % bone */
     OST_FIELD_LEAST = 15,  /* minimum value of a bone voxel */
-    /* minimum value of a voxel that is bone */
+    /* minimum density at which every bone voxel counts as 100 % bone */
     OST_FIELD_DENSE = 768,
     OST_FIELD_FULL = 61525, /* approximate value of the field inside bone */
     OST_FIELD_FLAT = OST_FIELD_FULL / 5 * 3, /* value of the field at a plane surface */

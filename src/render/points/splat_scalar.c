@@ -3,13 +3,13 @@
  * Draws a voxel whose centre is o, relative to the eye:
  *
  *   in the camera's frame    x = o . right, y = o . up, z = o . forward
- *   tx = x / z               the slope of its centre; of a corner it is within
- *                            s / (z - reach) with s = 1/2 sum |right - tx forward|,
- *                            since x' - t z' = (x - t z) + (their half widths) <= 0
- *                            is true for all corners once t - tx >= s / (nearest z)
- *   rectangle                from those slopes, a hundredth of a pixel wider
- *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a,
- *                            h half a side: the line along d meets the cube about o
+ *   tx = x / z               slope of the centre. The slope of a corner (x', z') differs from tx by at most
+ *                            s / (z - reach), where s = 1/2 sum |right - tx forward|, because
+ *                            x' - t z' = (x - t z) + (half widths) <= 0 is true for all corners
+ *                            if t - tx >= s / (smallest z')
+ *   rectangle                bounded by these slopes, and extended by a hundredth of a pixel
+ *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a, where h is half
+ *                            a side: the line along d then meets the cube around o
  *
  * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these signs s, the test
  * consists of six inequalities that are linear in the pixel's position, one for each edge of the outline:

@@ -5,7 +5,7 @@
  *   occupancy words, a row of 32 voxels each --ost_surface_set--> block, dirty
  *   dirty blocks and their six neighbours --ost_surface_update--> surface points
  *
- * A bone of 30 million cells has 1.3 million active voxels and 190,000 surface voxels. Only surface voxels can be
+ * A bone of 30 million voxels has 1.3 million active voxels and 190,000 surface voxels. Only surface voxels can be
  * visible. Blocks are counted from voxel (0, 0, 0), independently of the bone's chunk size.
  *
  * A surface point consists of two words, one for its position and one for its appearance:

@@ -61,7 +61,8 @@ static corner between(const corner *a, const corner *b, const ost_eye *eye)
     return out;
 }
 
-/* Clips a triangle to the space beyond the near plane. Returns the number of corners of the rest: 0, 3 or 4. */
+/* Clips a triangle to the space beyond the near plane. Returns the number of corners of the remaining polygon: 0, 3 or
+ * 4. */
 static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
 {
     int n = 0;
