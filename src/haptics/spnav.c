@@ -5,11 +5,10 @@
  *   cap pushed by c counts of 350 --> a speed --> integrated tick by tick --> pose
  *
  * The cap sets a speed, not a position, because it returns to its centre by itself. The motion is
- * therefore unlimited. A fully pushed cap moves the tool at the speed of the `speed` option and
- * rotates it at that of the `turn` option. Within the dead zone, the speed is zero; from there to
- * full deflection, it increases linearly. x points to the right, y up, and z toward the operator,
- * opposite to libspnav's z. libspnav reports only changes, so the last values apply until the next
- * event.
+ * therefore unlimited. A fully pushed cap moves the tool at the speed given by the `speed` option and rotates the tool
+ * at the speed given by the `turn` option. Within the dead zone, the speed is zero; from there to full deflection, it
+ * increases linearly. x points to the right, y up, and z toward the operator, opposite to libspnav's z. libspnav
+ * reports only changes, so the last values apply until the next event.
  *
  * With hold=1, the tool moves only while button 1 is pressed. The device renders no force.
  */

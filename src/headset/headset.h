@@ -52,8 +52,8 @@ typedef struct ost_headset_counts {
 } ost_headset_counts;
 
 /*
- * Finds the runtime and the headset, without starting a session. Returns OST_ERR_UNAVAILABLE, with a message that names
- * what is missing and what to install, if a component is missing.
+ * Finds the runtime and the headset, without starting a session. Returns OST_ERR_UNAVAILABLE if a component is missing;
+ * the message names the component and the package to install.
  */
 ost_status ost_headset_open(ost_headset **out, ost_error *err);
 /*

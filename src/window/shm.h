@@ -4,9 +4,9 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software OpenGL would draw the finished picture again, pixel by pixel, which on one core takes a third of a frame's
- * time. The program is not linked with the X libraries: GLFW and the driver load them, and the functions are looked up
- * by name. If shared memory is not available, OpenGL shows the picture instead.
+ * A software implementation of OpenGL would draw the finished picture again, pixel by pixel, which on one core takes a
+ * third of a frame's time. The program is not linked with the X libraries: GLFW and the driver load them, and the
+ * functions are looked up by name. If shared memory is not available, OpenGL shows the picture instead.
  *
  * All functions must be called on the window's thread.
  */

@@ -104,7 +104,7 @@ static ost_status create_newest(ost_window *w, int width, int height, ost_error 
         ost_fail(err, OST_ERR_UNAVAILABLE, "cannot open a window: %.300s; pass --headless to run without a window",
                  why);
         if (!create(w, 64, 64, 0, 0) || epoxy_gl_version() >= 33)
-            return OST_ERR_UNAVAILABLE; /* the window failed for another reason than the OpenGL version */
+            return OST_ERR_UNAVAILABLE; /* the window failed for a reason other than the OpenGL version */
         return too_old(w, err);
     }
     create(w, 64, 64, 0, 0);

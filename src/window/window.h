@@ -69,9 +69,9 @@ typedef struct ost_window_info {
 const char *ost_window_missing(void);
 
 /*
- * Opens a window. Returns OST_ERR_UNAVAILABLE, with a message that names what is missing, if this build has no windows,
- * or if there is no display or no OpenGL 3.3. Tries a context of version 4.4 first, and requests that the driver report
- * resets.
+ * Opens a window. Returns OST_ERR_UNAVAILABLE if this build has no windows, if there is no display, or if OpenGL 3.3 is
+ * missing; the message names the missing component. Tries a context of version 4.4 first, and requests that the driver
+ * report resets.
  */
 ost_status ost_window_open(const char *title, int width, int height, ost_window **out, ost_error *err);
 void ost_window_close(ost_window *window); /* NULL is allowed */
