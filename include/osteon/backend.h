@@ -100,15 +100,17 @@ OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend
 
 /* ----------------------------------------------------------------- grids */
 
-/* Creates a grid filled with 0. */
+/* Creates a grid filled with 0. Returns OST_ERR_RANGE if geometry is outside the ranges of AR-GRID. The caller frees
+ * *out. */
 OST_API ost_status ost_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 /* Frees a grid. NULL is allowed. */
 OST_API void ost_grid_free(ost_grid *grid);
 /* Returns the geometry of a grid. The pointer is valid until the grid is freed. */
 OST_API const ost_geometry *ost_grid_geometry(const ost_grid *grid);
-/* Copies dims.x * dims.y * count elements, x fastest, from host memory to slices z0 <= k < z0 + count of a grid. */
+/* Copies dims.x * dims.y * count elements, x fastest, from host memory to slices z0 <= k < z0 + count of a grid.
+ * Returns OST_ERR_USAGE if the grid does not contain these slices. */
 OST_API ost_status ost_grid_upload(ost_grid *grid, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
-/* Copies slices from a grid to host memory. The layout is the same as for ost_grid_upload. */
+/* Copies slices from a grid to host memory. The layout and the errors are the same as for ost_grid_upload. */
 OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 
 /* ---------------------------------------------------------------- import */
@@ -121,7 +123,7 @@ typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
     /* Density, which must fit int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
     int32_t density;
-    uint32_t line;   /* line number, minus the line number of the batch's first line */
+    uint32_t line;   /* line number, counted from 0 at the batch's first line */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */
@@ -206,7 +208,8 @@ typedef struct ost_bone_info {
     int64_t resident_bytes;
 } ost_bone_info;
 
-/* Creates a bone without active voxels. */
+/* Creates a bone without active voxels. The errors are those of ost_grid_create and ost_cubic_to_chunks. The caller
+ * frees *out. */
 OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size,
                                    int32_t threshold, ost_bone **out, ost_error *err);
 /* Frees a bone. NULL is allowed. */
@@ -218,12 +221,13 @@ OST_API void ost_bone_free(ost_bone *bone);
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
  * Copies densities from host memory to slices z0 <= k < z0 + count of a bone.  voxels has dims.x * dims.y * count
- * elements, x fastest, without the padding of chunks.  Densities below the threshold are stored as 0.
+ * elements, x fastest, without the padding of chunks. Densities below the threshold are stored as 0. Returns
+ * OST_ERR_USAGE if the bone does not contain these slices.
  */
 OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err);
 /*
- * Copies slices from a bone to host memory. The layout is the same as for ost_bone_upload. Voxels that are not active
- * are 0.
+ * Copies slices from a bone to host memory. The layout and the errors are the same as for ost_bone_upload. Voxels that
+ * are not active are 0.
  */
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
@@ -239,8 +243,8 @@ OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int
  * Reads the occupancy of `count` chunks. chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
  * cz). words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
  * and is bit v % 32 of word v / 32. The function allocates no memory, so it may be called in a tick. If the bone is
- * on a device, the function blocks until the data has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read
- * only slices, like the backend `plugin`.
+ * on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE if a chunk number is out of range,
+ * and OST_ERR_UNAVAILABLE if the backend can read only slices, like the backend `plugin`.
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
@@ -266,7 +270,8 @@ typedef struct ost_voxelize_report {
 
 /*
  * Voxelizes one or two meshes that are snapped to the same grid (AR-VOX). A voxel that is solid in both meshes is
- * cutting. noncutting and report may be NULL. The caller frees *out.
+ * cutting. noncutting and report may be NULL. Returns OST_ERR_USAGE if the meshes are snapped to different grids. The
+ * caller frees *out.
  */
 OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
@@ -297,7 +302,7 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
-/* Writes the same report as ost_bone_remove, without changing the bone. */
+/* Writes the same report and returns the same errors as ost_bone_remove, without changing the bone. */
 OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                     ost_removal_report *report, ost_error *err);
 

@@ -10,8 +10,8 @@
  *                                               order, split as in RFC 6962 section 2.1
  *   digest  SHA-256(0x02 || header of 128 bytes || tree)
  *
- * The order of the leaves in the tree represents their positions.  The header contains the kind, dims,
- * spacing, origin and threshold, so grids with different geometries have different digests.
+ * The leaves contain no positions; their order in the tree determines the positions.  The header contains the kind,
+ * dims, spacing, origin and threshold, so grids with different geometries have different digests.
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -50,8 +50,8 @@ OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * O
                                     ost_error *err);
 
 /*
- * Computes the digest of a grid from the digests of its leaves, in x-fastest order. count is the number of leaves.
- * threshold must be 0 unless kind is OST_GRID_BONE.
+ * Computes the digest of a grid from the digests of its leaves, in x-fastest order. threshold must be 0 unless kind is
+ * OST_GRID_BONE. Returns OST_ERR_USAGE if count is not the number of leaves of the grid.
  */
 OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
                                    const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err);

@@ -119,7 +119,8 @@ OST_API ost_density_classes ost_density_classes_default(void);
  * (AR-CLS-1).
  */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);
-/* Parses density classes of the form "name:border,name:border,...", as used on the command line. */
+/* Parses density classes of the form "name:border,name:border,...", as used on the command line. Returns OST_ERR_USAGE
+ * if the text has a different form or contains invalid classes; *out is then unchanged. */
 OST_API ost_status ost_density_classes_parse(const char *text, ost_density_classes *out, ost_error *err);
 
 /*

@@ -102,8 +102,8 @@ OST_API void ost_shell_free(ost_shell *shell);
 typedef struct ost_force ost_force;
 
 /*
- * Creates a force for a bone. The bone must outlive the force. params is copied; NULL selects the defaults. Returns
- * OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
+ * Creates an ost_force for a bone, without tools. The bone must outlive the ost_force. params is copied; NULL selects
+ * the defaults. Returns OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
@@ -111,7 +111,8 @@ OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params
 OST_API void ost_force_free(ost_force *force);
 /* Adds a tool. Tools must be added in the order of the world's tools. The tool's voxels are read during the call. */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
-/* Adds a tool that is represented by the given shell. The shell is copied. */
+/* Adds a tool that is represented by the given shell. The shell is copied. Returns OST_ERR_USAGE if there are too many
+ * tools or points. */
 OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err);
 
 /* The result of a step, in the bone's frame. Torques are about the tool's origin. */
@@ -130,7 +131,8 @@ typedef struct ost_force_result {
 /*
  * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Does not remove bone:
  * the caller passes out->tool to ost_world_step, which removes it. Allocates no memory and does not block. In its first
- * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose.
+ * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose. Returns OST_ERR_USAGE
+ * if tool or period_s is out of range.
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);

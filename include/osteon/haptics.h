@@ -84,7 +84,8 @@ OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_erro
 
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
-typedef struct ost_hand_input ost_hand_input; /* made by the command for the `openxr` device; programs pass NULL */
+/* The input of the `openxr` device. It is created by the osteon command; other programs pass NULL. */
+typedef struct ost_hand_input ost_hand_input;
 
 /* The data that is needed to open a device. The pointers are borrowed until ost_haptic_open returns. */
 typedef struct ost_haptic_setup {
@@ -203,7 +204,8 @@ OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
  * ost_mouse_input_put.
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the `mouse` device */
-/* Creates the input of the `mouse` device with its first state. The caller frees the input after closing the device. */
+/* Creates the input of the `mouse` device, with the first state *start. Returns OST_ERR_RANGE if the pose of this state
+ * is invalid. The caller frees the input after closing the device. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
 /* Frees the input of the `mouse` device. NULL is allowed. */
 OST_API void ost_mouse_input_free(ost_mouse_input *mouse);

@@ -174,11 +174,12 @@ OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, 
                                     ost_error *err);
 
 /*
- * Reads a tool grid from a uint8 NRRD file. *out need not be initialised. The caller frees *out by
- * ost_tool_volume_free.
+ * Reads a tool grid from a uint8 NRRD file. *out need not be initialised. Returns OST_ERR_INPUT if the elements are not
+ * uint8 or a voxel is not 0, 1 or 2. The caller frees *out by ost_tool_volume_free.
  */
 OST_API ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_error *err);
-/* Writes a tool grid as a uint8 NRRD file. The file appears only when it is complete. */
+/* Writes a tool grid as a uint8 NRRD file. The file appears only when it is complete. Returns OST_ERR_USAGE if the file
+ * name does not end in .nrrd. */
 OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, ost_error *err);
 
 /* ---------------------------------------------------------------- meshes */

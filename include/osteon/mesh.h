@@ -29,7 +29,8 @@ typedef struct ost_mesh {
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 
-/* Allocates the arrays of a mesh without initialising their elements. */
+/* Allocates the arrays of a mesh without initialising their elements. Returns OST_ERR_RANGE if triangle_count exceeds
+ * OST_MESH_TRIANGLES_MAX or vertex_count exceeds three times this maximum. */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
 /* Frees the arrays of a mesh, which is then empty. */
 OST_API void ost_mesh_free(ost_mesh *mesh);
@@ -42,7 +43,7 @@ OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
 /*
  * Counts the open edges. An edge is open unless exactly two triangles share it and have opposite directions along
- * it. Vertices with equal positions count as one vertex.
+ * it. Vertices with equal positions count as one vertex. Returns OST_ERR_USAGE if a vertex index is out of range.
  */
 OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err);
 

@@ -164,8 +164,9 @@ typedef struct ost_metrics {
 enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*
- * Computes the metrics. The two volumes must have the same geometry, with equal spacing on all axes. motion may
- * be NULL. Returns OST_ERR_INPUT if no bone was removed.
+ * Computes the metrics. The two volumes must have the same geometry, with equal spacing on all axes. motion may be
+ * NULL. Returns OST_ERR_USAGE if the geometries differ, if the voxels are not cubes, if the axis of the plan is zero,
+ * or if its depth is negative. Returns OST_ERR_INPUT if no bone was removed.
  */
 OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold,
                                     const ost_density_classes *classes, const ost_metrics_plan *plan,
@@ -186,7 +187,8 @@ OST_API bool ost_metrics_angles(const ost_metrics_plan *plan, double *retroversi
 
 typedef struct ost_technique {
     double seconds, path_mm;     /* duration, and length of the path from the first tick to the last */
-    int contacts, passes;        /* number of intervals in contact, and number of intervals in which bone was removed */
+    int contacts, passes;        /* number of intervals in contact, and number of intervals in which bone was removed
+                                  * (docs/reference/metrics.md) */
     double contact_s, cutting_s, contact_path_mm;
     bool felt;                   /* true if the force was not 0 in at least one tick */
     /* Hand force: mean and 95th percentile during contact, and maximum. */

@@ -29,11 +29,11 @@ typedef struct ost_motor {
 } ost_motor;
 
 /*
- * Advances the motor to the time of the tick, at the speed of the tick. If this speed is 0 or OST_RPM_ON, the phase
- * does not change.
+ * Advances the motor to the time of the tick, at the speed of the tick. If this speed is 0 or OST_RPM_ON, the angle of
+ * the motor does not change.
  */
 OST_API void ost_motor_advance(ost_motor *motor, const ost_tick *tick);
-/* Returns the pose of the tool, which is the hand's pose rotated by the motor's phase. */
+/* Returns the pose of the tool, which is the hand's pose rotated by the angle of the motor. */
 OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
 /*
  * Computes the pose of the hand from the pose of the tool. This is the inverse of ost_motor_pose, apart from one

@@ -76,7 +76,7 @@ typedef struct ost_operation_options {
  * Creates an operation on a world. The world must outlive the operation, and while the loop runs, only the servo
  * thread may use the world. An operation that continues an earlier operation begins 1 ms after the last tick of the
  * earlier operation, at the last pose of the tool. If the device is more than 5 mm away from this pose, there is a
- * fault until the device returns to the pose.
+ * fault until the device returns to the pose. Returns OST_ERR_USAGE if options->rpm is out of range.
  */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
                                         ost_error *err);

@@ -45,7 +45,8 @@ typedef struct ost_slices_options {
 } ost_slices_options;
 /*
  * Draws the slices. If `before` is not NULL, voxels that are active in `before` but not in `volume` are coloured.
- * The caller owns *out.
+ * Returns OST_ERR_USAGE if a volume has no voxels or if the geometries of the volumes differ, and OST_ERR_RANGE if the
+ * grid does not contain the voxel options->at. The caller owns *out.
  */
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
                                       const ost_slices_options *options, ost_picture *out, ost_error *err);
@@ -72,7 +73,8 @@ typedef struct ost_view_options {
 /*
  * Draws a view of the active voxels with a scale bar and the patient's directions, as `osteon render` does
  * (render.h). The voxels must be cubes. If `before` is not NULL, the newly exposed surface is coloured by its depth
- * below the surface of `before`, and a legend is drawn. The caller owns *out.
+ * below the surface of `before`, and a legend is drawn. Returns OST_ERR_USAGE if a volume has no voxels, if the
+ * geometries of the volumes differ, or if options->direction and options->up are parallel. The caller owns *out.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

@@ -44,7 +44,8 @@ OST_API ost_pose ost_pose_identity(void);
  */
 OST_API ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_pose *out, ost_error *err);
 
-/* Converts decimals, as written in a string, to a pose. No binary floats are used in between. */
+/* Converts decimals, as written in a string, to a pose. No binary floats are used in between. The errors are those of
+ * ost_pose_from_doubles. */
 OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q[4], ost_pose *out,
                                           ost_error *err);
 

@@ -37,8 +37,9 @@ typedef struct ost_camera {
 OST_API ost_status ost_camera_check(const ost_camera *camera, ost_error *err);
 
 /*
- * Sets camera->pose so that the camera is at from_mm and its view direction points to at_mm. `up` does not need to
- * be a unit vector or perpendicular to the view direction.
+ * Sets camera->pose so that the camera is at from_mm and its view direction points to at_mm. `up` does not need to be a
+ * unit vector or perpendicular to the view direction. Returns OST_ERR_RANGE if the two positions are equal or if `up`
+ * is parallel to the view direction.
  */
 OST_API ost_status ost_camera_look_at(const double from_mm[3], const double at_mm[3], const double up[3],
                                       ost_camera *camera, ost_error *err);

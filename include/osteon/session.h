@@ -157,7 +157,8 @@ enum { OST_SESSION_MISSING = 512 };
 /* Writes one sentence for each kind of missing data to `text`, or "" if nothing is missing. Returns `text`. */
 OST_API const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING]);
 
-/* Copies the ticks that can be replayed (complete_ticks) to *out, as a path. The caller frees *out. */
+/* Copies the ticks that can be replayed (complete_ticks) to *out, as a path. Returns OST_ERR_INPUT if there are none or
+ * more than OST_PATH_TICKS_MAX. The caller frees *out. */
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /*
  * Writes all valid blocks to a new session file, which appears only when it is complete. The file of the open session

@@ -26,7 +26,8 @@ typedef struct ost_world_options {
     bool sweep_off;                /* true if an event has only one pose, as in the thesis (AR-SWEEP-6) */
     /* True to test every voxel of the bone, as in the definition of removal. Intended for tests. */
     bool broad_phase_off;
-    /* If 0, every tick is an event. Otherwise, the first tick of every period is an event (AR-REM-7). */
+    /* Period of the events in ns. With 0, every tick is an event; otherwise, the first tick of every period is an event
+     * (AR-REM-7). */
     int64_t removal_period_ns;
     ost_density_classes classes;   /* density classes; a count of 0 selects the default classes */
     /*
@@ -41,8 +42,8 @@ enum { OST_WORLD_SAVED_TICKS_MAX = 1000000 };
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
 /*
- * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. options
- * is copied and may be NULL.
+ * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. options is
+ * copied and may be NULL. Returns OST_ERR_USAGE if an option is out of range.
  */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
 /* Frees a world. Its bone and its tools are not freed. NULL is allowed. */
@@ -208,7 +209,8 @@ OST_API const char *ost_builtin_name(
  * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis,
  * dwell, retreat. For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.
  * ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
- * contain. `geometry` is the grid of the tool, whose working face points to -z. The caller frees *out.
+ * contain. `geometry` is the grid of the tool, whose working face points to -z. Returns OST_ERR_USAGE if the axis of
+ * the glenoid is not a direction. The caller frees *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
                                     int32_t tool, ost_path *out, ost_error *err);
