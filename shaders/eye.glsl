@@ -44,8 +44,8 @@ vec3 cross3(vec3 a, vec3 b)
 }
 
 /*
- * Returns the vector from the eye to the centre of a voxel. `word` is the voxel's position in its block, and `page` the
- * position of the block's first voxel.
+ * Returns the vector from the eye to the centre of a voxel. `word` is the voxel's position in its block, and `page` is
+ * the position of the block's first voxel.
  */
 vec3 place(uint word, ivec4 page)
 {

@@ -4,7 +4,7 @@
  *
  *   room    metres; the origin is at the eyes when the headset starts; x right, y up, z toward the viewer (OpenXR's
  *           space LOCAL)
- *   bone    millimetres; a view's target is at OST_ROOM_AHEAD_M in front of the origin, and the axes right, up and back
+ *   bone    millimetres; a view's target is OST_ROOM_AHEAD_M in front of the origin, and the axes right, up and back
  *           of this view are the room's axes x, y and z. The bone has its true size
  */
 #ifndef OST_HEADSET_ROOM_H

@@ -37,7 +37,7 @@ void ost_orientation_letters(const double direction[3], char letters[4])
         for (int a = 0; a < 3; a++)
             if (!used[a] && (best < 0 || size[a] > size[best]))
                 best = a;
-        /* stops if the largest remaining component is below sin(20 degrees) of the vector's length */
+        /* stops if the largest remaining component is below sin(20 degrees) times the vector's length */
         if (n > 0 && size[best] * size[best] < 0.12 * square)
             break;
         used[best] = true;

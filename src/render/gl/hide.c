@@ -9,8 +9,8 @@
 #include "render/gl/pass.h"
 
 enum {
-    WORTH = 8,  /* the search pays off if at least 1 in WORTH cells is hidden */
-    PAUSE = 8, /* number of frames without a search after one that did not pay off */
+    WORTH = 8,  /* a search is useful if at least 1 in WORTH cells is hidden */
+    PAUSE = 8, /* number of frames without a search after a search that was not useful */
 };
 
 bool ost_gl_hide_wanted(const ost_gl_variant *v, const ost_gl_layer *l, int number)

@@ -4,7 +4,7 @@
  *
  *   cells visible in the last frame --drawn--> depth --the farthest of each 8 x 8 pixels--> tiles, read back
  *   every cell: its pixels and nearest depth --compared with the tiles--> cells that may be visible in this frame
- *   those of them that were not drawn yet --drawn--> depth
+ *   such cells, if they were not drawn yet --drawn--> depth
  *
  * The cells that were visible in the last frame are drawn first, because they probably hide the other cells. If they do
  * not, drawing takes longer, but the picture is the same. A cell is skipped if every tile that it may cover is filled

@@ -30,7 +30,7 @@ enum {
     OST_ANTIALIAS_REACH = 16,
     /* minimum difference, in one colour channel, between two pixels that form an edge */
     OST_ANTIALIAS_LEAST = 24,
-    /* a pixel depends only on cells at most this many columns and rows of cells away */
+    /* a pixel depends only on cells that are at most this number of cell columns and cell rows away */
     OST_ANTIALIAS_CELLS_ACROSS = 1,
     OST_ANTIALIAS_CELLS_DOWN = 2,
 };

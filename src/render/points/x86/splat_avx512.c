@@ -155,8 +155,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* Return the distances of pixel centres from the forward axis in the picture, to the right (`across`) and up
-   (`upward`). */
+/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture: to the right and
+ * up. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
