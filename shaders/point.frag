@@ -28,7 +28,7 @@ bool slabs(vec3 d, out uint face, out float t)
     bvec3 hit = bvec3(p.x <= layer.z && q.x <= layer.z, p.y <= layer.z && q.y <= layer.z,
                       p.z <= layer.z && q.z <= layer.z);
     /*
-     * For a ray parallel to a plane, `near` is the result of a division by zero, which does no harm: the ray can still
+     * For a ray parallel to a plane, `near` is the result of a division by zero, which is harmless: the ray can still
      * hit the planes of the other two axes.
      */
     t = hit.x ? near.x : hit.y ? near.y : near.z;

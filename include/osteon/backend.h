@@ -140,7 +140,7 @@ typedef enum ost_duplicates {
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
-    uint64_t duplicates;         /* number of samples whose voxel already had a density, whether equal or different */
+    uint64_t duplicates;         /* number of samples whose voxel already had an equal or a different density */
     uint64_t off_lattice;        /* number of samples that are more than 1/8 of a voxel off the lattice */
     /* maximum distance of a sample from the lattice, in millionths of a voxel, rounded down */
     uint64_t worst_offset_ppm;

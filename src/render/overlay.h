@@ -4,7 +4,7 @@
  *
  *   chunks        the grid of chunks: active ones red, others grey (thesis, Figs. 2.1, 3.1)
  *   boxes         the bone's box, the tool's oriented box, and their intersection (Fig. 2.3)
- *   hits          active chunks that intersect the tool's box (Figs. 2.3, 3.3); bright if one has just changed
+ *   hits          active chunks that intersect the tool's box (Figs. 2.3, 3.3); a chunk that has just changed is bright
  *   tool-voxels   edges of the tool's voxels (Fig. 3.4)
  *   bone-voxels   edges of the bone's voxels within the tool's box (Fig. 3.3)
  *   axis          the planned axis, with a tick per millimetre down to the planned depth

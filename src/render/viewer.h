@@ -7,7 +7,7 @@
  *   ost_live_channel --state--> the tool's pose -----'
  *
  *   reference (uncut bone) ------> colours of the cut surface
- *   clip plane, ghost, overlays -> drawn with it
+ *   clip plane, ghost, overlays -> drawn in the same frame
  *
  * A viewer must be used by only one thread at a time. If a viewer follows no live state, it draws the surfaces that its
  * user has set.
@@ -102,7 +102,8 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
  * Sets the meshes of the parts of the most recently added tool, in the frame of the tool. With OST_STYLE_SMOOTH, they
- * are drawn instead of the tool's voxels, unless they have no triangles or more than OST_SMOOTH_TRIANGLES_MAX.
+ * are drawn instead of the tool's voxels, unless there are no triangles or more than OST_SMOOTH_TRIANGLES_MAX
+ * triangles.
  */
 ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*

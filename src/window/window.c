@@ -92,8 +92,8 @@ static bool create(ost_window *w, int width, int height, int major, int minor)
 }
 
 /*
- * Creates a window whose context has the newest supported version from 3.3 on. If there is none, opens a window of any
- * version, only to report its version in the error message.
+ * Creates a window with the newest supported OpenGL version that is at least 3.3. If there is none, opens a
+ * window with any OpenGL version, only to report this version in the error message.
  */
 static ost_status create_newest(ost_window *w, int width, int height, ost_error *err)
 {

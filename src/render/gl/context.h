@@ -5,7 +5,7 @@
  *
  * EGL offers several ways to open a context without a display: the platform without a surface (Mesa), and each device
  * that EGL lists (NVIDIA, Mesa). The first one with a hardware renderer is used; if there is none, the first one that
- * works.
+ * works is used.
  */
 #ifndef OST_RENDER_GL_CONTEXT_H
 #define OST_RENDER_GL_CONTEXT_H

@@ -77,8 +77,8 @@ ost_gl_pool *ost_gl_store_pool(ost_gl_store *store, ost_gl_form form)
     return pools[form];
 }
 
-/* Returns the surface's entry. If there is none, returns a free entry or else the least recently used one, after
-   clearing it. */
+/* Returns the surface's entry. If there is none, clears and returns a free entry or, if no entry is free, the least
+ * recently used entry. */
 static ost_gl_resident *resident_of(ost_gl_store *store, const ost_surface *surface)
 {
     ost_gl_resident *oldest = &store->resident[0];

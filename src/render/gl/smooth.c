@@ -5,7 +5,8 @@
 
 #include "render/gl/pass.h"
 
-/* Returns the buffer of a mesh. If the mesh has none, assigns it a free buffer or else the oldest one. */
+/* Returns the buffer of a mesh. If the mesh has no buffer, it gets a free buffer or, if no buffer is free, the oldest
+ * buffer. */
 static GLuint buffer_of(ost_gl *gl, const ost_smooth_mesh *mesh)
 {
     for (int i = 0; i < OST_GL_SMOOTH; i++)

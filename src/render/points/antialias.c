@@ -203,7 +203,7 @@ static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride,
 }
 
 /* Returns true if a pixel of row y in the cells c to c + 3 has an edge. At the end of a row, also reads words of the
-   next row, which does no harm. */
+ * next row, which is harmless. */
 static bool any_of_four(const uint16_t *below, const uint16_t *right, int words)
 {
     uint64_t under, above, across;

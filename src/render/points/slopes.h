@@ -20,7 +20,8 @@
 enum {
     /* bit of a row word at which a line begins: bit 0 is x = -16, and a line begins at x = -8 */
     OST_LINE_SHIFT = 8,
-    /* offset in a line of the sum for x = -1, the first entry of a field row: its nine voxels begin at x = -5 */
+    /* index in a line of the first of the nine voxels that are summed for the first entry of a field row: the voxel is
+     * at x = -5, and the entry is at x = -1 */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
     /* openness of a plane, minimum openness, and rates at which openness falls in a pit and rises on an edge */

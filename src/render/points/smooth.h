@@ -12,7 +12,7 @@
  *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
  * A sum has the weights 1 2 3 4 5 4 3 2 1. All arithmetic is modulo 2^16: final sums are below 2^16, so intermediate
- * overflow does no harm, and all variants compute the same words. The scalar variant adds weighted words. The other
+ * overflow is harmless, and all variants compute the same words. The scalar variant adds weighted words. The other
  * variants add a difference to obtain the next sum, and in[i + 10] - 2 in[i + 5] + in[i] to obtain the next difference.
  */
 #ifndef OST_RENDER_SMOOTH_H
@@ -61,8 +61,8 @@ typedef struct ost_smooth_kernels {
     /* Converts `count` rows of cells of three adjacent blocks to lines, which begin at x = -8 like lines of voxels. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
-    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set; at least one must
-       be. The slice is nearer to the second slice of cells if `odd` is true, otherwise nearer to the first. */
+    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set; at least one bit must
+     * be set. The slice is nearer to the second slice of cells if `odd` is true, otherwise nearer to the first. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the shades of the points of one slice. fine[1] and wide[1] are the fields in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],

@@ -10,8 +10,8 @@
 
 /* Cosine of 40 degrees. */
 #define CREASE 0.76604444311897803
-/* maximum number of triangles at a vertex for averaging normals; beyond it, corners get the normal of their own
-   triangle, which limits the time */
+/* Maximum number of triangles at a vertex whose normals are averaged. At a vertex with more triangles, each corner gets
+   the normal of its own triangle, which limits the computing time. */
 enum { MEETING_MAX = 1024 };
 #define UNUSED UINT32_MAX
 
@@ -191,7 +191,7 @@ static uint64_t hash_of(const ost_smooth_mesh *mesh)
     return h;
 }
 
-/* Sets *closed to false if the mesh has open edges or a negative volume, so that its inner side may be visible. */
+/* Sets *closed to false if the mesh has open edges or a negative volume, because its inner side may then be visible. */
 static ost_status check_closed(const ost_mesh *mesh, bool *closed, ost_error *err)
 {
     size_t open = 0;
