@@ -2,7 +2,7 @@
 /*
  * Classifies the difference between two grids.
  *
- *   two grids, and the bone before an event if known --> patterns that hold --> class: the first of them
+ *   two grids, and the bone before an event if known --> patterns that hold --> class: the first pattern
  *
  * Every pattern is a statement that is checked on all voxels to which it applies, so a pattern that holds is certain.
  * The cause of the difference is not certain; the class indicates where to search first. `osteon diff` and

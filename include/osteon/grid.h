@@ -48,7 +48,7 @@ OST_API bool ost_geometry_equal(const ost_geometry *a, const ost_geometry *b);
 
 /*
  * Facts about a grid that are stored in a file's header, such as the position of the glenoid, the threshold of the
- * bone and the arithmetic version. When a grid is copied from file to file, its facts are also copied. They do not
+ * bone and the arithmetic version. When a grid is copied from file to file, its facts are also copied. Facts do not
  * affect the voxels. A key matches the pattern [a-z0-9_]{1,40}. A value is one printable line of up to 200 bytes
  * without surrounding blanks. There are at most OST_META_MAX entries. If an existing key is set again, its value is
  * replaced, and the entry keeps its position (AR-FILE-8).

@@ -325,8 +325,8 @@ typedef struct ost_servo_report {
     uint64_t missed;
     /*
      * Missed deadlines by cause; their sum is `missed`. missed_by_work counts ticks that used more than half a
-     * period of thread CPU time. Of the other ticks, missed_woken_late counts those for which the loop woke at
-     * least one period late. missed_preempted counts all remaining ticks; their thread was preempted.
+     * period of thread CPU time. Of the other ticks, missed_woken_late counts those for which the loop woke at least
+     * one period late. missed_preempted counts all remaining ticks, during which the servo thread was preempted.
      */
     uint64_t missed_by_work, missed_woken_late, missed_preempted;
     int64_t lead_ns;           /* time by which a rehearsal precedes its tick; 0 if there were no rehearsals */

@@ -69,7 +69,7 @@ typedef struct ost_volume_report {
     bool reoriented;           /* true if axes were flipped or permuted to LPS+ */
     bool assumed;              /* true if LPS was assumed, because the file contains no orientation */
     bool resampled;            /* true if the grid was oblique and was resampled; resampling is an option */
-    /* True for a label map. This is a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D
+    /* True for a label map. A label map is a NIfTI file with intent 1002, or an NRRD file with keys Segment0_... (3D
      * Slicer). */
     bool labels;
     uint64_t rounded_values;   /* number of densities that were not integers and were rounded half to even */

@@ -9,8 +9,8 @@
  *   tool        along the tool, from behind
  *   whole       the entire bone, obliquely
  *
- * A camera that the user moves orbits a point. Its position is given by azimuth, elevation over the horizon (the
- * transverse plane of the body), and distance. The point can be shifted sideways.
+ * A camera that the user moves orbits a point. The position of the camera is given by azimuth, elevation over the
+ * horizon (the transverse plane of the body), and distance. The point can be shifted sideways.
  */
 #ifndef OST_RENDER_VIEWS_H
 #define OST_RENDER_VIEWS_H

@@ -3,8 +3,8 @@
  * Prevents libX11 from ending the process when the X server or the window is gone, so that an operation in progress can
  * be completed.
  *
- * The program is not linked with libX11. If GLFW has loaded it, its functions are looked up by name. Since libX11 1.7,
- * a program can continue without a server.
+ * The program is not linked with libX11. If GLFW has loaded libX11, the functions are looked up by name. Since libX11
+ * 1.7, a program can continue without a server.
  */
 #ifndef OST_WINDOW_X11_H
 #define OST_WINDOW_X11_H

@@ -115,8 +115,8 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. It follows from the
-   slopes of splat_scalar.c at the corner of the frame. */
+/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. The bound follows from the
+ * slopes of splat_scalar.c at the corner of the frame. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;

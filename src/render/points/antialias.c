@@ -119,8 +119,8 @@ void ost_antialias_none(const ost_antialias *a, const ost_cells *cells, int row)
 
 /*
  * The run to which a side belongs. A side separates two rows or two columns. The bend at an end of the run is 1 if the
- * edge continues into the first of the two rows or columns, -1 if it continues into the second, and 0 if it continues
- * into neither or both, or if the end is out of reach.
+ * edge continues into the first of the two rows or columns, and -1 if the edge continues into the second. The bend is 0
+ * if the edge continues into neither or both, or if the end of the run is too far away to be searched.
  */
 typedef struct edge {
     int before, after; /* number of further sides of the run in each direction, at most RUN */

@@ -334,7 +334,7 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
             ost_frame_draw_band(frame, i, base);
     }
     if (frame->antialias.below) {
-        /* cells that were drawn or restored in this frame, or drawn over in the previous one */
+        /* cells that were drawn or restored in this frame, or drawn over in the previous frame */
         ost_cells_clear(&frame->smoothed);
         ost_cells_join(&frame->smoothed, &frame->stale);
         ost_cells_join(&frame->smoothed, &frame->over);

@@ -9,8 +9,8 @@
  * drawn as a smooth mesh (triangles.h) after all voxels.
  *
  * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the farthest key of
- * each tile of 8 x 8 pixels is cached, and recomputed only when it is needed and the tile has changed. This does not
- * change the picture.
+ * each tile of 8 x 8 pixels is cached, and recomputed only when it is needed and the tile has changed. Skipping blocks
+ * does not change the picture.
  *
  * After a call of ost_frame_store, unchanged parts of a frame are reused while the eye and the light do not change:
  *

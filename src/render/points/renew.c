@@ -124,8 +124,8 @@ static bool reserve_points(ost_surface_block *b, uint32_t count)
     return points && shades;
 }
 
-/* The most recent version number. A renderer identifies its copy of a list by its version, because the address of a
-   block may be reused by another surface. */
+/* The most recent version number. A renderer identifies its copy of a list by the version of the list, because the
+   address of a block may be reused by another surface. */
 static _Atomic uint64_t versions;
 
 static ost_status take(ost_surface *s, int32_t slot, const uint32_t *points, const ost_shading_scratch *k,

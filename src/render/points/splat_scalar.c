@@ -240,8 +240,8 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 
 /*
  * Returns the face through which the ray enters the cube. Of the planes of the three faces that are turned to the eye,
- * the ray crosses the plane of this face last. It crosses the plane of axis a at (|o_a| - 1/2) / |d_a|. Products are
- * compared instead of these quotients, so that only one division is needed.
+ * the ray crosses the plane of this face last. The ray crosses the plane of axis a at (|o_a| - 1/2) / |d_a|. Products
+ * are compared instead of these quotients, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

@@ -177,8 +177,8 @@ static inline __m512i cell(__m512 p)
 }
 
 /*
- * Returns the octahedral cell of each direction v, a weighted sum of the fine and the wide slope. Its components are
- * never -0, and the sum of their magnitudes is 0 or at least 1.
+ * Returns the octahedral cell of each direction v, a weighted sum of the fine and the wide slope. The components of v
+ * are never -0, and the sum of their magnitudes is 0 or at least 1.
  */
 static inline __m512i octahedral(const __m512 v[3])
 {
