@@ -6,7 +6,8 @@
  *   answers opens the device to check that it responds; called only when devices are listed
  *   open     receives the part of the spec after the colon, "" if there is none
  *   read     returns the pose for this tick; takes no lock, allocates no memory and does not wait; after
- *            OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h)
+ *            OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h), unless the first
+ *            new pose is lifted, as with openxr
  *   write    sends the wrench of this tick, under the same rules
  *   run      for devices with their own clock: calls `beat` on the device's
  *            thread until `beat` returns false, and then returns; read and
