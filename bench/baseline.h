@@ -57,7 +57,7 @@ void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
 
-/* How bytes are copied: by memcpy of the C library or by stores that bypass the caches. */
+/* The method by which bytes are copied: memcpy of the C library, or stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
 /* Copies `in` to `out` until `bytes` bytes of `out` are written. Starts again at the beginning of `in` each time the
@@ -70,8 +70,8 @@ uint64_t bench_read_bytes(const uint8_t *in, size_t bytes, int threads);
 
 /* ---------------------------------------------------------------------- text */
 
-/* Skips lines at the beginning that start with '#', and reads lines of "x y z density" with fscanf into arrays of
-   `capacity` elements. Returns the number of lines read. */
+/* Skips the lines at the beginning of the file that start with '#'. Then reads lines of the form "x y z density" with
+   fscanf into arrays of `capacity` elements. Returns the number of lines read. */
 size_t bench_fscanf_lines(const char *path, float *positions, int16_t *densities, size_t capacity);
 
 #endif

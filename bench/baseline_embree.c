@@ -53,8 +53,8 @@ static double now_ms(void)
    for C++. */
 enum { RAY_TFAR = 8, RAY_ID = 10 };
 
-/* For each hit, toggles the bit of the first voxel centre behind the hit. Rejects the hit so that the ray
-   continues. */
+/* For each hit, toggles the bit of the first voxel whose centre lies beyond the hit on the ray. Rejects the hit,
+   so that the ray continues. */
 static void note_hit(const struct RTCFilterFunctionNArguments *args)
 {
     const packet_context *c = (const packet_context *)args->context;
@@ -111,7 +111,7 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* a filter set for a geometry works without a scene flag */
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* the filter of a geometry needs no flag */
     rtcSetSceneBuildQuality(scene, low_quality ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(scene);
     return scene;

@@ -2,9 +2,10 @@
 /*
  * The baseline of the voxelizer. It uses Embree's own triangles and packets of sixteen rays along x,
  * with one ray per row. A filter records every hit and lets the ray continue. The result is one
- * parity bit per voxel. The measured time begins with the welded vertices in memory, includes
- * building the hierarchy, and ends when the bits are written. Embree computes the hits in floats, so
- * the number of solid voxels may differ from osteon's by a few voxels on the surface.
+ * parity bit per voxel. When the time measurement begins, the welded vertices are in memory. The
+ * measured time includes building the hierarchy and ends when the bits are written. Embree computes
+ * the hits in floats, so the number of solid voxels may differ from osteon's by a few voxels on the
+ * surface.
  */
 #ifndef OST_BENCH_BASELINE_EMBREE_H
 #define OST_BENCH_BASELINE_EMBREE_H

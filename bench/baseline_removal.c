@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' removal of material in C. For every voxel of every chunk of the event, a float
- * matrix computes the position in the tool's grid. If the position is inside the grid and the
- * tool's voxel there is solid, the bone's voxel becomes 0. A loop over chunks replaces the
- * enqueued kernels of Alg. 2.10, and a loop over voxels replaces the work items of one kernel.
+ * The thesis' removal of material in C. For every voxel of every chunk of the event, the position
+ * in the tool's grid is computed with a float matrix. If the position is inside the grid and the
+ * tool's voxel at this position is solid, the bone's voxel becomes 0. A loop over chunks replaces
+ * the enqueued kernels of Alg. 2.10, and a loop over voxels replaces the work items of one kernel.
  */
 #include "bench/baseline.h"
 

@@ -25,7 +25,7 @@ typedef struct bench_options {
     /* true for few repetitions and small inputs; the names of the rows do not change */
     bool quick;
     double scale;        /* fraction of the 12,040,704 text lines that the row parse/text reads */
-    /* measures only rows whose names contain this text; NULL for all rows */
+    /* only rows whose names contain this text are measured; NULL for all rows */
     const char *filter;
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
     void *user;

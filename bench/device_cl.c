@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects an OpenCL device by the numbers of its platform and of the device, as the backend cl does, and makes
-   a context and an in-order queue on it. */
+/* Selects an OpenCL device by its platform number and its device number, as the backend cl does. Creates a context
+   and an in-order queue on this device. */
 #include "config.h"
 
 #ifdef HAVE_OPENCL

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An OpenCL device with a context and an in-order queue, for kernels that are measured against osteon's
- * own. This header may be included only where HAVE_OPENCL is defined (config.h).
+ * An OpenCL device with a context and an in-order queue, for kernels whose times are compared with the
+ * times of osteon's kernels. This header may be included only where HAVE_OPENCL is defined (config.h).
  */
 #ifndef OST_BENCH_DEVICE_CL_H
 #define OST_BENCH_DEVICE_CL_H

@@ -41,8 +41,8 @@ static void put_triangle(ost_mesh *mesh, size_t *at, size_t a, size_t b, size_t 
     mesh->triangles[(*at)++][2] = (uint32_t)c;
 }
 
-/* Adds a sphere. Its centre and radius are given in units of half the cube's side. *vertex and *triangle are the first
-   free entries of the mesh. */
+/* Adds a sphere. Its centre and radius are given in units of half the cube's side. *vertex and *triangle are the
+   indices of the first free vertex and the first free triangle; the function advances them. */
 static void put_sphere(ost_mesh *mesh, size_t *vertex, size_t *triangle, ost_pm side, size_t meridians, size_t rings,
                        vec centre, double radius)
 {

@@ -9,7 +9,7 @@
 
 typedef struct bench_gl bench_gl;
 
-/* Returns true if the filter may select a row render/gl/... */
+/* Returns true if the filter may select a row whose name starts with render/gl/. */
 bool bench_gl_wanted(const char *filter);
 /* Opens OpenGL. If OpenGL is unavailable, the function still succeeds, and every row contains the reason. */
 ost_status bench_gl_open(bench_gl **out, ost_error *err);

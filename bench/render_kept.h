@@ -13,7 +13,7 @@
 
 #include "core/isa.h"
 
-/* Returns true if the filter may select a row render/frame/VIEW/1. */
+/* Returns true if the filter may select a row with a name of the form render/frame/VIEW/1. */
 bool bench_kept_wanted(const char *filter);
 ost_status bench_kept(const bench_options *options, bench_table *table, const ost_volume *bone,
                       const ost_glenoid *glenoid, int32_t threshold, ost_isa isa, ost_error *err);

@@ -60,8 +60,8 @@ void bench_scene_free(bench_scene *scene)
     ost_tool_volume_free(&scene->tool);
 }
 
-/* Returns the density of a voxel of the bone. The densities of the bone occur in all density classes,
-   and no density is below the threshold. */
+/* Returns the density of a voxel of the bone. Every density class contains densities of the bone, and no
+   density is below the threshold. */
 static int16_t density_at(int32_t i, int32_t j, int32_t k)
 {
     return (int16_t)(SCENE_THRESHOLD + ((i * 7 + j * 13 + k * 29) & 1023));

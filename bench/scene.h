@@ -9,10 +9,10 @@
  *   peg       the parametric cylinder, tilted inside the bone: the chunks of
  *             its intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
  *
- * The thesis gives no poses. The poses in scene.c were found by random search. The numbers 84 and 5 are
- * not products of three ranges that fit the reamer. For the reamer, therefore, only the chunks that its
- * oriented box enters are counted. The counts are computed again in every run and reported with the
- * row.
+ * The thesis gives no poses. The poses in scene.c were found by random search. The number of chunks in
+ * an intersection box is a product of three numbers, one per axis. No box of the reamer's size contains
+ * 84 or 5 chunks. For the reamer, therefore, only the chunks that its oriented box enters are counted.
+ * The counts are computed again in every run and reported with the row.
  */
 #ifndef OST_BENCH_SCENE_H
 #define OST_BENCH_SCENE_H
@@ -89,7 +89,7 @@ int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scen
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;
-    /* numbers of bricks of which all (complete) or some (mixed) of the 4^3 voxels were removed */
+    /* number of bricks in which all 4^3 voxels were removed, and number of bricks in which only some were removed */
     int64_t complete_bricks, mixed_bricks;
     bench_row_store *rows;               /* owned */
 } bench_work;

@@ -8,9 +8,9 @@
  *   candidates/balls/TRIANGLES/N    1,000 spheres that do not touch, in one mesh
  *   NAME/1                          one thread
  *
- * The times of osteon are those of the voxelizer with bins (voxelizer=auto), and the baseline is the voxelizer with
- * Embree (voxelizer=embree). The time of the baseline includes building Embree's hierarchy, because a mesh is voxelized
- * once. Both write bits into memory that was written before.
+ * osteon's time is measured with bins (voxelizer=auto), and the baseline's time with Embree (voxelizer=embree). The
+ * baseline's time includes building Embree's hierarchy, because a mesh is usually voxelized only once. Both write bits
+ * into memory that was written before the measurement.
  */
 #include "bench/bench.h"
 #include "bench/meshes.h"

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the backend cl with a baseline, on one device:
+ * Measures the backend cl on one device. The rows have these baselines:
  *
  *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
- *   opencl/launch                                   launching an empty kernel and waiting for its end, which is the
- *                                                   least cost of an event
- *   opencl/transfer/scapula, opencl/voxelize/...    backend cpu on the same data
+ *   opencl/transfer/scapula, opencl/voxelize/...    the backend cpu on the same data
+ *   opencl/launch                                   none; the row measures how long it takes to launch an empty kernel
+ *                                                   and to wait for its end, a lower bound of the time of an event
  */
 #include "bench/meshes.h"
 #include "bench/path.h"

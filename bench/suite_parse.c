@@ -10,7 +10,7 @@
  *
  * osteon's time is the time of the complete import without its last two stages. The import opens the file, finds the
  * spacing, converts every number exactly, checks every line, and scatters the samples. The file is in the page cache.
- * The file has no name while it is used, so it disappears however the program ends.
+ * The file has no name while it is used, so it is deleted when the program ends for any reason.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"

@@ -5,9 +5,9 @@
  *   fresh   all voxels were restored, and are in the caches if the caches are large enough:
  *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
  *           the baseline's chunks were read once
- *   cold    the event directly follows the restoring of the voxels; osteon restores complete
+ *   cold    the event runs immediately after the voxels were restored; osteon restores complete
  *           slices, so less of the event's data is in the caches than for the baseline
- *   steady  the event is repeated without restoring, so no voxel remains to be removed
+ *   steady  the event is repeated without restoring the voxels, so no voxel remains to be removed
  *
  * A repetition consists of the steps restore, cold, restore, collide, fresh, steady, steady, first for
  * osteon and then for the baseline. The first steady run is a warm-up.

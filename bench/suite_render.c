@@ -314,7 +314,7 @@ static ost_status add_renewal(show *s, bench_table *table, renewal what)
    frame. */
 static ost_status add_reaming(show *s, bench_table *table)
 {
-    enum { PICTURES = 120, BEGIN = 40 }; /* frames are measured from BEGIN on, at which the depth is 1 mm */
+    enum { PICTURES = 120, BEGIN = 40 }; /* BEGIN is the first measured frame, in which the depth is 1 mm */
     static const double RADIUS_MM = 20, STEP_MM = 1.5 / 60;
     static const char *const name = "render/scapula/ream";
     ost_surface surface = {0};

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures frames drawn by OpenGL. The rows lead from the thesis' frame to osteon's frame, with one change per row.
- * Each frame ends with glFinish. Before a row is timed, its picture is compared with the picture that the processor
- * draws. osteon's picture may differ in at most 30 of 921,600 pixels. The methods of the other rows lose points at the
- * frame's edge or near the camera, so these rows report the number of pixels that differ.
+ * Measures frames drawn by OpenGL. The first row is the thesis' frame, and the last rows are osteon's frame. Most of
+ * the other rows differ from an earlier row by one change. Each frame ends with glFinish. Before a row is timed, its
+ * picture is compared with the picture that the processor draws. osteon's picture may differ in at most 30 of 921,600
+ * pixels. The methods of the other rows lose points at the frame's edge or near the camera, so these rows report the
+ * number of pixels that differ.
  */
 #include "bench/render_gl.h"
 
@@ -22,7 +23,7 @@ typedef struct step {
     enum {
         STILL,
         MOVING, /* the camera moves back and forth sideways by 1.5 voxels per frame */
-        READ    /* the picture is read from the GPU, as in the programs for users */
+        READ    /* the picture is copied from the GPU to memory after each frame, as in render/viewer.c */
     } how;
 } step;
 

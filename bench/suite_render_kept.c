@@ -40,7 +40,8 @@ static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* The times of the stages of a frame on one thread, and the original inner loops, which are called by timed loops. */
+/* The times of the stages of a frame on one thread, and the inner loops. Each of the functions below measures the time
+   of one call of an inner loop and adds it to the stage. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;
@@ -286,7 +287,8 @@ static ost_status measure(cut *c, const view *from, figures *f)
     ost_status status = ost_orbit_camera(&orbit, WIDTH, HEIGHT, &camera, c->err);
     while (status == OST_OK && !removed && c->at < c->path.count)
         status = go_on(c, &removed);
-    /* Each frame is drawn twice before the measurement, because the second drawing fills the stored frame. */
+    /* Both frames are drawn twice before the measurement, because a stored frame is complete only after the second
+       drawing. */
     for (int i = 0; i < 2 && status == OST_OK; i++) {
         status = ost_viewer_draw(&c->viewer, &camera, c->err);
         exchange(c);

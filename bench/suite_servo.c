@@ -6,8 +6,8 @@
  *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes,
  *                 because a hypervisor interrupts a busy core more than an idle one
  *
- * The rows contain the delay with which a tick begins. They have no baseline, because these rows are
- * themselves the comparison for the deadlines that `osteon sim` misses.
+ * The rows contain the delay from the planned to the actual beginning of a tick. The rows have no baseline:
+ * the deadlines that `osteon sim` misses are compared with the results of this suite.
  */
 #include "bench/bench.h"
 

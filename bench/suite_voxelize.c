@@ -9,11 +9,11 @@
  *   NAME/bytes                                  osteon creates a tool and copies it to the host, one byte per voxel
  *
  * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and parity bits as
- * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the faster one
- * counts. For a fair comparison, osteon and the baseline write bits into memory that was written before the
- * measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /tool row compares
- * the same baseline with the public call, which allocates the tool's memory. A /bytes row also includes the download,
- * which allocates the bytes and assigns each voxel its class.
+ * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the row contains
+ * the times of the faster one. For a fair comparison, osteon and the baseline write bits into memory that was written
+ * before the measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /tool row
+ * compares the same baseline with the public call, which allocates the tool's memory. A /bytes row also includes the
+ * download, which allocates the bytes and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"
@@ -82,7 +82,7 @@ static ost_status verify(voxelize *v)
 
 /* --------------------------------------------------------------- measuring */
 
-/* Creates a tool and downloads it. Records the time of the creation and the time of both, if `timed` is true. */
+/* Creates a tool and downloads it. If `timed` is true, records the time of the creation and the time of both steps. */
 static ost_status time_tool(voxelize *v, bool timed)
 {
     ost_tool *tool = NULL;

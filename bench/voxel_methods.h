@@ -139,16 +139,16 @@ typedef struct bench_voxel_cut {
     bench_figures idle_ms;   /* milliseconds per frame if the same frames are drawn again without a change */
     double changed_chunks;   /* mean number of chunks per frame in which voxels were removed */
     double meshed_chunks;    /* mean number of chunks per frame that were meshed again; 0 for GL_POINTs */
-    double mesh_ms, copy_ms; /* mean times in ms per frame of meshing, and of copying the meshes to OpenGL */
-    /* mean time in ms per frame of updating the lists and the appearance of surface voxels, which all methods need */
+    double mesh_ms, copy_ms; /* mean times in ms per frame for meshing and for copying the meshes to OpenGL */
+    /* mean time in ms per frame for updating the lists and the appearance of surface voxels, which all methods need */
     double update_ms;
     uint64_t uploaded;       /* mean number of bytes copied to OpenGL per frame */
 } bench_voxel_cut;
 
 /*
  * Measures the time per frame while a ball moves into the model. The ball advances by a quarter of a voxel per frame.
- * Its radius is that of the thesis' reamer head, 18 mm, which is 38 voxels of the scapula. The ball is scaled with the
- * model. The model is restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only
+ * Its radius is 18 mm, the radius of the thesis' reamer head; this is 38 voxels of the scapula. The ball is scaled with
+ * the model. The model is restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only
  * BENCH_VOXEL_MESH uses it.
  */
 ost_status bench_voxel_removal(bench_voxel_model *model, bench_voxel_method method, const char *mesher, int frames,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The model of voxel_methods.h, for the files that measure it. */
+/* The definition of the model of voxel_methods.h, for the source files of the measurements and for tests. */
 #ifndef OST_BENCH_VOXEL_MODEL_H
 #define OST_BENCH_VOXEL_MODEL_H
 
 #include "bench/voxel_methods.h"
 #include "render/points/frame.h"
 
-enum { BENCH_VOXEL_THRESHOLD = 120, BENCH_VOXEL_RADIUS = 38 /* in voxels: 18 mm at 0.47 mm */ };
+enum { BENCH_VOXEL_THRESHOLD = 120, BENCH_VOXEL_RADIUS = 38 /* 18 mm in voxels of 0.47 mm */ };
 
 struct bench_voxel_model {
     ost_volume rect, cubic; /* owned */
