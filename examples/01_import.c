@@ -15,7 +15,7 @@
 int main(int argc, char **argv)
 {
     ost_error err = {OST_OK, ""};
-    ost_backend *backend = NULL; /* stores the voxels and executes all operations on them */
+    ost_backend *backend = NULL; /* the object that stores the voxels and executes all operations */
     ost_bone *bone = NULL;
     ost_import_result result;
     ost_bone_info info;

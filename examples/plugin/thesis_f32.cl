@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The arithmetic of the thesis as printed, in float32, for two languages. engine_c.c
- * includes this file. engine_cl.c passes it to an OpenCL compiler, which also
+ * The arithmetic of the thesis as printed, in float32. The file is both C and OpenCL C:
+ * engine_c.c includes it, and engine_cl.c passes it to an OpenCL compiler, which also
  * compiles the kernels at the end of the file.
  *
  *   Alg. 2.1   least corner of a tool's grid           thesis_minimum
  *   Alg. 2.3   bounds and dims of the rect grid        thesis_rect_axis
  *   Alg. 2.4   a sample's voxel                        thesis_index
  *   Alg. 2.5   the rect layer of a cubic layer         thesis_layer
- *   section 2.3  is a voxel's centre in the mesh       thesis_row
+ *   section 2.3  the voxel centres inside the mesh     thesis_row
  *   Alg. 2.8   the box that bone and tool share        thesis_share
  *   Alg. 2.9   its chunks
  *   Alg. 2.10  a bone voxel's tool voxel               thesis_class
@@ -18,11 +18,11 @@
  * contract them unless its options forbid it; in engine_c.c, the option contract=
  * decides.
  *
- * The thesis does not define whether a row meets a triangle; this file uses edge
- * functions with the tie rule of AR-VOX-2, in floats. The function round() of
- * Alg. 2.1 rounds ties to even, as in Table 3.5; that of Alg. 2.3 rounds them away
- * from zero. A voxel's position is its centre, and chunk ranges are half-open.
- * docs/design/thesis-notes.md has the reasons.
+ * The thesis does not define when a row intersects a triangle; this file uses edge
+ * functions with the tie rule of AR-VOX-2, in floats. The function round() rounds
+ * ties to even in Alg. 2.1, as in Table 3.5, and away from zero in Alg. 2.3. A
+ * voxel's position is its centre, and chunk ranges are half-open.
+ * docs/design/thesis-notes.md states the reasons.
  */
 #ifdef __OPENCL_VERSION__
 #ifdef THESIS_CONTRACT_OFF
@@ -122,7 +122,7 @@ FUNCTION float thesis_minimum(float least, float size)
     return MUL_ADD(TIES_TO_EVEN((least - half_size) / size), size, -size);
 }
 
-/* x y - z w */
+/* Returns x y - z w. */
 FUNCTION float thesis_cross(float x, float y, float z, float w)
 {
     return MUL_ADD(x, y, -(z * w));
@@ -234,9 +234,9 @@ __kernel void rect_dims(__global const float *first_last_size, __global thesis_r
 }
 
 /*
- * The thesis writes densities in this kernel. If two samples share a voxel, the sample
- * that is executed last determines its density. In this plugin, the host writes the
- * densities in the order of the samples.
+ * The thesis writes densities in this kernel. If two samples lie in the same voxel, the
+ * work item that is executed last determines the density. In this plugin, the host writes
+ * the densities in the order of the samples.
  */
 __kernel void rect_index(__global const thesis_rect *r, __global const float4 *samples, __global int *index)
 {

@@ -167,9 +167,9 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
 /* -------------------------------------------------------------------- import */
 
 /*
- * Implements Algs. 2.2 to 2.4. The grid that the host requests has the lattice of the samples. Alg. 2.3
- * computes its own dims, which are smaller by one on an axis on which positions are multiples of the voxel
- * size. Alg. 1.1 computes a voxel's index from the dims of Alg. 2.3.
+ * Implements Algs. 2.2 to 2.4. In the grid that the host requests, every lattice point of the samples has a
+ * voxel. Alg. 2.3 computes other dims: they are smaller by one on each axis on which all positions are
+ * multiples of the voxel size. Alg. 1.1 computes a voxel's index from the dims of Alg. 2.3.
  */
 static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error)
@@ -215,7 +215,7 @@ static int32_t rect_to_cubic(const ost_plugin_grid *rect, const ost_plugin_geome
                              ost_plugin_grid **out, ost_plugin_error *error)
 {
     const int32_t *from = rect->geometry.dims, *to = cubic->dims;
-    (void)rule; /* the parameter rule is ignored, because the thesis has only one rule */
+    (void)rule; /* the argument `rule` is ignored, because the thesis has only one rule */
     int32_t status = grid_create(rect->self, cubic, out, error);
     if (status != OST_PLUGIN_OK)
         return status;
