@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The parts of the methods on the processor that store the complete bone as one matrix of densities, and
- * the tool's grid as bits.
+ * The types and functions that several methods on the processor share. These methods store the complete
+ * bone as one matrix of densities, and the tool's grid as bits.
  *
  *   matrix_bone   element i + nx (j + ny k) is the density of voxel (i, j, k) (Alg. 1.1)
  *   matrix_tool   bit i + nx (j + ny k) is 1 if tool voxel (i, j, k) is cutting; one bit per voxel uses the least cache

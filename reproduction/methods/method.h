@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The interface that each method implements, and what the methods share.
+ * The interface that each method implements, and the declarations that the methods share.
  *
  *   methods_scene --open--> state: the method's own bone and tool
  *                            |  restore   the bone's voxels of the region; loads the event's data into the caches
@@ -68,7 +68,7 @@ void method_set_free(method_set *set);
 int64_t method_set_count(const method_set *set);
 /* Returns the number of voxels of a box. */
 size_t method_box_count(const ost_voxel_box *box);
-/* Returns the index in the set of the first voxel of row (j, k), in bone coordinates. */
+/* Returns the index in the set of the first voxel of row (j, k). j and k are bone coordinates. */
 size_t method_set_row(const method_set *set, int32_t j, int32_t k);
 
 /* The differences between a set and the expected set. Both sets have the same box. */
@@ -89,10 +89,9 @@ struct method_points;
 struct points_map;
 
 /*
- * Each function adds voxels to *set: those in the box of the set that the method's definition requires. The functions
- * are simple and use one thread,
- * and share no code with the methods. `voxels` contains the densities of the complete bone. If it is NULL, all voxels
- * are active.
+ * Each function adds to *set the voxels in the set's box that the method's definition requires. The functions are
+ * simple, use one thread, and share no code with the methods. `voxels` contains the densities of the complete bone. If
+ * it is NULL, all voxels are active.
  */
 void method_define_bone_to_tool(method_set *set, const bench_scene *event, const int16_t *voxels);
 void method_define_tool_to_bone(method_set *set, const struct method_points *points, const struct points_map *map,

@@ -24,11 +24,11 @@
 
 #include <osteon/phantom.h>
 
-/* The set of voxels that a method removes. An active bone voxel belongs to the set if ... */
+/* The definition of the set of active bone voxels that a method removes. */
 typedef enum methods_definition {
-    METHODS_BONE_TO_TOOL,       /* ... its centre is in a cutting tool voxel (AR-REM-1): osteon's set */
-    METHODS_BONE_TO_TOOL_FLOAT, /* METHODS_BONE_TO_TOOL with a float matrix: the thesis' set */
-    METHODS_TOOL_TO_BONE        /* ... it contains a tool point, which is the centre of a cutting tool voxel */
+    METHODS_BONE_TO_TOOL,       /* osteon's set: the voxels whose centre is in a cutting tool voxel (AR-REM-1) */
+    METHODS_BONE_TO_TOOL_FLOAT, /* the thesis' set: as METHODS_BONE_TO_TOOL, but computed with a float matrix */
+    METHODS_TOOL_TO_BONE        /* the voxels that contain a tool point, that is, the centre of a cutting tool voxel */
 } methods_definition;
 
 /* The tool points of the methods that process the tool's voxels. */

@@ -8,8 +8,9 @@
  *           levels of the tree, whose nodes would be larger than their content
  *   tool    cells of 2^3, 4^3, ... tool voxels, each with two flags: the cell contains a cutting voxel; the cell
  *           contains only cutting voxels
- *   event   nodes that overlap the event's box, down to nodes of 16^3 voxels, which have one map (AR-MAP-4)
- *           --> tasks of the threads: the bounds of the node in the tool's grid --> flags of the cells
+ *   event   the nodes of 16^3 voxels that overlap the event's box are divided among the threads; each of these
+ *           nodes has one map (AR-MAP-4). The bounds of a node are mapped to the tool's grid, and the flags of the
+ *           cells in these bounds are read:
  *                 no cutting voxel: the node is skipped;  only cutting voxels: the node becomes void
  *                 mixed: its 8 children or, for a brick, its 64 voxels are tested
  *   refresh after each event, a node without children becomes void
@@ -46,7 +47,7 @@ typedef struct task {
 
 typedef struct octree {
     const methods_scene *scene;
-    tree full, live; /* events change live, whose nodes have the same indices as in full */
+    tree full, live; /* events change `live`; its nodes have the same indices as in `full` */
     int level;       /* level of the root, whose edge is 4 << level voxels */
     matrix_tool tool;
     pyramid cells;

@@ -4,13 +4,13 @@
  * bone (tool-to-bone; thesis, section 3.2.3 and Fig. 3.4).
  *
  *   point    the centre of a cutting tool voxel (i, j, k), as e = 2 (i, j, k) + 1 - dims: its distance from the
- *            centre of the tool's grid in half tool voxels, which is an odd or an even number per axis
+ *            centre of the tool's grid in half tool voxels; on each axis, all e are odd or all e are even
  *   map      u_b = base_b + sum_a e_a step[a][b]        in units of 2^-f of a bone voxel
- *   voxel    anchor_b + floor(u_b / 2^f); the point is outside if this is outside the bone's grid
+ *   voxel    anchor_b + floor(u_b / 2^f) on axis b; if this voxel is not in the bone's grid, the point is outside
  *
- * With R = M / N and t the pose (AR-POSE-4), c the centre of the tool's grid, s_t the tool's voxel, and o, s the
- * bone's origin and voxel, the coordinate of the grid's centre in bone voxels, counted from the lower corner of
- * bone voxel (0, 0, 0), is V_b = ((R c + t - o)_b + s / 2) / s. Then
+ * Let R = M / N and t be the pose (AR-POSE-4), c the centre and s_t the voxel size of the tool's grid, and o the
+ * origin and s the voxel size of the bone. In bone voxels, counted from the lower corner of bone voxel (0, 0, 0),
+ * the centre of the tool's grid is at V_b = ((R c + t - o)_b + s / 2) / s. Then
  *
  *   anchor_b  = floor(V_b)
  *   base_b    = RHE(2^f (V_b - anchor_b))

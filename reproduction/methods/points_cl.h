@@ -3,8 +3,9 @@
  * The code that the tool-to-bone methods on an OpenCL device share. The bone is one buffer, and the points are a sparse
  * buffer of short4. The files yau.c, zheng.c and reza.c contain the kernels and their launches.
  *
- * Arguments of a kernel, in this order: the bone, the points, base and fraction, anchor, the steps to the bone's x,
- * y and z, the bone's dims, lo and hi of the box, the first point, the number of points; blocks (reza.c).
+ * A kernel has these arguments, in this order: the bone, the points, the map's base and fraction, its anchor, its steps
+ * to the bone's x, y and z, the bone's dims, lo and hi of the box, the first point, and the number of points. The
+ * kernel of reza.c also has the blocks as its last argument.
  */
 #ifndef OST_REPRODUCTION_METHODS_POINTS_CL_H
 #define OST_REPRODUCTION_METHODS_POINTS_CL_H
@@ -14,7 +15,8 @@
 
 #ifdef HAVE_OPENCL
 
-/* The source of the kernels' arguments, and of the function that removes the voxel that contains a point. */
+/* The OpenCL C code that precedes each kernel: the kernel's arguments, and the functions that find and remove the
+   voxel that contains a point. */
 #define POINTS_CL_SOURCE                                                                                               \
     "#define ARGUMENTS __global short *bone, __global const short4 *points, int4 base, int4 anchor, \\\n"              \
     "    int4 to_x, int4 to_y, int4 to_z, int4 dims, int4 lo, int4 hi, int first, int count\n"                         \

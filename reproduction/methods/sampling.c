@@ -6,9 +6,9 @@
  *   pose 1 ... n   bone-to-tool: voxels whose centre is in a cutting tool voxel   --> osteon's set, the union
  *                  tool-to-bone: voxels that contain a tool point                 --> the points' set, the union
  *
- * The tool is in the middle of the bone, turned as in the static event. With several poses, it moves by half a bone
- * voxel per pose along its axis, which is the -z axis of the tool's frame, and passes the middle of the bone halfway
- * along its path.
+ * The tool is in the middle of the bone, with the rotation of the static event. With several poses, it moves by half a
+ * bone voxel per pose along its axis, which is the -z axis of the tool's frame. Halfway along this path, it is in the
+ * middle of the bone.
  */
 #include <stdlib.h>
 
@@ -39,7 +39,7 @@ static ost_status place(bench_scene *scene, const ost_pose *middle, int n, int p
     const ost_rotation r = ost_rotation_of(middle);
     ost_pose pose = *middle;
     ost_pm *const t[3] = {&pose.t.x, &pose.t.y, &pose.t.z};
-    /* The displacement is n - (poses - 1) / 2 halves of a bone voxel, counted in quarters. */
+    /* The displacement is (n - (poses - 1) / 2) / 2 bone voxels. It is counted in quarters of a voxel. */
     const int64_t quarters = 2 * n - (poses - 1);
     for (int a = 0; a < 3; a++)
         *t[a] -= (ost_pm)ost_rhe_div128((ost_i128)r.m[a][2] * quarters * scene->bone.spacing.x, (ost_i128)4 * r.n);

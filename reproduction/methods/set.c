@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sets of bone voxels in a box, and the differences of two sets. */
+/* Sets of bone voxels in a box, and the differences between two sets. */
 #include "reproduction/methods/method.h"
 
 #include <stdlib.h>

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The sparse single buffer of thesis section 2.2: the bone is a list of its active voxels. The list contains the
- * position of each voxel, because the position does not follow from the index. No part of the list can be selected, so
- * an event compares all voxels of the list with the tool's grid. The voxels after a removed voxel are then shifted, so
- * that the list has no gaps.
+ * position of each voxel, because the position does not follow from the index. The voxels near the tool can be anywhere
+ * in the list, so an event compares all voxels of the list with the tool's grid. The voxels after a removed voxel are
+ * then shifted, so that the list has no gaps.
  *
  *   part by part: mark the hit voxels, close the gaps within the part    (threads)
  *   move the parts together, from the first part with a removed voxel    (one thread, memmove)
  *
- * A voxel takes 8 bytes: three int16 for the position and one for the density. The thesis' CT files have three floats.
+ * A voxel takes 8 bytes: three int16 for the position and one for the density. In the thesis' CT files, a position
+ * consists of three floats.
  */
 #include "reproduction/methods/matrix.h"
 
