@@ -22,7 +22,7 @@ enum { REPRODUCTION_MODELS = 5 }; /* number of models whose frames are timed */
 
 /* The settings of a run and the measurements that its items share. */
 typedef struct reproduction {
-    bench_options bench;    /* uses backend, threads and quick; ignores show and filter */
+    bench_options bench;    /* only the members backend, threads and quick are used; show and filter are ignored */
     result_machine machine;
     model_store models;
     char cl[64];            /* device for backend cl, such as "cl:platform=0,device=0"; "" for other backends */
@@ -57,8 +57,8 @@ typedef struct reproduction_absent {
 /* The tables and figures of the thesis that are not reproduced; the last element has the id NULL. */
 extern const reproduction_absent reproduction_missing[];
 
-/* Returns the item with a name such as "table-3.3", "Table 3.3", "fig-3.10" or a bare number. Returns NULL if no item
-   has this name, or if more than one item has this bare number. */
+/* Returns the item with a name such as "table-3.3", "Table 3.3" or "fig-3.10", or with a number such as "3.10". Returns
+   NULL if no item has this name or number, or if more than one item has this number. */
 const reproduction_item *reproduction_find(const char *name);
 
 /* Reads the user's CTs, and describes this machine and the settings in r->machine. Returns an error if a CT cannot be
@@ -66,7 +66,7 @@ const reproduction_item *reproduction_find(const char *name);
 ost_status reproduction_begin(reproduction *r, ost_error *err);
 void reproduction_end(reproduction *r);
 
-/* Reports the work in progress. */
+/* Calls the progress callback of r, if there is one. `share` is the completed share of the work, from 0 to 1. */
 void reproduction_show(const reproduction *r, const char *stage, double share);
 
 /* The functions of the items. Each file in items/ defines one or several of them. */

@@ -121,7 +121,7 @@ static bool range_of(const plot *p, bool of_x, double *least, double *most)
 static plot_axis x_axis(const plot *p, double least, double most)
 {
     enum { FEW = 9 };
-    /* fractions of the axis' length: the extension at each end, and the least distance of two ticks */
+    /* fractions of the axis' length: the extension at each end, and the least distance between two ticks */
     static const double BEYOND = 0.04, APART = 0.055;
     plot_axis axis = {.log = p->log_x};
     const plot_axis round = plot_axis_make(least, most, p->log_x, false);

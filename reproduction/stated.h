@@ -2,8 +2,8 @@
 /*
  * The numbers that the thesis states, each with the table or section that contains it. No other file contains them.
  *
- * Only values that occur in the text of the thesis are included. The values of its plots (Figures 3.2 and 3.8 to 3.16)
- * are not printed as numbers, so only those that the text mentions are included.
+ * Only values that the thesis prints as numbers are included. Values that can only be read from its plots
+ * (Figures 3.2 and 3.8 to 3.16) are not included.
  *
  * All times were measured on an Intel Core i5 8600 with an Nvidia GTX 1070, unless stated otherwise.
  */
@@ -51,10 +51,11 @@ extern const stated_tool_voxel stated_tool_voxels[3];
 #define STATED_VOXELIZE_REAMER_PASS_MS 0.442368
 #define STATED_VOXELIZE_PEG_MS 0.559584
 
-/* Section 3.2.3: the time of the reamer's event with 64^3 voxels, with the chunk system and with Reza's method. */
+/* Section 3.2.3: the times of the reamer's event with the chunk system and with Reza's method, for grids of 64^3
+   voxels. */
 #define STATED_CHUNKS_64_MS 0.44
 #define STATED_REZA_64_MS 0.19
-/* Section 3.2.3, Figure 3.10: with 1024^3 voxels, the chunk system is faster for events of up to 12 chunks. */
+/* Section 3.2.3, Figure 3.10: for grids of 1024^3 voxels, the chunk system is faster for events of up to 12 chunks. */
 #define STATED_CROSSING_CHUNKS 12
 
 /* Table 3.7: the memory of the scapula as a triangle mesh (with chunks of 0.47 x 0.47 x 1 mm voxels) and as points. */
@@ -63,7 +64,7 @@ typedef struct stated_rendering {
 } stated_rendering;
 extern const stated_rendering stated_as_mesh, stated_as_points;
 
-/* Table 3.8: the stages of generating the mesh of a chunk, in ms. */
+/* Table 3.8: times in ms of the stages that generate the mesh of a chunk. */
 typedef struct stated_stage {
     const char *name;
     double ms;

@@ -20,13 +20,13 @@ typedef struct view_scene {
     const ost_volume *before;
     const ost_tool_volume *tool; /* NULL if no tool is drawn */
     ost_pose pose;
-    const ost_glenoid *glenoid;  /* NULL if the glenoid is not known; the view is then that of the complete bone */
+    const ost_glenoid *glenoid;  /* NULL if the glenoid is not known; the picture then shows the complete bone */
     ost_view_name view;
-    /* angles in radians by which the camera is additionally turned about the vertical axis and raised */
+    /* angles in radians that are added to the azimuth and to the elevation of the view */
     double turn, lift;
-    /* height of the picture in the plane of the point in view; 0 selects the height of the view */
+    /* height in mm that the picture shows, at the distance of the point at its centre; 0 selects the view's default */
     double extent_mm;
-    unsigned overlays;           /* set of bits of ost_overlay */
+    unsigned overlays;           /* bit number o is set if the overlay o of ost_overlay is drawn */
     ost_style style;
     bool unoriented;             /* true if the letters for the patient's directions are omitted */
     int threads;

@@ -3,16 +3,16 @@
  * Section 3.2.6 leaves open whether a finer grid of the tool cuts more accurately. This item measures the accuracy with
  * tools whose exact shape is known: a ball and a cylinder, in random poses, in a bone that is full of active voxels.
  *
- *   tool voxel  -->  event  -->  removed voxels  --.
- *                                                  +--> A  centres removed that are outside the solid, and the reverse:
- *   exact solid at the same pose  -----------------'       the error of the tool's grid alone
- *                        |                         '--> B  volume between the removed cubes and the solid: total error
- *                        '--> voxels whose centre is inside --> C  volume between these and the solid: the bone's
- *                                                                    grid alone
+ *   removed:  the voxels that an event with the tool's grid removes
+ *   inside:   the voxels whose centre is inside the exact solid at the same pose
  *
- * An error is a volume divided by the area of the solid's surface, that is, the mean distance of the cut surface from
- * the exact one. Volumes within a voxel are computed from SUB^3 points. The tools' meshes have SEGMENTS segments, so
- * they differ from the solids by less than 0.1 um.
+ *   A   volume of the voxels that are only in one of these two sets       error of the tool's grid alone
+ *   B   volume between the removed voxels, as cubes, and the solid        total error
+ *   C   volume between the voxels inside, as cubes, and the solid         error of the bone's grid alone
+ *
+ * An error is a volume divided by the area of the solid's surface, that is, the mean distance between the cut surface
+ * and the exact surface. Volumes within a voxel are computed from SUB^3 points. The tools' meshes have SEGMENTS
+ * segments, so they differ from the solids by less than 0.1 um.
  */
 #include <math.h>
 #include <stdio.h>
@@ -261,8 +261,8 @@ static ost_status run_case(const reproduction *r, result *out, const solid *s, o
 }
 
 /*
- * Returns the cells of the first row with these voxel sizes of bone and tool in mm, which is the row of the first
- * solid. Returns NULL if there is none.
+ * Returns the cells of the first row with these voxel sizes of the bone and the tool, in mm. The first such row
+ * belongs to the ball. Returns NULL if there is none.
  */
 static const result_cell *row_of(const result *out, double bone, double tool)
 {

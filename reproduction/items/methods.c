@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Figures 3.8 to 3.12: the chunk system by number of chunks, and the methods that process the tool's voxels instead
- * (reproduction/methods/).
+ * Figures 3.8 to 3.12: the time of an event with the chunk system, for different numbers of chunks, and with the
+ * methods that process the tool's voxels instead of the bone's (reproduction/methods/).
  *
- *   by_chunks       the peg drill in a bone of which 1 to 64 chunks have active voxels: Figs. 3.8, 3.10 to 3.12
- *   by_resolution   the peg drill's static event, tool and bone of 64^3 to 1024^3 voxels: Figs. 3.10 to 3.12
+ *   by_chunks       Figs. 3.8 and 3.10 to 3.12: the peg drill in a bone in which 1 to 64 chunks have active voxels
+ *   by_resolution   Figs. 3.10 to 3.12: the static event of the peg drill; tool and bone have 64^3 to 1024^3 voxels
  *
  * Both tables are measured once per run. The time of a tool-to-bone method does not depend on the number of chunks, so
  * its line in a plot is horizontal.
@@ -460,7 +460,7 @@ ost_status item_voxel_counts(reproduction *r, result *out, ost_error *err)
     static const struct {
         const char *base, *label;
     } compared[] = {{"reza", "Reza"}, {"zheng", "Zheng"}, {"yau", "Yau"}};
-    static const int chunk_counts[] = {1, 8, 64}; /* 32^3, 64^3 and 128^3 voxels */
+    static const int chunk_counts[] = {1, 8, 64}; /* together 32^3, 64^3 and 128^3 voxels */
     static const int32_t tool_sides[] = {32, 64, 128, 256}, bone_sides[] = {128};
     methods_table chunks = {.rows = NULL}, tools = {.rows = NULL};
     char names[256], a[48], b[48], c[48];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The figures that show the engine's objects: pictures of the scapula and of the other models. */
+/* The figures that are pictures of the models: the scapula, alone or with a tool, and the other models. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

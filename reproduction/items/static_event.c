@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Figures 3.6 and 3.7: the static event of a tool on the scapula, as a picture and as times.
+ * Figures 3.6 and 3.7: a picture of the static event of a tool on the scapula, and the time of the event.
  *
- *   scapula, tool at the deepest pose of its built-in path --> event --> chunks in the intersection box, active ones,
- *                                                                        changed ones, removed voxels, time
+ *   scapula, tool at the deepest pose of its built-in path --> event --> number of chunks in the intersection box,
+ *                                                                        number of active and of changed chunks,
+ *                                                                        number of removed voxels, time
  *
  * In contrast to the bone of Tables 3.3 to 3.5, this bone is surrounded by air, as in an operation.
  */

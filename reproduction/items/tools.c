@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Table 2.1: the time of voxelizing the tools, also for coarser and finer voxels than those of the thesis.
+ * Table 2.1: the times to voxelize the tools, with the voxel size of the thesis and with coarser and finer voxels.
  *
  * Each time is the duration of ost_voxelize, including the allocation of the tool. Before the timing, the tool is
  * compared with the result of the reference.
