@@ -23,7 +23,7 @@ typedef struct derivation {
     bundle_problem *problem;
     void *user;
     int *found;
-    /* "; " and a note that another build made the bundle, so that its files may differ; "" if this build made it */
+    /* text that is appended to a problem: a note that another build made the bundle, or "" if this build made it */
     char other_build[160];
 } derivation;
 
@@ -53,8 +53,8 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
     return OST_OK;
 }
 
-/* Stores a note in d if another build made the bundle. That build may derive the files by different rules, so a
-   difference does not prove that the files were forged. */
+/* Stores a note in d->other_build if another build made the bundle. That build may derive the files by different rules,
+   so a difference does not prove that the files were forged. */
 static ost_status compare_builds(derivation *d, ost_error *err)
 {
     json_t *tools;

@@ -32,9 +32,9 @@ typedef struct check_how {
 } check_how;
 
 /*
- * Runs the cases again in workers. On the reference, the digests of the inputs and of all records must equal those in
- * the bundle. If the bundle has results for how->backend, the digests of how->backend must equal those of these
- * results. If it has none, they must equal the reference's digests.
+ * Runs the cases again in workers. The reference's digests of the inputs and of all records must equal the digests in
+ * the bundle. If the bundle has results for how->backend, the digests of the new results must equal the digests of the
+ * bundle's results. If it has none, the digests of the new results must equal the reference's digests.
  */
 ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
                        ost_error *err);

@@ -8,9 +8,10 @@
  *                                   '--case by case, record by record--> first stage, tool or tick, leaf
  *   B/protocol.json, cases.jsonl --'
  *
- * A case is compared if both bundles have a case with the same name and the same input. The cases that are not compared
- * are listed. If there is such a case, the bundles are not reported as equal. Bundles may come from untrusted sources,
- * so all their content is checked. This code does not check that a bundle is unchanged; `osteon verify` checks this.
+ * A case is compared if both bundles have a case with the same name and the same input. The cases that are not
+ * compared are listed. If any case is not compared, the bundles are not reported as equal. Bundles may come from
+ * untrusted sources, so all their content is checked. This code does not check that a bundle is unchanged; `osteon
+ * verify` checks this.
  */
 #ifndef OST_VALIDATION_DIFFERENCE_H
 #define OST_VALIDATION_DIFFERENCE_H

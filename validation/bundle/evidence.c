@@ -288,7 +288,7 @@ static bool makes_steps(const json_t *cases, const char *backend)
     return false;
 }
 
-/* Returns sentences about properties that a reader might expect the campaign to show, but that it does not show. */
+/* Returns sentences about properties that the campaign does not show, although a reader might expect it to. */
 static json_t *not_shown(const json_t *protocol, const json_t *cases, json_int_t refused, json_int_t compared)
 {
     json_t *list = json_array();

@@ -41,7 +41,7 @@ bool folder_describe(const char *name, folder_about *out);
    not in the table. */
 const char *folder_name(size_t row);
 
-/* Lists all files except those of signatures/; sign.c reads these. Adds the number of problems to *found. */
+/* Lists all files except the files in signatures/, which sign.c reads. Adds the number of problems to *found. */
 ost_status folder_list(const char *folder, folder_files *out, bundle_problem *problem, void *user, int *found,
                        ost_error *err);
 void folder_free(folder_files *l);

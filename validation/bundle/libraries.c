@@ -174,9 +174,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the alternative path of a file. If the path begins with /usr, the alternative path lacks this beginning. If it
-   does not, the alternative path begins with /usr. A package may list the path that the file had before /bin and /lib
-   were merged into /usr. */
+/* Writes the alternative path of a file: the path without its prefix /usr or, if it has no such prefix, with the prefix
+   /usr. A package may list the path that the file had before /bin and /lib were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)

@@ -2,7 +2,7 @@
 /*
  * Parses JSON from untrusted sources within limits.
  *
- *   bytes --scan: depth, number of values--> refused in one line, or jansson
+ *   bytes --scan: depth, number of values--> an error line, or jansson's parser
  *
  * The memory that a parser allocates grows with the number of values, not with the number of bytes:
  * "[0,0,0,..." takes sixteen times its size. The scan allocates no memory.

@@ -4,8 +4,8 @@
  * bundle is the bundle that a single run would have written, byte for byte except for the files that differ
  * from run to run.
  *
- * Every shard is checked first (check.h). All shards must come from one campaign, so that their protocols
- * are equal except for the shard and its cases.
+ * Every shard is checked first (check.h). All shards must come from one campaign: their protocols must be
+ * equal except for the shard's number and its cases.
  */
 #ifndef OST_VALIDATION_MERGE_H
 #define OST_VALIDATION_MERGE_H

@@ -56,7 +56,7 @@ ost_status record_put(const char *program, const subject_list *subjects, const j
     if (status == OST_OK)
         status = put_known_anomalies(sink, user, err);
     if (status == OST_OK)
-        /* devices_of loads the drivers that tools_of lists, so it is called first. */
+        /* devices_of is called before tools_of, because it loads drivers that tools_of lists. */
         status = devices_of(subjects, &devices, err);
     if (status == OST_OK)
         status = put_json(DEVICES_FILE, devices, sink, user, err);

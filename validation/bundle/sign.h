@@ -33,8 +33,8 @@ void sign_key_free(sign_key *key); /* NULL is allowed */
 enum { SIGN_TEXT_MAX = 200, SIGN_NAME = 128 };
 
 /*
- * Signs the bundle in `folder` and writes the envelope. The caller must check the bundle first. The parameter by is the
- * signer's printed name and may be "". meaning is a string such as "reviewed and accepted". Sets name to the envelope's
+ * Signs the bundle in `folder` and writes the envelope. The caller must check the bundle first. `by` is the signer's
+ * printed name and may be "". `meaning` is a string such as "reviewed and accepted". Sets `name` to the envelope's
  * name within the folder.
  */
 ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, const char *meaning,

@@ -9,7 +9,8 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* Software for which this program has a table row. The beginning of a library's file name selects the row. */
+/* A row of the table below, which lists software. The row belongs to the libraries whose file names start with
+   `begins`. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;

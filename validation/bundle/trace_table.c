@@ -22,7 +22,8 @@ char *trace_requirements(void)
     return text;
 }
 
-/* For each group of rules, the stages that cover it. A group is given by the beginning of the rules' identifiers. */
+/* For each group of rules, the stages that cover the group. A group consists of the rules whose identifiers start with
+   `begins`. */
 static const struct {
     const char *begins, *stages;
 } bearing[] = {
@@ -158,8 +159,8 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes strings such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row.
- * Semicolons separate these tests. If the parameter `also` is true, another part of this bundle covers the row. A
+ * Writes strings such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row. In
+ * `tests`, the paths are separated by semicolons. `also` must be true if another part of this bundle covers the row. A
  * skipped test is no evidence, so the function returns false if no test passed or failed.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
