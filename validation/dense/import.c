@@ -67,7 +67,7 @@ typedef struct batch {
     deviant *m;
     const ost_geometry *g;
     ost_duplicates duplicates;
-    uint64_t first_item; /* number, among all samples of the grid, of the first sample of the batch */
+    uint64_t first_item; /* number of the batch's first sample, counted over all samples of the grid */
     bool short_rows, last_layer_lost;
 } batch;
 
@@ -383,8 +383,8 @@ static source chosen(deviant *m, int axis, int32_t i, ost_pm cubic, ost_pm rect,
     return made;
 }
 
-/* Returns the density that is read for voxel (x, y, z). The memory layout is correct, or wrong if swapped or padded is
-   true. */
+/* Returns the density that is read for voxel (x, y, z). If `swapped` or `padded` is true, the density is read from the
+   position that the voxel would have in a wrong memory layout. */
 static int16_t read_source(const dense_grid *rect, int64_t x, int64_t y, int64_t z, bool swapped, bool padded)
 {
     const ost_dims d = rect->base.geometry.dims;

@@ -19,7 +19,7 @@ typedef struct pose {
     int64_t step[3][3]; /* steps of the map, without a mistake */
     int64_t used[3][3]; /* the steps that are used, which a mistake may have changed */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* box that loses its last layer by the mistake; NULL for all other mistakes */
+    const ost_voxel_box *tight; /* box whose last layer the mistake omits; NULL for other mistakes */
 } pose;
 
 /* Returns the low 24 bits of v as a signed number. */
@@ -120,7 +120,8 @@ static uint8_t class_at(const pose *p, const dense_tool *tool, const int64_t u[3
     return found;
 }
 
-/* Returns true if the voxel is outside the box or in the last layer of the box, which this kind of mistake omits. */
+/* Returns true if the voxel is outside the box p->tight or in the last layer of this box along an axis. Returns false
+   if p->tight is NULL. */
 static bool left_out(const pose *p, const int32_t v[3])
 {
     if (!p->tight)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The objects of the dense backend, and its division.
+ * The objects of the dense backend, and its functions for integer division.
  *
  *   import.c   samples -> rect grid -> cubic grid     AR-CT-4..6, AR-CUB
  *   bone.c     bones                                  AR-CHK, AR-DIG-2

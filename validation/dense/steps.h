@@ -67,7 +67,7 @@ ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, os
 enum { STEPS_TOOLS = 16 };
 typedef struct steps_history {
     bool sweep_off;
-    int64_t period_ns;     /* the first tick in each period has a removal event; 0 if every tick has one */
+    int64_t period_ns;     /* period in which only the first tick has a removal event; 0 if every tick has one */
     const ost_tick *ticks; /* borrowed */
     size_t *taken;         /* owned; indices of the accepted ticks */
     size_t count;

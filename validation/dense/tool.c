@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Converts a mesh to a tool grid (AR-VOX), row by row as in docs/spec/arithmetic.md. The code
- * determines for every triangle whether the triangle owns the row, and for every voxel of the row
- * whether the voxel's centre is not left of the crossing.
+ * determines for every triangle whether the triangle owns the row. For every voxel of the row, it
+ * then determines whether the crossing is at the voxel's centre or at a lower x coordinate.
  */
 #include "validation/dense/parts.h"
 
