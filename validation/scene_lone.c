@@ -2,15 +2,15 @@
 /*
  * Makes two of the six types of cases of scene_reach.c:
  *
- *   lone      chunks in a row along x; in each of them only the voxels of one
- *             column are active: successive chunks have this column at successive
- *             positions, and the last chunk has it at its last position; all active
- *             voxels are means of two slices of the CT; a tool of more than 2^16
- *             triangles
- *   emptied   a bone without active voxels, either from the beginning or after an
- *             event that removes the last one; a tool then collides with this bone;
- *             in the larger tiers, also a tool of more than 2^16 rows with triangles
- *             of the smallest area
+ *   lone      The bone's chunks form a row along x. In each chunk, all active voxels
+ *             are in one column: column 0 in the first chunk, column 1 in the next
+ *             one, and so on; in the last chunk, it is the last column. By the
+ *             `linear` rule, all active voxels are means of two slices of the CT.
+ *             The tool has more than 2^16 triangles.
+ *   emptied   The bone has no active voxels, either from the beginning or after an
+ *             event that removes the last one. A tool then collides with this bone.
+ *             In the larger tiers, there is also a tool of more than 2^16 rows with
+ *             triangles of the smallest area.
  */
 #include "validation/scene_parts.h"
 

@@ -60,7 +60,7 @@ typedef enum scene_shape {
     SHAPE_PEG,
     SHAPE_BURR,
     SHAPE_BOX,      /* a parallelepiped of any orientation */
-    SHAPE_TWICE,    /* the same solid twice: inside by the winding number 2, outside by parity */
+    SHAPE_TWICE,    /* the same solid twice; its voxels are inside by winding number, outside by parity */
     SHAPE_HOLLOW,   /* a solid with a cavity, which is a second solid whose faces are turned inside out */
     SHAPE_OPEN,     /* a solid without some of its triangles, so that the mesh is open */
     SHAPE_SOUP,     /* triangles that enclose nothing */
@@ -76,7 +76,7 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
 /*
  * Adds a tool of 58^3 voxels that is solid up to the border of its grid. A grid computed from a mesh has an
  * empty margin instead. The tool is a box with solids in it. The sloped edges of the solids pass exactly
- * through the centres of rows, with products beyond 2^24.
+ * through the centres of rows, and the products in their edge functions exceed 2^24.
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 

@@ -191,8 +191,8 @@ ost_status scene_add_far_pose(scene *s, ost_error *err)
 }
 
 /*
- * Adds ticks along straight lines between random targets. Per tick the tool rotates by `turn`
- * (approximately radians) about a random axis. The tool may change at each target.
+ * Adds ticks along straight lines between random targets. From tick to tick, the tool rotates by about
+ * `turn` radians about a random axis. The tool and the axis may change at each target.
  */
 ost_status scene_drive(scene *s, draw *d, size_t count, ost_pm speed, double turn, ost_error *err)
 {

@@ -3,26 +3,30 @@
  * Makes cases for situations that require a certain size or position. There are six types of cases, which
  * alternate. Two types, `lone` and `emptied`, are in scene_lone.c; the other four are:
  *
- *   large    a sparse CT of samples; 1025 x 65 x 65 bone voxels, made from 32
+ *   large    CT: sparse samples. The bone has 1025 x 65 x 65 voxels, made from 32
  *            slices, so that the last chunk, brick and vector along each axis has
- *            one voxel; more than 2^22 voxels in the chunks of one event;
- *            duplicates at every distance within a batch; a bar of 530 voxels along
- *            x, a quarter of which does not cut, and whose end lies on a tie of
- *            the base of a far block
- *   rods     a CT in slices, 8 m away; rods that are one to three voxels thick,
- *            along each axis, within a few units of a tie; an event that empties
- *            chunks of 64^3 voxels (counts beyond 2^16, sums beyond 2^32), and an
- *            event whose densities require 14 bits; 1 to 8 classes
- *   refused  samples at 1/8 and 3/8 of a voxel and one picometre beyond, half a
- *            voxel off, outside, beyond 8 m, in conflict
- *   hollow   two plates with a gap of two blocks between them, swept until blocks
- *            in the gap are cut, and then moved out of the bone within one event;
- *            rows in which the non-cutting mesh is not closed but the cutting mesh
- *            is; collinear corners; poses 2048 and 4096 tool voxels away,
- *            where a base of 32 bits wraps; 73 bone voxels along x, made from 50
- *            voxels of the CT; a bar of 1024 voxels, rotated by 180 degrees, whose
- *            end lies in a block with a base beyond 2^30, whose rows are complete
- *            words, and a part of which does not cut
+ *            one voxel. The chunks of one event have more than 2^22 voxels. There
+ *            are duplicates at every distance within a batch.
+ *            First tool: a bar of 530 voxels along x. A quarter of it does not
+ *            cut. Its end lies on a tie of the base of a far block.
+ *   rods     CT: slices, 8 m from the origin; 1 to 8 density classes. One event
+ *            empties chunks of 64^3 voxels (counts beyond 2^16, sums beyond 2^32).
+ *            In another event, the densities require 14 bits.
+ *            Tools: along each axis, a rod that is one to three voxels thick. The
+ *            rods are at ties or at most 6 / 65536 of a tool voxel away from ties.
+ *   refused  CT: samples at a distance of 1/8 or 3/8 of a voxel from the lattice
+ *            point, or one picometre farther away; samples half a voxel away from
+ *            the lattice point, outside the grid, or beyond 8 m; conflicting samples
+ *   hollow   CT: 50 voxels along x, from which 73 bone voxels are made.
+ *            First tool: two plates with a gap of two blocks between them. It is
+ *            swept until blocks in the gap are cut, and then moved out of the bone
+ *            within one event. In some rows, its non-cutting mesh is not closed,
+ *            but its cutting mesh is. Some corners are collinear.
+ *            Next two tools: poses at a distance of 2048 and 4096 tool voxels, at
+ *            which a base of 32 bits wraps.
+ *            Last tool: a bar of 1024 voxels, rotated by 180 degrees. Its end lies
+ *            in a block with a base beyond 2^30. Its rows are complete words, and a
+ *            part of it does not cut.
  */
 #include "validation/scene_parts.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the static events of the thesis (Figs. 3.6 and 3.7, Tables 3.3 to 3.5): one pose of the reamer at three voxel
- * sizes and one pose of the peg drill, on a bone of 128^3 active voxels of 0.47 mm; then events with both tools at the
- * other chunk sizes. Poses and densities are the same as in `osteon bench --suite removal` (bench/scene.c).
+ * Makes the static events of the thesis (Figs. 3.6 and 3.7, Tables 3.3 to 3.5) on a bone of 128^3 active voxels of
+ * 0.47 mm. With chunks of 32^3 voxels, there are events of the reamer with three voxel sizes, and one event of the peg
+ * drill. With chunks of 16^3 and 64^3 voxels, there is one event of each tool. Each tool has one pose. Poses and
+ * densities are the same as in `osteon bench --suite removal` (bench/scene.c).
  */
 #include "validation/scene_parts.h"
 

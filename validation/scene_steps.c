@@ -3,13 +3,14 @@
  * Makes the inputs of cases that test only sweep, map, motor and snapping (steps_record.h), without voxels.
  * In random cases with a bone, the situations tested here are rare.
  *
- *   even cases   lengths are multiples of a unit that is odd relative to the tool's
- *                voxel of 2^21 units, so that steps of the map, bases of blocks and
- *                snapped vertices are halves of a unit, which are ties
+ *   even cases   lengths are multiples of a unit of 1000 pm; the bone's voxel has an
+ *                odd number of units, and the voxel of the first tool has 2^21 units,
+ *                so that steps of the map and bases of blocks are ties; some snapped
+ *                vertices are also ties
  *   odd cases    lengths are any number of picometres; grids are at the ends of the
  *                range of 8 m
- *   every third  the path consists of poses of the handle, and a motor rotates the
- *                tool in addition
+ *   every third  the path consists of poses of the handle, and a motor also rotates
+ *                the tool
  *
  * The distance between two ticks is an integer number of half voxels, or one
  * picometre more or less, so that the case of equality in AR-SWEEP-2 is tested.
@@ -33,7 +34,7 @@ static ost_pm drawn(draw *d, ost_pm lo, ost_pm hi, ost_pm unit)
 static void make_grid(scene *s, draw *d, int number, ost_pm unit)
 {
     ost_geometry *g = &s->rect;
-    const ost_pm voxel = (2 * draw_between(d, 100000, 900000) + 1) * unit; /* for a unit of 1000 pm: 0.2 to 1.8 mm */
+    const ost_pm voxel = (2 * draw_between(d, 100000, 900000) + 1) * unit; /* 0.2 to 1.8 mm if unit is 1000 pm */
     ost_pm origin[3];
     g->dims = draw_dims(d, 1, 200);
     g->spacing = (ost_pm3){voxel, voxel, voxel};

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The faces of a box whose 8 corners have numbers with the bits x, y, z. The normals point outward if the three edges
-   of the box are right-handed. */
+/* The faces of a box. Bit a of a corner's number is set if the corner is at the far end of edge a. The normals point
+   outward if the three edges of the box are right-handed. */
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
@@ -355,7 +355,7 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
                        size_t *corners)
 {
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
-    /* far is the difference between the index of a corner at x + 1 and that of the same corner at x */
+    /* `far` is the difference between the indices of the same corner at the two ends of the needle */
     const uint32_t first = (uint32_t)*corners, far = RING + 1;
     for (uint32_t end = 0; end < 2; end++)
         /* Coordinates are rounded to picometres here; snapping yields the exact lattice units again. */
