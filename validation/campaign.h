@@ -3,7 +3,7 @@
  * A campaign runs every case of a plan on every backend, each backend in its own process. It compares each trace with
  * the reference's trace with memcmp.
  *
- *   plan, subjects --campaign_run--> results[case][subject], tracks of the reference
+ *   plan, subjects --campaign_run--> results[case][subject], counts and times
  *
  * The cases run in batches, which limits the number of traces on the disk. In each batch the reference runs
  * first, then the other backends, up to `jobs` workers at a time. While they run, the reference of the next

@@ -83,7 +83,7 @@ static ost_status put_obj(const char *folder, const char *name, const ost_snappe
     return close_file(f, path, err);
 }
 
-/* Writes a snapped mesh as STL with floats in millimetres, for programs that read a mesh before snapping. */
+/* Writes a snapped mesh as STL with floats in millimetres, for programs that snap their meshes themselves. */
 static ost_status put_stl(const char *folder, const char *name, const ost_snapped_mesh *m, ost_error *err)
 {
     char path[PATH];
@@ -209,7 +209,7 @@ static ost_status put_case(const char *folder, const plan_case *c, json_t *list,
                               "ticks", (json_int_t)s.path.count);
         if (s.sample_count)
             json_object_set_new(o, "ct", ct_json(&s));
-        else if (s.path.count) /* without a CT, the case has no voxels, so only the steps before them are written */
+        else if (s.path.count) /* without a CT, the case has no voxels, so only the steps are written */
             json_object_set_new(o, "bone", grid_json(&s.rect));
         if (s.path.count)
             json_object_set_new(o, "world",

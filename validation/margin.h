@@ -5,17 +5,18 @@
  *
  *       empty | solid        u   position of the point as the reference computes
  *         u   |              it, an integer in units of 2^-20 of a voxel
- *         .-->|              margin: distance to the nearest border behind which
+ *         .-->|              margin: distance to the nearest border beyond which
  *          m  |              the other result would be right, measured along the
  *                            axis on which it is largest (Chebyshev distance)
  *
- *   stage   the point; its border                                  unit
- *   rect    a sample on the lattice; half-way to the next voxel    2^-20 voxel of the CT
- *   cubic   i cubic / rect; the next layer with the other's value  2^-20 voxel of the CT
- *   chunks  a density; the threshold, where the two are equal      on the border
- *   tool    a voxel's centre; the mesh                             2^-20 voxel of the tool
- *   tick    a bone voxel's centre by AR-MAP; the nearest tool voxel of the other kind,
- *           over the poses of the event                            2^-20 voxel of the tool
+ *   stage   point                         border                                       unit of the margin
+ *   rect    a sample on the lattice       the point half-way to the next voxel         2^-20 voxel of the CT
+ *   cubic   the source position           the next layer with the other backend's      2^-20 voxel of the CT
+ *           i cubic / rect                value
+ *   chunks  a density                     the threshold, if the density equals it      none; the margin is 0
+ *   tool    a voxel's centre              the mesh                                     2^-20 voxel of the tool
+ *   tick    a bone voxel's centre by      the nearest tool voxel that gives the        2^-20 voxel of the tool
+ *           AR-MAP                        other result, over the poses of the event
  *
  * A voxel is counted at the stage at which it first differs. It is counted as
  * inherited if the stage's input (the rect grid, the tool) already differs. A

@@ -9,14 +9,15 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A voxel of the rect grid that differs. The other backend's value could result if samples of the reference moved; the
-   struct contains the minimum distances of such motions. */
+/* A voxel of the rect grid that differs. The struct contains the minimum distances by which samples would have to move
+   so that the reference would compute the other backend's value. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* maximum distance by which a sample in the voxel must move to leave the voxel; -1 if there is no such sample */
+    /* smallest distance by which the voxel's samples must move so that each sample with a value other than `got` can
+       leave the voxel; -1 if there is no such sample */
     int64_t leave;
-    /* minimum distance by which a sample with the other value must move to enter the voxel; -1 if there is none */
+    /* smallest distance by which a sample with the value `got` must move to enter the voxel; -1 if there is none */
     int64_t enter;
 } moved;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Declarations shared by the parts of margin.c: the walk along a case, and the
- * counting of a voxel that differs.
+ * Declarations shared by margin.c and its parts: the state while the records of a case
+ * are read, and the functions that count a differing voxel.
  *
  *   margin.c   walk --record by record--> margin_import.c   rect, cubic, chunks
  *                                         margin_tool.c     tools
@@ -23,7 +23,8 @@ typedef struct margin_walk {
     trace_block_view rect[2], cubic[2], tool[2][SCENE_TOOLS_MAX];
     ost_dims dims;
     int16_t *bone[2];
-    /* the next sweep begins at the pose of this tick; it is the last tick with an event or with the motor off, or -1 */
+    /* the tick at whose pose the next sweep begins: the last tick with an event or with the motor off; -1 if there is
+       none */
     int64_t event_tick;
 } margin_walk;
 

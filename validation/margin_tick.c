@@ -93,8 +93,8 @@ static void mapped(const ost_map *map, const int32_t at[3], int64_t u[3])
     }
 }
 
-/* Returns an array with the maps of the `poses` poses of this tick's event. Returns NULL if the tick has no event or
-   memory is exhausted. */
+/* Returns an array with one map for each pose of this tick's event. `poses` is the number of poses. Returns NULL if the
+   tick has no event or memory is exhausted. */
 static ost_map *maps_of(const margin_walk *w, size_t tick, uint64_t poses)
 {
     const ost_tick *now = &w->s->path.ticks[tick];

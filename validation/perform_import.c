@@ -113,8 +113,8 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
 }
 
 /*
- * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. A large grid is not resampled
- * again, to save time. Neither is a grid whose result might exceed the range of lengths (AR-LEN-1).
+ * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. To save time, a large grid is
+ * not resampled again. A grid whose result might exceed the range of lengths (AR-LEN-1) is not resampled again either.
  */
 static bool is_resampled_again(const performer *p, const ost_grid *cubic)
 {

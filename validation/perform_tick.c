@@ -14,7 +14,7 @@
 enum { ALL_VOXELS_EVERY = 32 };
 
 /* If the number of voxels times the number of ticks is at most SECOND_WORK, the second implementation runs the events
-   of the case. It needs about a microsecond for a thousand voxels. */
+   of the case. Per tick, it needs about a microsecond for a thousand voxels. */
 #define SECOND_WORK ((int64_t)1 << 25)
 
 /* Returns the density classes of the scene or, if it has none, the default classes of AR-CLS-2. */
@@ -106,7 +106,7 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
 }
 
 /* Computes the poses and maps of an event on the backend, only for the record. The sweep begins at *from and ends at
-   the pose of the tick. The event itself runs with the poses and maps of the host. Those of the backend must be
+   the pose of the tick. The event itself runs with the host's poses and maps. The backend's poses and maps must be
    equal. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Makes temporary files and folders for traces, under TMPDIR or /tmp. If only this process reads a trace, its
- * file has no name, so that the system deletes the file in any case when the process ends:
+ * file has no name, so that the system deletes the file when the process ends for any reason:
  *
  *   scratch_file --> descriptor --scratch_name--> "/proc/self/fd/5", by which it can be opened
  */

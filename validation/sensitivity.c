@@ -202,8 +202,8 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes to make in one scene. */
 typedef struct share {
-    /* Range of the numbers of this scene's mistakes within the pass. Every kind of mistake has the same share of the
-       numbers. */
+    /* The mistakes of a pass are numbered. This scene makes `count` of them, from number `first` on. Every kind of
+       mistake occurs equally often in a pass. */
     uint64_t first, count;
     const deviation *only;       /* the only mistake to make; NULL to make all */
     /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stores the list of the unfinished folders and the workers that must be removed
- * when a signal ends this process.
+ * Stores a list of the unfinished folders and the running workers. When a signal ends
+ * this process, the workers are killed and the folders are removed.
  *
  *   signal_cleanup_folder, signal_cleanup_worker --signal--> signal_cleanup_end: workers are
  *                                                killed, folders removed
@@ -18,7 +18,7 @@
    and the signal handler does not remove it. */
 void signal_cleanup_folder(const char *path);
 void signal_cleanup_folder_gone(const char *path);
-/* Removes a folder of the list with its contents, and its entry. */
+/* Removes a folder with its contents, and removes its entry from the list. */
 void signal_cleanup_folder_remove(const char *path);
 void signal_cleanup_worker(pid_t pid);
 void signal_cleanup_worker_gone(pid_t pid);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Computes the digests of a snapped mesh (AR-DIG-7) and of a bone (AR-DIG-2 to AR-DIG-5). The code was written only
- * from the text of docs/spec/arithmetic.md; the bytes have the order of the tables in that document. The hash function
- * is that of the library.
+ * from the text of docs/spec/arithmetic.md; the bytes have the order of the tables in that document. Only the hash
+ * function is shared with the library.
  */
 #include "validation/steps_record.h"
 

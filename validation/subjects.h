@@ -5,8 +5,8 @@
  *
  *   cpu   each available instruction set, with 1 thread and with 2, 3 and 7
  *         threads that divide even the smallest amount of work (grain=1); the best set with
- *         3 threads and the default thresholds; the voxelizer by Embree if it was
- *         compiled in. In the smoke tier each set runs with 1 thread and one of
+ *         3 threads and the default thresholds; the voxelizer with Embree, if Embree
+ *         was compiled in. In the smoke tier each set runs with 1 thread and one of
  *         the counts 2, 3 and 7, and the last set also with the missing counts
  *   cl    each device that is not refused, with both kernel sets, each with the
  *         data undivided and with large data in parts. In the smoke tier the set

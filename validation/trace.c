@@ -94,8 +94,8 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
     /*
-     * The start of a range of chunks may be below the bound. The end of a range may be above the bound, and so may
-     * boxes_meet.
+     * The start of a range of chunks may be below the bound. The end of a range and boxes_meet may be above the
+     * bound.
      */
     return word >= 4 && word % 2 == 0 ? has <= needs
                                       : has >= needs;
@@ -256,7 +256,7 @@ static ost_status index_records(const char *path, trace *t, ost_error *err)
         if (memcmp(head, magic, 4) != 0 || u32_at(head + 4) >= TRACE_STAGES)
             return ost_fail(err, OST_ERR_INPUT, "%s: offset %zu: no record of a trace begins here", path, at);
         if (body > t->size - at - HEAD)
-            return OST_OK; /* the writer stopped within a record, which is ignored */
+            return OST_OK; /* the writer stopped within this record, so the record is ignored */
         if (t->count == capacity) {
             capacity = capacity ? 2 * capacity : 1024;
             trace_record *grown = realloc(t->records, capacity * sizeof *grown);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A trace contains all results of one backend for a list of cases, in order. The results are stored as
- * bytes, so that those of two backends can be compared.
+ * bytes, so that the results of two backends can be compared with memcmp.
  *
  *   case, rect, cubic, resample, chunks, tool 0, tool 1, ..., tick 0, tick 1, ..., final,
  *   case, ...
@@ -58,7 +58,7 @@ const char *trace_stage_name(trace_stage stage);
 size_t trace_report_head(trace_stage stage);
 /* Returns the name of a word: for example "active voxels", or "voxels of class 2 in a chunk" for a word in a chunk's
    line, or "report word 7" for a word without a name. line_words is the number of words in a chunk's line, or 0 if
-   unknown. The returned string may be stored in text. */
+   unknown. The returned string may be in the buffer `text`. */
 enum { TRACE_WORD = 48 };
 const char *trace_word_name(trace_stage stage, size_t word, uint64_t line_words, char text[TRACE_WORD]);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a backend in a separate process. A driver may install signal handlers, change the rounding of
- * floats, crash or hang. Only the driver's own process is affected then, and all results up to that point
- * are in the worker's trace.
+ * Runs a backend in a separate process, the worker. A driver may install signal handlers, change the
+ * rounding of floats, crash or hang. This affects only the worker in which the driver runs, and the results
+ * that the worker had already computed are in its trace.
  *
  *   worker_start --exec--> osteon validate --worker SPEC --trace FILE ... --worker_run--> trace
  *        |                                                                         |
@@ -52,7 +52,7 @@ typedef struct worker {
    follows from such a run. */
 enum { WORKER_EXIT_RESOURCES = 4 };
 enum { WORKERS_MAX = 128 }; /* maximum number of workers per call of worker_wait_any */
-/* the worker's descriptors of its trace and of the store of the user's cases */
+/* the worker's file descriptors for its trace and for the store of the user's cases */
 enum { WORKER_TRACE = 3, WORKER_USER = 4 };
 
 /* Writes the path of this program's file, which is passed to workers as argv[0]. */

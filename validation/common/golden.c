@@ -108,9 +108,9 @@ static void layers(lab *l)
 }
 
 /*
- * Checks a cube from 0 to 2 mm with voxels of 1 mm. RHE rounds half to even. The grid's corner is RHE(-1 / 2) = 0 minus
- * one voxel, which is -1. Its end is RHE(5 / 2) = 2 plus one voxel, which is 3. This gives 4 voxels per axis with
- * centres at -0.5, 0.5, 1.5 and 2.5; the second and the third centre are inside the cube.
+ * Checks a cube from 0 to 2 mm with voxels of 1 mm. RHE rounds half to even. The grid begins at RHE(-1 / 2) - 1 = -1
+ * and ends at RHE(5 / 2) + 1 = 3, in voxels. This gives 4 voxels per axis with centres at -0.5, 0.5, 1.5 and 2.5; the
+ * second and the third centre are inside the cube.
  */
 static void cube(lab *l)
 {
@@ -135,7 +135,7 @@ static void cube(lab *l)
     ost_mesh_free(&mesh);
 }
 
-/* Checks that of 8 x 8 x 8 voxels exactly those with lo <= index < hi are removed. */
+/* Checks that an event removes exactly the voxels with lo <= index < hi from a bone of 8 x 8 x 8 voxels. */
 static void gone(lab *l, const char *name, const char *what, const char *expected, ost_pose pose, const int lo[3],
                  const int hi[3])
 {

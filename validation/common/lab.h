@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Helper functions of the checks. A lab stores the first error. After an error every call returns without
- * effect, so that the code of a check needs no error handling.
+ * Helper functions of the checks. The struct `lab` contains the state of the checks, including the first
+ * error. After an error every call returns without effect, so that the code of a check needs no error handling.
  */
 #ifndef OST_VALIDATION_COMMON_LAB_H
 #define OST_VALIDATION_COMMON_LAB_H

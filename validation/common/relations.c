@@ -53,7 +53,7 @@ static int64_t differ(const int16_t *a, const int16_t *b)
 
 typedef struct law {
     const char *name, *requirements, *what;
-    /* computes the same result in two ways that must agree, into s->a and s->b */
+    /* computes a result in two ways and stores it in s->a and s->b, which must then be equal */
     void (*two_ways)(lab *l, draw *d, scene *s);
 } law;
 

@@ -98,8 +98,8 @@ typedef struct maker {
     const char *folder;
     trace_writer *w;
     ost_dims dims;
-    /* Voxels of the bone: ref in the reference, state after the records written so far, next after the following
-       record. */
+    /* Voxels of the bone. `ref`: the reference's bone; `state`: the bone after the records written so far; `next`: the
+       bone after the record that is written next. */
     int16_t *ref, *state, *next;
     uint64_t compared;
 } maker;

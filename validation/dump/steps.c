@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads and writes the files of a dump for the steps before the voxels, snap-N.json and steps-N.json. Their
- * members are the words of the records in steps_record.h.
+ * Reads and writes the files snap-N.json and steps-N.json of a dump. They contain the steps, which are the
+ * computations that precede the voxels. The members of the files are the words of the records in
+ * steps_record.h.
  *
  *   file --dump_read_steps--> words --dump_write_steps--> file
  *

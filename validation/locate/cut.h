@@ -15,7 +15,7 @@
 
 enum { CUT_RANGES = 64 };
 
-/* The items that are kept, as ascending, disjoint, half-open ranges. If `some` is false, all items are kept. */
+/* The retained items, as ascending, disjoint, half-open ranges. If `some` is false, all items are retained. */
 typedef struct cut_list {
     bool some;
     int count;
@@ -25,7 +25,7 @@ typedef struct cut_list {
 struct scene_cut {
     bool no_ct, no_collide;
     bool cropped;
-    int32_t lo[3], hi[3]; /* voxels of the rect grid that are kept, lo <= voxel < hi */
+    int32_t lo[3], hi[3]; /* retained voxels of the rect grid, lo <= voxel < hi */
     cut_list samples, ticks;
     uint32_t no_tools;    /* tools that are omitted; bit t stands for tool t */
     /* retained triangles of each tool; index 0 is the cutting mesh, index 1 the non-cutting mesh */

@@ -37,7 +37,7 @@ bool grids_at(const scene *s, const trace *ref, compare_range in_ref, const trac
               grids *out);
 void grids_free(grids *g);
 
-/* Returns both grids in the form that pattern_find takes. It is valid until g is freed. */
+/* Returns both grids in the form that pattern_find takes. The result is valid until g is freed. */
 pattern_view grids_view(const grids *g, const scene *s, bool reported_too);
 
 /* Finds the block of a complete grid. Returns false if the case has no record of this stage and item. */

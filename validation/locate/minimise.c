@@ -235,7 +235,7 @@ static ost_status cut_grid(job *j, const scene *s, ost_error *err)
         return OST_OK;
     if (d->kind == COMPARE_VOXEL)
         source_of(s, d->stage, d->voxel, at);
-    /* the report of a chunk differs: starts at the middle of the chunk */
+    /* if the report of a chunk differs, the search starts at the middle of the chunk */
     else if (d->kind == COMPARE_WORD && f->chunk_size) {
         const int32_t middle[3] = {f->chunk[0] * f->chunk_size + f->chunk_size / 2,
                                    f->chunk[1] * f->chunk_size + f->chunk_size / 2,

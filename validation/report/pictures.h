@@ -23,7 +23,7 @@
 enum {
     /* maximum number of cases per backend that get pictures; these are the first cases that differ */
     PICTURES_A_BACKEND = 4,
-    /* only the first backends of the list get pictures, at most this number */
+    /* maximum number of backends that get pictures; these are the first backends of the list */
     PICTURES_BACKENDS = 256,
     PICTURE_NAME = 128
 };

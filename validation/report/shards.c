@@ -10,7 +10,7 @@
 #include "validation/bundle/reproduce.h"
 #include "validation/report/pictures.h"
 
-/* Copies a file from the shard that contains it. At most one shard does. Sets *taken to false if no shard does. */
+/* Copies a file from the shard that contains it; at most one shard contains it. Sets *taken to false if none does. */
 static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user,
                        ost_error *err)
 {
