@@ -94,8 +94,8 @@ static inline double scene_density(const ost_volume *v, const double p[3])
     return sum;
 }
 
-/* Makes a scene. The seed determines the side, the rotation, the spacing (0.5 to 1.5 mm, slices 0.5 to 3 mm) and the
-   noise (up to 40 HU). */
+/* Makes a scene. The seed determines the side, the rotation, the spacing (0.5 to 1.5 mm in a slice, 0.5 to 3 mm
+   between slices) and the noise (up to 40 HU). */
 static inline void scene_make(uint64_t seed, scene *out)
 {
     ost_error err = {0};

@@ -12,7 +12,7 @@
 
 #include "anatomy/scene.h"
 
-/* The values of a phantom: ERRORS errors, followed by the processor time, which is printed but not limited. */
+/* Each phantom has VALUES values: the ERRORS errors, then the processor time, which is printed but not limited. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
  * Depth of the bone below the centre of the cartilage. In the mean shape it is 2.4 mm, which is multiplied

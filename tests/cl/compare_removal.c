@@ -174,7 +174,7 @@ static void tables_free(tool_tables *t)
     free(t->windows);
 }
 
-/* Makes the event's buffer, with the arrays in a different order from the backend's. */
+/* Makes the event's buffer, in which the order of the arrays differs from the backend's order. */
 static uint8_t *input_of(plan *e, size_t *bytes)
 {
     const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compares the voxelizer kernels with the reference, the reach in the cells of a tool with the definition of the reach,
-   and the fingerprint with the list of expected results. */
+/* Makes three comparisons: the voxelizer kernels with the reference, the reach that is stored in a tool's cells with
+   its definition, and the results of the fingerprint kernel with the list of expected results. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"

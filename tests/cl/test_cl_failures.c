@@ -243,9 +243,9 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Returns the step between the numbers of the calls that fail. If all sessions together take at most a minute on the
-   device, the step is 1; on rusticl they take longer, because it compiles the kernels again in each session. With
-   OST_TEST_LONG=1 the step is always 1. */
+/* Returns n if every n-th call is tested. If the sessions for all calls take at most a minute on the device, n is 1.
+   On rusticl they take longer, because rusticl compiles the kernels again in each session. With OST_TEST_LONG=1, n is
+   always 1. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };
@@ -264,7 +264,7 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Returns true for calls whose failure need not make the session fail. After a failed query, the backend chooses
+/* Returns true for calls after whose failure the session may succeed. After a failed query, the backend chooses
    another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
 static bool may_be_overcome(enum shim_call call)
 {
@@ -317,8 +317,8 @@ static void lost_for_good(void **state)
     every_call(true);
 }
 
-/* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills them fails
-   and the failure is reported only later, they must be created again. */
+/* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills these objects
+   fails and the failure is reported only later, the objects must be created again. */
 static void late(void **state)
 {
     (void)state;

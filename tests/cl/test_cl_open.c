@@ -253,13 +253,13 @@ static void refused_for_what_it_computes(void **state)
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     api.clEnqueueReadBuffer = flipping_read;
-    flip_size = 100000; /* This size selects the read of the fingerprint results. flip_at selects word 6 of item 500. */
-    flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1;
+    flip_size = 100000; /* Only the read of the fingerprint results has this size or more. */
+    flip_at = (500 * OST_CL_FINGERPRINT + 6) * 8 + 1; /* a byte of word 6 of item 500 */
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* This size selects every read. The first one reads the layout, in which value 3 is changed. */
-    flip_at = 12;
+    flip_size = 1; /* Every read has this size or more. The first read returns the layout. */
+    flip_at = 12;  /* a byte of value 3 */
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));
 }
@@ -486,8 +486,8 @@ static bool on_platform(const char *name)
     return is;
 }
 
-/* Makes a new folder for the caches of the following backends. PoCL's cache stays in the old folder, which `before`
-   receives. */
+/* Makes a new folder for the caches of the following backends, and stores the path of the old folder in `before`.
+   PoCL's cache stays in the old folder. */
 static void begin_cache(char *folder, char *before, size_t size)
 {
     snprintf(before, size, "%s", getenv("XDG_CACHE_HOME"));
@@ -580,7 +580,7 @@ static void cache_damage(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* The path of the cache is that of a file, and then that of a folder that cannot be created. */
+    /* The path of the cache is first the path of a file, and then the path of a folder that cannot be created. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares the kernels of src/cl, compiled as C, with the reference; the results must be bit-identical. No device is
- * needed, and in a build with sanitizers these check every line of the kernels.
+ * needed. In a build with sanitizers, the sanitizers check every line of the kernels.
  * Covers: AR-INT-1, AR-INT-2, AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-9, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-4,
  * AR-VOX-1..7, AR-MAP-4, AR-REM-1, AR-REM-2, AR-REM-3, AR-REM-5, AR-REM-6, AR-CLS-1
  */

@@ -172,8 +172,9 @@ static void floats_stand_for_their_shortest_decimal(void **state)
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
     /*
-     * The decimals of 431/512 and 101843/512 are exact and have nine decimal places. The decimal 0.4882812
-     * is near 249.99997/512, and 4.25 has three digits.
+     * The floats 431/512 and -101843/512 represent their own values, with nine decimal places (the exception of
+     * AR-LEN-4). The exception does not apply to 0.4882812f, which is not a multiple of 1/512, or to 4.25f, which
+     * needs only three digits.
      */
     assert_true(ost_pm_from_float(0.841796875f, &value));
     assert_int_equal(value, 841796875);
@@ -318,7 +319,7 @@ static void the_ends_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* This is the greatest possible product, 1.8 * 10^37, divided by 10^37. */
+    /* The product of the digits and the scale is 1.8 * 10^37, which is the maximum. It is divided by 10^37. */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares digests with values computed with another SHA-256 implementation (Python's hashlib) over the layout of
- * docs/spec/arithmetic.md. The comment of each test contains the Python expression. Covers: AR-DIG-1, AR-DIG-2,
- * AR-DIG-3, AR-DIG-4
+ * Compares digests with values that another implementation of SHA-256 (Python's hashlib) computed from bytes in the
+ * layout of docs/spec/arithmetic.md. The comment of each test contains the Python expression.
+ * Covers: AR-DIG-1, AR-DIG-2, AR-DIG-3, AR-DIG-4
  */
 #include "harness.h"
 

@@ -74,8 +74,8 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
 }
 
 /*
- * The phase does not change while a motor is off or its speed is unknown. Times from one end of
- * int64 to the other do not overflow.
+ * The phase does not change while a motor is off or its speed is unknown. The difference between the least and the
+ * greatest time in int64 does not overflow.
  */
 static void a_phase_is_exact(void **state)
 {
@@ -114,9 +114,10 @@ static void rows_become_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    /* At 200 rpm, this interval has 3 parts, because U / 3 is greater than 2 U / 8. */
+    /* A full turn is U = 6 * 10^10. In 100 ms at 200 rpm the motor turns by U / 3, which is greater than 2 U / 8.
+       Therefore this interval has 3 parts. */
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
-    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms correspond to 7.4 * 10^9, which is less than U / 8 */
+    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms are a turn by 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* a lifted row is one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);

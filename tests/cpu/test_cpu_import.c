@@ -173,8 +173,8 @@ static void rect_to_cubic_to_chunks(void **state)
             ost_bone_free(bone[b]);
             assert_ok(ost_cubic_to_chunks(again[b], n, threshold, &bone[b], &err));
             /*
-             * If a slice is larger than the array of random voxels, no slice is written. It is sufficient
-             * that slices are written in some rounds.
+             * A slice is written unless it is larger than the array of random voxels. It is sufficient that
+             * some rounds write a slice.
              */
             int64_t slice = (int64_t)ost_grid_geometry(again[b])->dims.x * ost_grid_geometry(again[b])->dims.y;
             if (slice <= ost_dims_count(g.dims))
@@ -212,8 +212,8 @@ static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
 
 /*
  * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or
- * very different, and some grids have one voxel along an axis. Few voxels are active, so that some chunks
- * may be skipped and adjacent chunks may not.
+ * very different, and some grids have one voxel along an axis. Few voxels are active, so that the backend may
+ * skip some chunks but must not skip chunks adjacent to them.
  */
 static void interpolated_to_chunks(void **state)
 {

@@ -132,8 +132,8 @@ static void no_order_changes_a_bone(void **state)
 static void the_smallest_grain_enters_every_path(void **state)
 {
     (void)state;
-    /* The grid has 27 leaves and 125 chunks, and is converted in parts of 2 layers, which are 10 rows of chunks. This
-       is sufficient work for 7 threads. */
+    /* The grid has 27 leaves and 125 chunks. It is converted in parts of 2 layers of chunks, and each part has 10 rows
+       of chunks. This is sufficient work for 7 threads. */
     static const int teams[] = {1, 2, 3, 7};
     seen none, all;
     const ost_digest expected = run_all("ref", SIDE, 16, &none);

@@ -4,7 +4,7 @@
  * thread counts: after each tick the report and every voxel must be equal. These tests examine the state of
  * the bone and the backend after each event. They include slow and fast motion, stops, reversals, rotation
  * in place, sweeps, collisions in between, alternating tools and bones, and bones that are uploaded again.
- * They also test blocks of 16^3 voxels at the limit between overlapping the tool's grid and missing it.
+ * Other tests move the tool's grid so that it only just overlaps a block of 16^3 voxels, or only just misses it.
  * Covers: AR-MAP-4, AR-MAP-5, AR-REM-1..6, AR-LAW-1, AR-LAW-2
  */
 #include "cpu/team.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares voxels (by memcmp) and reports of the CPU backend's voxelizer with the reference's: with
- * every instruction set of this machine, with 1, 2, 3 and 7 threads, with both voxelizers where
- * both are built, under both fill rules, and for one mesh and two meshes.
+ * Compares the voxels and the reports of the CPU backend's voxelizer with those of the reference. The tests use
+ * every instruction set of this machine, 1, 2, 3 and 7 threads, both voxelizers if both are built, both fill
+ * rules, and one or two meshes.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests optional parts of the force. The coupling of the tool's orientation is compared with
- * springs in series, and must come to rest in a closed loop. Vibration is compared with its
- * formula. A file of parameters is read and written.
+ * springs in series, and a handle with this coupling must come to rest in a closed loop. Vibration
+ * is compared with its formula. A file of parameters is read and written.
  * Covers: REQ-FORCE
  */
 #include "force/press.h"
@@ -55,8 +55,8 @@ static void a_torque_turns_the_tool(void **state)
     ost_force_free(force);
 
     /*
-     * If the turn stiffness is 0, the tool's orientation is the hand's, and the depth deflects
-     * only the first spring.
+     * If the rotational stiffness is 0, the tool has the orientation of the hand, and the pressure
+     * deflects only the first spring.
      */
     params.turn_stiffness = 0;
     force = force_of(bone, &params, &point, 1);

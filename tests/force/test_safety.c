@@ -178,7 +178,7 @@ static void a_silent_device_gets_nothing(void **state)
 
 /*
  * A delayed spring generates energy in every cycle, so a mass on it oscillates with growing
- * amplitude. Returns the amplitude in the last of 3 s.
+ * amplitude. Simulates 3 s and returns the amplitude in the last second.
  */
 static double swing(double max_damping, uint64_t *damped)
 {

@@ -3,7 +3,7 @@
  * Reads arbitrary bytes as sessions. The result must be an error of one line that names the file, or a session. The
  * complete part of a session must give the same result when it is read twice. It must be possible to convert the
  * session to a path, to repair it and to export it. Each input is also tested with corrected checksums, so that the
- * code behind the checksums is reached.
+ * code after the check of the checksums is reached.
  */
 #include "fuzz.h"
 

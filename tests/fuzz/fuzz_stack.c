@@ -44,7 +44,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                         .stack_spacing = {1000000, 1000000, 1000000}};
     ost_error err = {0};
     ost_volume v, back;
-    /* A file of another type may declare any size. A stack is limited by the size of its file. */
+    /* Files of other types are not read, because they may declare any size. The size of a stack is limited by the size
+       of its file. */
     ost_file_kind kind;
     if (ost_file_kind_find(path, &kind, &err) != OST_OK || kind != OST_FILE_STACK)
         return 0;

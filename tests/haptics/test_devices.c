@@ -256,8 +256,8 @@ static void stiff_walls_swing_and_soft_ones_rest(void **state)
                unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
                unrest("sim:grip=firm,friction=0", stiffness[i]));
     /*
-     * For such a device, the literature recommends a stiffness of 300 N/m for a light grip and 400 N/m for
-     * a normal grip.
+     * For a device without friction, the literature recommends a stiffness of 300 N/m for a light grip and
+     * 400 N/m for a normal grip.
      */
     const double rest_mm = 0.111, swing = 0.3;
     assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);

@@ -2,8 +2,8 @@
 /*
  * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's
  * struct and hmac from the table in docs/reference/devices.md. Further tests check packets that must be
- * refused, keys and sequence numbers. A closed loop with a delay tests the plane from which a bridge computes
- * its force.
+ * refused, keys and sequence numbers. A bridge computes its force from a plane; a closed loop with a delay tests
+ * that this force is stable.
  * Covers: REQ-LINK
  */
 #include "harness.h"
@@ -209,7 +209,7 @@ static void a_plane_presses_and_never_pulls(void **state)
 
 /*
  * Presses the simulated device, in a light grip and without friction, against a wall of 300 N/m
- * whose answers are delayed. Returns the range of motion in the last second, in m.
+ * whose force is delayed. Returns the range of motion in the last second, in m.
  */
 static double swing_with(int delay, bool plane)
 {

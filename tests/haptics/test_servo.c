@@ -174,7 +174,7 @@ static seen run_with(const haptic_driver *driver, const char *answers, const ost
     assert_int_equal(report.exec.count, s.ticks);
     assert_int_equal(report.wake.count, s.ticks);
     assert_int_equal(report.completion.count, s.ticks);
-    /* For every reason of the loop's end, the last force must be zero. */
+    /* The last force must be zero, whatever ended the loop. */
     assert_true(fake.last.force_n[0] == 0);
     assert_int_equal(fake.writes, (int)s.ticks + 1);
     ost_haptic_close(device);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that a tick allocates no memory and makes no system calls except those for times. The tested tick
+ * Tests that a tick allocates no memory and makes no system calls except those that read clocks. The tested tick
  * includes the loop, the operation, the step of the world and the recorder. During the ticks, the tool is in
  * contact with the bone and enters one chunk after another.
  *

@@ -379,7 +379,7 @@ typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* poses with numbers in this range are not answered; a hello ends the silence */
+    int silent_from, silent_to; /* poses with numbers in this range are not answered; a hello ends the range */
     int end_at;                 /* number of the pose at which the simulation reports its end */
     _Atomic bool stop;
     int poses, seen, let_go, jumps, hellos;
@@ -565,7 +565,7 @@ static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
     assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
-    assert_true(s->hellos >= 2); /* There is one hello at the start and one after the silence. */
+    assert_true(s->hellos >= 2); /* One hello is sent at the start, and one while poses are not answered. */
     assert_true(report.limps >= 1);
     assert_int_equal(s->jumps, 0);
     leave(s);

@@ -461,10 +461,10 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = take_place(HD, "fake_hd", "fake_hd");
-    /* This is the coordinate to the right, in mm, which is the tool's x. */
+    /* position[0] points to the right, as the tool's x does, and is in mm. */
     operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
     note = take_place(DHD, "fake_dhd", "fake_dhd");
-    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* This is the coordinate to the right, in m. */
+    operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* to the right, in m */
 }
 
 /* ------------------------------------------------------------------- spnav */

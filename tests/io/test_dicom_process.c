@@ -95,7 +95,8 @@ static void bad_ends(void **state)
     refused("echo secret >&2; ulimit -a >&2; exit 1", "the DICOM parser ended early (exit status 1)");
 }
 
-/* Each script checks a restriction that the library sets, and ends with SIGUSR1 (signal 10) if it is in effect. */
+/* Each script checks a limit that the library sets for the process, and ends with SIGUSR1 (signal 10) if the limit
+   applies. */
 static void limits(void **state)
 {
     (void)state;
@@ -103,7 +104,7 @@ static void limits(void **state)
     if (!preload || !strstr(preload, "vgpreload")) /* the library does not lower the descriptor limit under valgrind */
         refused("[ \"$(ulimit -n)\" = 64 ] && kill -USR1 $$", "signal 10");
     refused("[ \"$(ulimit -f)\" = 0 ] && [ \"$(ulimit -c)\" = 0 ] && kill -USR1 $$", "signal 10");
-    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s per scan and 2 s per file */
+    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s for the scan and 2 s for the only file */
     refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$",
             "signal 10");
     refused("[ \"$(ls /proc/self/fd | wc -l)\" -le 4 ] && kill -USR1 $$", "signal 10");

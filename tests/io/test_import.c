@@ -126,7 +126,7 @@ static void no_layer_is_empty_or_doubled(void **state)
                 }
 }
 
-/* ------------------------------------------------- the same bone from each format */
+/* ------------------------------------------------- formats */
 
 static ost_volume make_volume(ost_geometry g)
 {

@@ -4,8 +4,8 @@
  * to open the session. Its ticks must be complete and without a gap, and their number must be at least the number that
  * the recorder had reported as written before the kill.
  *
- *   child:  tick, put, store the number of ticks that the recorder has written  (shared memory)
- *   parent: sleeps, SIGKILL, reads
+ *   child:  makes a tick, records it, stores the number of ticks that the recorder has written in shared memory
+ *   parent: sleeps, sends SIGKILL, reads the session
  *
  * The number of milliseconds that each kill lost is printed but not tested, because it depends on
  * timing. The test makes 12 kills, or 200 with OST_TEST_LONG=1.

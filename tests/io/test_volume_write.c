@@ -285,7 +285,7 @@ static void import_digests(ost_backend *backend, const char *name, ost_geometry 
 }
 
 /*
- * Imports the same volume as text (with 4, 6 and as many decimals as needed), NRRD and NIfTI.
+ * Imports the same volume as text (with 4 decimals, 6 decimals, or as many as needed), NRRD and NIfTI.
  * Every format must give the same bone. For text without its comments the spacing is inferred
  * from the coordinates.
  */
@@ -484,7 +484,7 @@ static void bones_come_down_in_slabs(void **state)
 typedef struct watcher {
     const char *stage;
     double last;
-    int calls, cancel_at; /* cancel_at is the number of the call that cancels; 0 if none does */
+    int calls, cancel_at; /* cancel_at is the number of the call that cancels, or 0 for none */
 } watcher;
 
 static bool watch(void *user, const char *stage, double share)

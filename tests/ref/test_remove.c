@@ -146,7 +146,7 @@ static void an_emptied_chunk_is_freed(void **state)
 
 /* -------------------------------------------------------- random scenes */
 
-/* A bone of 70 x 37 x 41 voxels of 0.47 mm, a random tool, and the range lo to hi of the tool's positions, which is
+/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a random tool. The tool's positions are from lo to hi, the corners of
    the bone's grid. */
 typedef struct scene {
     ost_geometry g;

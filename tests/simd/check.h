@@ -3,7 +3,7 @@
  * The check of one slot of a table of kernels (tests/simd).
  *
  *   test    runs one case: makes inputs with the random generator of the case, calls the scalar kernel
- *           and the other kernel on equal memory, and compares
+ *           and the other kernel with equal inputs, and compares their outputs
  *   bench   times one or more workloads
  *
  * The check of a slot consists of one check_kernel in check_FAMILY.c and one line

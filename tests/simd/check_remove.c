@@ -3,8 +3,8 @@
  * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
  * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
- * near three kinds of borders: a base beyond the first is uncertain and must be computed by division, a
- * base beyond the second does not exist, and a block beyond the third is out of reach.
+ * near the limits of three ranges: the fractions for which the base must be computed by a division, the bases
+ * that exist, and the bases of blocks that the tool can reach.
  *
  * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
  * sorted by the numbers of the parts, which are all different. The previous content of the lists must not
@@ -129,7 +129,7 @@ static void test_blocks(check *c)
         }
         map->origin[a] = ost_int128_of(base * divisor + check_range(c, -9, 9));
     }
-    /* On each axis the sum of one block is chosen. Most other sums differ from it by small amounts. */
+    /* On each axis, the sum of the first block is chosen. The sums of most other blocks differ little from it. */
     for (int a = 0; a < 3; a++) {
         const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far),
                       z = check_range(c, -far, far);
@@ -202,7 +202,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Places cubes around the tool or, if near is false, at any position for which the centres of their parts fit int32. */
+/* If `near` is true, places cubes around the tool. If not, places them at any positions for which the centres of their
+   parts fit in int32. */
 static void place_cubes(check *c, const ost_cells *cells, const ost_split *split, bool near, ost_cubes *cubes)
 {
     for (int a = 0; a < 3; a++) {
@@ -326,8 +327,8 @@ static void call_match(check_fn *kernel, void *with)
 }
 
 /*
- * Chooses at most MIXED_MAX random cells (by reservoir sampling) that count as mixed in a split with this
- * `least`. Returns their number.
+ * Chooses at most MIXED_MAX random cells, by reservoir sampling, that a split classifies as mixed if its `least`
+ * (ost_split) is this value. Returns the number of cells.
  */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
@@ -411,7 +412,8 @@ static void call_match_tables(check_fn *kernel, void *with)
     ((ost_match_tables_fn *)kernel)(with);
 }
 
-/* Returns the set of the voxels whose offset along axis a, added to this fraction, reaches one more voxel. */
+/* Returns the set of the voxels for which the fraction of the offset along axis a and `fraction` add up to at least one
+   voxel. */
 static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
 {
     const uint32_t mask = (1 << OST_MAP_FRACTION) - 1;
@@ -421,8 +423,8 @@ static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
     return carries;
 }
 
-/* A variant that differs from the scalar kernel computes `carries` instead of its tables. They are compared with their
-   definition (remove.h, "Carries"). */
+/* A variant that is not the scalar kernel computes the tables in `carries` instead of the scalar kernel's tables. These
+   tables are compared with their definition (remove.h, "Carries"). */
 static void test_match_tables(check *c)
 {
     solid s;

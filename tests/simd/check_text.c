@@ -2,11 +2,16 @@
 /*
  * Checks of the kernel text_match.
  *
- * In most texts, lines that match are followed by a line that does not match. In such a line a byte is
- * changed, missing or added; or its density is out of range, or has more than five digits, no digits, a
- * wrong sign or another character; or the carriage return is missing or superfluous; or only the beginning
- * of the line is present; or the line is empty. In some cases, the text continues after the end of the part
- * that is tested, but the lines there must not be matched.
+ * In most texts, lines that match are followed by a line that does not match. This line has one of the
+ * following defects:
+ *
+ *   - a byte is changed, missing or added
+ *   - the density is out of range, or has more than five digits, no digits, a wrong sign or another character
+ *   - the carriage return is missing or superfluous
+ *   - only the beginning of the line is present, or the line is empty
+ *
+ * In some cases, the text continues after the end of the part that is tested, but the lines there must not be
+ * matched.
  */
 #include <stdio.h>
 #include <string.h>
@@ -149,8 +154,7 @@ static void test_match(check *c)
         check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
         check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
                    begins[a.matched]))
-        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* Beyond the matches, both
-                                                                               buffers contain poison. */
+        check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* includes the poison after the matches */
 }
 
 static void bench_match(check_bench *b)
