@@ -34,7 +34,7 @@ static int ascending(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-static double apart(ost_pm3 p, const double q[3])
+static double distance_mm(ost_pm3 p, const double q[3])
 {
     const double d[3] = {ost_pm_to_mm(p.x) - q[0], ost_pm_to_mm(p.y) - q[1], ost_pm_to_mm(p.z) - q[2]};
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -74,8 +74,8 @@ static void measure(uint64_t seed, const scene *s, double value[VALUES])
     value[0] = sqrt(fmax(square - along * along, 0));
     value[1] = fabs(along - CARTILAGE_MM);
     value[2] = acos(fmin(cosine, 1)) * 180 / 3.14159265358979;
-    value[3] = apart(l.trigonum, s->trigonum);
-    value[4] = apart(l.inferior, s->inferior);
+    value[3] = distance_mm(l.trigonum, s->trigonum);
+    value[4] = distance_mm(l.inferior, s->inferior);
     angles(l.glenoid, l.axis, l.trigonum, l.inferior, l.left, found);
     angles(to_pm(s->glenoid), s->axis, to_pm(s->trigonum), to_pm(s->inferior), s->left, truth);
     for (int i = 0; i < 2; i++)
@@ -135,7 +135,7 @@ static void expect_refusal(const ost_volume *v, const char *text)
 
 /* Landmarks must be refused on a glenoid without the blade, a scapula without its medial half, a scapula without its
    glenoid, and a volume without bone. */
-static void refuses(void **state)
+static void refuses_incomplete_bones(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -172,6 +172,6 @@ static void refuses(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refuses), cmocka_unit_test(finds_landmarks)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refuses_incomplete_bones), cmocka_unit_test(finds_landmarks)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

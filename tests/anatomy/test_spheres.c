@@ -78,7 +78,7 @@ static void random_spacing(test_rng *rng, double spacing[3])
 }
 
 /* Tests a ball on a shaft whose radius is two thirds of the ball's. */
-static void finds_a_head(void **state)
+static void finds_a_ball_on_a_shaft(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -109,7 +109,7 @@ static void finds_a_head(void **state)
 }
 
 /* Tests a dish of 36 x 28 mm in a block. */
-static void finds_a_socket(void **state)
+static void finds_a_dish(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -137,7 +137,7 @@ static void finds_a_socket(void **state)
 }
 
 /* Two runs must give the same bytes, and lengths must be multiples of 0.01 mm. */
-static void is_deterministic(void **state)
+static void result_is_deterministic(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -161,7 +161,7 @@ static void refused(ost_status got, ost_status expected, const char *text, const
     assert_non_null(strstr(err->text, text));
 }
 
-static void refuses(void **state)
+static void refuses_invalid_input(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -189,10 +189,10 @@ static void refuses(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_a_head),
-        cmocka_unit_test(finds_a_socket),
-        cmocka_unit_test(is_deterministic),
-        cmocka_unit_test(refuses),
+        cmocka_unit_test(finds_a_ball_on_a_shaft),
+        cmocka_unit_test(finds_a_dish),
+        cmocka_unit_test(result_is_deterministic),
+        cmocka_unit_test(refuses_invalid_input),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,7 +79,7 @@ static void free_voxels(stage *s)
     ost_backend_close(s->backend);
 }
 
-static void go_on(stage *s, const char *spec)
+static void continue_ticks(stage *s, const char *spec)
 {
     ost_error err = {0};
     stage before = *s;
@@ -88,7 +88,7 @@ static void go_on(stage *s, const char *spec)
     free_voxels(&before);
 }
 
-static void any_call_may_fail(void **state)
+static void failover_after_a_random_failure(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("failover");
@@ -121,7 +121,7 @@ static void any_call_may_fail(void **state)
                 if (moved || !shim_failed())
                     fail_msg("tick %d: %s", i, err.text);
                 assert_non_null(strstr(err.text, "OpenCL device '"));
-                go_on(&failing, other);
+                continue_ticks(&failing, other);
                 moved = true;
                 assert_ok(ost_world_step(failing.world, &p.ticks[i], &b, &err));
             }
@@ -138,7 +138,7 @@ static void any_call_may_fail(void **state)
         assert_non_null(got);
         if (ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err) != OST_OK) {
             assert_true(!moved && shim_failed()); /* In some rounds, the failure occurs only in this download. */
-            go_on(&failing, other);
+            continue_ticks(&failing, other);
             late++;
             assert_ok(ost_bone_download(failing.bone, 0, p.g.dims.z, got, &err));
         }
@@ -146,7 +146,7 @@ static void any_call_may_fail(void **state)
         ost_digest a = digest_of(plain.bone), b;
         if (ost_bone_digest(failing.bone, NULL, &b, &err) != OST_OK) {
             assert_true(!moved && shim_failed());
-            go_on(&failing, other);
+            continue_ticks(&failing, other);
             late++;
             b = digest_of(failing.bone);
         }
@@ -175,6 +175,6 @@ int main(void)
     const int missing = device_missing();
     if (missing)
         return missing;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(any_call_may_fail)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(failover_after_a_random_failure)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -266,13 +266,13 @@ static int stride_of(const session *s)
 
 /* Returns true for calls after whose failure the session may succeed. After a failed query, the backend chooses
    another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
-static bool may_be_overcome(enum shim_call call)
+static bool failure_may_be_overcome(enum shim_call call)
 {
     return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||
            call == SHIM_clCreateProgramWithBinary || call == SHIM_clBuildProgram || call == SHIM_clFinish;
 }
 
-static void every_call(bool lost)
+static void fail_every_call(bool lost)
 {
     session s;
     make_session(&s);
@@ -290,13 +290,13 @@ static void every_call(bool lost)
                 break;
             refused++;
             if (status == OST_OK) {
-                if (!may_be_overcome((enum shim_call)call))
+                if (!failure_may_be_overcome((enum shim_call)call))
                     fail_msg("%s, call %d, was refused and nothing was said", shim_names[call], n);
                 continue;
             }
             if (!err.text[0] || strchr(err.text, '\n'))
                 fail_msg("%s, call %d: the text is '%s'", shim_names[call], n, err.text);
-            if (!may_be_overcome((enum shim_call)call) && !strstr(err.text, "OpenCL device '"))
+            if (!failure_may_be_overcome((enum shim_call)call) && !strstr(err.text, "OpenCL device '"))
                 fail_msg("%s, call %d: '%s' names no device", shim_names[call], n, err.text);
         }
         printf("# %s: %d calls refused%s\n", shim_names[call], refused, lost ? ", the device lost" : "");
@@ -305,21 +305,21 @@ static void every_call(bool lost)
     free_session(&s);
 }
 
-static void refused_once(void **state)
+static void each_call_fails_once(void **state)
 {
     (void)state;
-    every_call(false);
+    fail_every_call(false);
 }
 
-static void lost_for_good(void **state)
+static void device_is_lost_at_each_call(void **state)
 {
     (void)state;
-    every_call(true);
+    fail_every_call(true);
 }
 
 /* The cells of a tool and the buffers of a bone are created once and reused. If the launch that fills these objects
    fails and the failure is reported only later, the objects must be created again. */
-static void late(void **state)
+static void failures_that_are_reported_late(void **state)
 {
     (void)state;
     session s;
@@ -367,7 +367,10 @@ int main(void)
     const int missing = device_missing();
     if (missing)
         return missing;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_once), cmocka_unit_test(lost_for_good),
-                                       cmocka_unit_test(late)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_call_fails_once),
+        cmocka_unit_test(device_is_lost_at_each_call),
+        cmocka_unit_test(failures_that_are_reported_late),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -118,7 +118,7 @@ static void press(const char *kernels, int chunk, ost_force_mode mode)
     free(voxels);
 }
 
-static void the_force_is_that_of_the_reference(void **state)
+static void force_equals_the_reference(void **state)
 {
     (void)state;
     for (int chunk = 16; chunk <= 64; chunk *= 2) {
@@ -131,7 +131,7 @@ static void the_force_is_that_of_the_reference(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_force_is_that_of_the_reference),
+        cmocka_unit_test(force_equals_the_reference),
     };
     const int missing = device_missing();
     return missing ? missing : cmocka_run_group_tests(tests, NULL, NULL);

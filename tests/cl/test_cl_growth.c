@@ -53,7 +53,7 @@ static long resident_kib(void)
 }
 
 /* Returns true if resident_kib measures only osteon and its driver, not a sanitizer or valgrind. */
-static bool size_tells(void)
+static bool size_is_meaningful(void)
 {
 #if defined __SANITIZE_ADDRESS__
     return false; /* A sanitizer retains freed memory, so the size is not meaningful. */
@@ -62,7 +62,7 @@ static bool size_tells(void)
 #endif
 }
 
-static void opened_and_closed(void **state)
+static void close_releases_every_object(void **state)
 {
     (void)state;
     const long before = shim_alive();
@@ -116,7 +116,7 @@ static void free_scene(scene *s)
     free(s->voxels);
 }
 
-static void many_events(void **state)
+static void many_events_do_not_grow_memory(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -167,7 +167,7 @@ static void many_events(void **state)
            filled, size, grown);
     assert_true(filled > 0 || events < 4000);
     assert_int_equal(shim_alive(), objects);
-    if (size_tells() && grown > 4096)
+    if (size_is_meaningful() && grown > 4096)
         fail_msg("the process grew by %ld KiB", grown);
     free_scene(&s);
     assert_all_released();
@@ -178,6 +178,9 @@ int main(void)
     const int missing = device_missing();
     if (missing)
         return missing;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(opened_and_closed), cmocka_unit_test(many_events)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(close_releases_every_object),
+        cmocka_unit_test(many_events_do_not_grow_memory),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,7 +113,7 @@ static size_t answer_size;
  * Returns the test's answer to the query of the property `requested`. Passes all other queries to the
  * device.
  */
-static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
+static cl_int changed_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     if (what != requested)
         return clGetDeviceInfo(device, what, capacity, value, size);
@@ -124,12 +124,12 @@ static cl_int lying_info(cl_device_id device, cl_device_info what, size_t capaci
     return CL_SUCCESS;
 }
 
-static void says(cl_device_info what, const void *value, size_t size, const char *reason)
+static void refused_with_info(cl_device_info what, const void *value, size_t size, const char *reason)
 {
     ost_error err;
     ost_cl_api api = ost_cl_loader;
     char text[256];
-    api.clGetDeviceInfo = lying_info;
+    api.clGetDeviceInfo = changed_info;
     requested = what;
     answer = value;
     answer_size = size;
@@ -140,16 +140,16 @@ static void says(cl_device_info what, const void *value, size_t size, const char
     assert_true(text[0] != 0);
 }
 
-static void refused_for_what_it_says(void **state)
+static void refused_for_a_reported_property(void **state)
 {
     (void)state;
     const cl_bool no = CL_FALSE;
-    says(CL_DEVICE_AVAILABLE, &no, sizeof no, "not available");
-    says(CL_DEVICE_COMPILER_AVAILABLE, &no, sizeof no, "no compiler");
-    says(CL_DEVICE_ENDIAN_LITTLE, &no, sizeof no, "little-endian");
-    says(CL_DEVICE_VERSION, "OpenCL 1.1 old", 15, "OpenCL 1.2 is needed");
-    says(CL_DEVICE_OPENCL_C_VERSION, "OpenCL C 1.0", 13, "OpenCL 1.2 is needed");
-    says(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
+    refused_with_info(CL_DEVICE_AVAILABLE, &no, sizeof no, "not available");
+    refused_with_info(CL_DEVICE_COMPILER_AVAILABLE, &no, sizeof no, "no compiler");
+    refused_with_info(CL_DEVICE_ENDIAN_LITTLE, &no, sizeof no, "little-endian");
+    refused_with_info(CL_DEVICE_VERSION, "OpenCL 1.1 old", 15, "OpenCL 1.2 is needed");
+    refused_with_info(CL_DEVICE_OPENCL_C_VERSION, "OpenCL C 1.0", 13, "OpenCL 1.2 is needed");
+    refused_with_info(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
 }
 
 /* Reports an embedded profile. A device with this profile has 64-bit integers only if it reports the extension. */
@@ -211,7 +211,7 @@ static cl_int no_devices(cl_platform_id platform, cl_device_type type, cl_uint c
     return CL_DEVICE_NOT_FOUND;
 }
 
-static void spec_says_why(const ost_device_info *device, void *user)
+static void check_no_device(const ost_device_info *device, void *user)
 {
     ++*(int *)user;
     assert_false(device->available);
@@ -231,7 +231,7 @@ static void no_device(void **state)
     assert_non_null(strstr(err.text, "no device"));
     assert_false(ost_cl_available_with(&api, reason, sizeof reason));
     assert_non_null(strstr(reason, "no device"));
-    assert_ok(ost_cl_visit_with(&api, spec_says_why, &platforms, &err));
+    assert_ok(ost_cl_visit_with(&api, check_no_device, &platforms, &err));
     assert_true(platforms > 0);
 }
 
@@ -247,7 +247,7 @@ static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait,
     return code;
 }
 
-static void refused_for_what_it_computes(void **state)
+static void refused_for_a_wrong_result(void **state)
 {
     (void)state;
     ost_error err;
@@ -285,7 +285,7 @@ static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool
  * If the loops of a device run long enough for the GPU kernel set, the device is opened with that set. If
  * they end earlier, the device is refused.
  */
-static void ends_loops(void **state)
+static void devices_that_end_loops_early(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -312,7 +312,7 @@ static void ends_loops(void **state)
 }
 
 /* Two backends that are open on one device at the same time use different kernel sets, each with its own kernels. */
-static void both_sets(void **state)
+static void both_kernel_sets_at_once(void **state)
 {
     (void)state;
     static const enum ost_cl_kernel own[2] = {OST_CL_KERNEL_ost_remove_blocks, OST_CL_KERNEL_ost_remove};
@@ -405,7 +405,7 @@ static cl_program broken_source(cl_context context, cl_uint count, const char **
     return clCreateProgramWithSource(context, 1, &wrong, NULL, code);
 }
 
-static void build_fails(void **state)
+static void failing_build_is_reported(void **state)
 {
     (void)state;
     ost_error err;
@@ -508,7 +508,7 @@ static void end_cache(const char *folder, const char *before)
  * On PoCL, the first program that a process builds from its source is not stored, because PoCL would compile all its
  * kernels. The second program is stored. This test must be the first test that opens a device.
  */
-static void first_program(void **state)
+static void first_program_is_cached_unless_pocl(void **state)
 {
     (void)state;
     char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", osteon[64];
@@ -523,7 +523,7 @@ static void first_program(void **state)
     end_cache(folder, before);
 }
 
-static void cache_damage(void **state)
+static void damaged_cache_entries_are_replaced(void **state)
 {
     (void)state;
     char before[4096], folder[] = "/tmp/osteon-cache-XXXXXX", path[5000];
@@ -592,7 +592,7 @@ static void cache_damage(void **state)
 }
 
 /* A cache that other users may have written must be neither read nor written. */
-static void cache_of_others(void **state)
+static void cache_of_other_users_is_not_used(void **state)
 {
     (void)state;
     char before[4096], cache[] = "/tmp/osteon-cache-XXXXXX", folder[64], elsewhere[64], path[5000], moved[5100];
@@ -669,7 +669,7 @@ static ost_digest key_now(void)
  * The key depends on the environment variables that are settings of a driver. It does not depend on cache
  * folders or on variables of other programs.
  */
-static void key_has_settings(void **state)
+static void cache_key_depends_on_driver_settings(void **state)
 {
     (void)state;
     static const char *const matter[] = {"POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_METHOD", "RUSTICL_FEATURES",
@@ -722,7 +722,7 @@ typedef struct seen {
     int devices, available;
 } seen;
 
-static void look(const ost_device_info *device, void *user)
+static void check_device(const ost_device_info *device, void *user)
 {
     seen *s = user;
     s->devices++;
@@ -732,15 +732,15 @@ static void look(const ost_device_info *device, void *user)
     assert_true(device->available ? device->notes[0] != 0 && !device->reason[0] : device->reason[0] != 0);
 }
 
-static void listed(void **state)
+static void devices_are_listed(void **state)
 {
     (void)state;
     ost_error err = {0};
     seen s = {0, 0};
     for (int i = 0; i < ost_backend_count(); i++)
-        assert_ok(ost_backend_devices(i, look, &s, &err));
+        assert_ok(ost_backend_devices(i, check_device, &s, &err));
     assert_true(s.available > 0);
-    assert_int_equal(ost_backend_devices(-1, look, &s, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_backend_devices(-1, check_device, &s, &err), OST_ERR_USAGE);
 }
 
 int main(void)
@@ -749,22 +749,22 @@ int main(void)
     if (missing)
         return missing;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(first_program),
+        cmocka_unit_test(first_program_is_cached_unless_pocl),
         cmocka_unit_test(options),
         cmocka_unit_test(no_such_device),
-        cmocka_unit_test(refused_for_what_it_says),
+        cmocka_unit_test(refused_for_a_reported_property),
         cmocka_unit_test(refused_without_int64),
         cmocka_unit_test(no_platform),
         cmocka_unit_test(no_device),
-        cmocka_unit_test(refused_for_what_it_computes),
-        cmocka_unit_test(ends_loops),
-        cmocka_unit_test(both_sets),
+        cmocka_unit_test(refused_for_a_wrong_result),
+        cmocka_unit_test(devices_that_end_loops_early),
+        cmocka_unit_test(both_kernel_sets_at_once),
         cmocka_unit_test(too_many_poses),
-        cmocka_unit_test(build_fails),
-        cmocka_unit_test(cache_damage),
-        cmocka_unit_test(cache_of_others),
-        cmocka_unit_test(key_has_settings),
-        cmocka_unit_test(listed),
+        cmocka_unit_test(failing_build_is_reported),
+        cmocka_unit_test(damaged_cache_entries_are_replaced),
+        cmocka_unit_test(cache_of_other_users_is_not_used),
+        cmocka_unit_test(cache_key_depends_on_driver_settings),
+        cmocka_unit_test(devices_are_listed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -269,7 +269,7 @@ static void bones(void **state)
 
 /* A grid that was resampled along z may share voxels with its source grid. If one of the two grids is written or
    freed, the other must not change. */
-static void shared(void **state)
+static void resampled_grid_and_source_are_independent(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -455,7 +455,7 @@ static void removal(void **state)
 }
 
 /* When all voxels are removed, all slots return to the pool and are reused. */
-static void emptied(void **state)
+static void emptied_bone_reuses_its_slots(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -520,7 +520,7 @@ static void sample_twice(ost_backend *backend, ost_bone *bone, const ost_geometr
 
 /* Fails if a path of the kernel set was never entered, because such a path was not compared. Must run as the last
    test. */
-static void entered(void **state)
+static void every_path_was_entered(void **state)
 {
     ost_error err = {0};
     pair p = open_pair(NULL);
@@ -589,8 +589,14 @@ int main(void)
     if (missing)
         return missing;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples), cmocka_unit_test(cubic),   cmocka_unit_test(shared), cmocka_unit_test(bones),
-        cmocka_unit_test(voxelizer), cmocka_unit_test(removal), cmocka_unit_test(emptied), cmocka_unit_test(entered),
+        cmocka_unit_test(samples),
+        cmocka_unit_test(cubic),
+        cmocka_unit_test(resampled_grid_and_source_are_independent),
+        cmocka_unit_test(bones),
+        cmocka_unit_test(voxelizer),
+        cmocka_unit_test(removal),
+        cmocka_unit_test(emptied_bone_reuses_its_slots),
+        cmocka_unit_test(every_path_was_entered),
     };
     static const char *const sets[] = {"cpu", "gpu"};
     int failures = 0;

@@ -29,7 +29,7 @@ static int64_t pm(const char *text)
     return value;
 }
 
-static void halves_go_to_even(void **state)
+static void halves_are_rounded_to_even(void **state)
 {
     (void)state;
     static const struct {
@@ -58,7 +58,7 @@ static void halves_go_to_even(void **state)
 }
 
 /* A decimal with an integer value up to 2^64 - 1 must be recognized in any notation. */
-static void integers_are_found_by_value(void **state)
+static void integer_values_are_recognized(void **state)
 {
     (void)state;
     static const struct {
@@ -128,7 +128,7 @@ static void decimals_are_read_as_written(void **state)
     assert_true(d.more);
 }
 
-static void what_is_no_decimal_is_none(void **state)
+static void invalid_decimals_are_refused(void **state)
 {
     (void)state;
     static const char *const none[] = {"", "-", "+", ".", "e5", "nan", "inf", "-inf", "x1", " 1", "--1", "1e99999"};
@@ -161,7 +161,7 @@ static void picometres_round_half_to_even(void **state)
     assert_int_equal(ost_pm_parse("", &value, NULL), OST_ERR_INPUT);
 }
 
-static void floats_stand_for_their_shortest_decimal(void **state)
+static void floats_represent_their_shortest_decimal(void **state)
 {
     (void)state;
     ost_pm value;
@@ -308,7 +308,7 @@ static void any_decimal_sign_becomes_a_point(void **state)
     setlocale(LC_NUMERIC, "C");
 }
 
-static void the_ends_of_exponents_and_lengths(void **state)
+static void limits_of_exponents_and_lengths(void **state)
 {
     (void)state;
     ost_decimal d;
@@ -333,17 +333,17 @@ static void the_ends_of_exponents_and_lengths(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(halves_go_to_even),
-        cmocka_unit_test(integers_are_found_by_value),
+        cmocka_unit_test(halves_are_rounded_to_even),
+        cmocka_unit_test(integer_values_are_recognized),
         cmocka_unit_test(decimals_are_read_as_written),
-        cmocka_unit_test(what_is_no_decimal_is_none),
+        cmocka_unit_test(invalid_decimals_are_refused),
         cmocka_unit_test(picometres_round_half_to_even),
-        cmocka_unit_test(floats_stand_for_their_shortest_decimal),
+        cmocka_unit_test(floats_represent_their_shortest_decimal),
         cmocka_unit_test(any_decimal_sign_becomes_a_point),
         cmocka_unit_test(format_and_parse_agree),
         cmocka_unit_test(long_ties_are_decided_exactly),
         cmocka_unit_test(q30_agrees_with_long_division),
-        cmocka_unit_test(the_ends_of_exponents_and_lengths),
+        cmocka_unit_test(limits_of_exponents_and_lengths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@ static void bytes_are_plain_sha256(void **state)
 }
 
 /* hashlib.sha256(bytes(65537)).hexdigest() */
-static void the_empty_leaf_is_constant(void **state)
+static void empty_leaf_has_the_expected_digest(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -39,7 +39,7 @@ static void the_empty_leaf_is_constant(void **state)
  *   root = H(2 + b"OSTEONG1" + struct.pack("<II3iI3q3qiIQ", 2, 1, 40,33,65, 0, 470000000,470000000,10**9,
  *            -57340000000,0,5, 0, 32, 12) + bytes(32) + tree)
  */
-static void an_uneven_grid_has_its_root(void **state)
+static void uneven_grid_has_the_expected_root(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -79,7 +79,7 @@ static void an_uneven_grid_has_its_root(void **state)
  *   h[88:96] = (6).to_bytes(8, "little")
  *   root = hashlib.sha256(b"\x02" + h + tree).hexdigest()
  */
-static void every_field_of_the_header_has_its_place(void **state)
+static void every_header_field_has_its_position(void **state)
 {
     (void)state;
     static const struct {
@@ -104,7 +104,7 @@ static void every_field_of_the_header_has_its_place(void **state)
     }
 }
 
-static void a_wrong_leaf_count_is_refused(void **state)
+static void wrong_leaf_count_is_refused(void **state)
 {
     (void)state;
     ost_geometry g = {{40, 33, 65}, {OST_PM_PER_MM, OST_PM_PER_MM, OST_PM_PER_MM}, {0, 0, 0}};
@@ -118,10 +118,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bytes_are_plain_sha256),
-        cmocka_unit_test(the_empty_leaf_is_constant),
-        cmocka_unit_test(an_uneven_grid_has_its_root),
-        cmocka_unit_test(every_field_of_the_header_has_its_place),
-        cmocka_unit_test(a_wrong_leaf_count_is_refused),
+        cmocka_unit_test(empty_leaf_has_the_expected_digest),
+        cmocka_unit_test(uneven_grid_has_the_expected_root),
+        cmocka_unit_test(every_header_field_has_its_position),
+        cmocka_unit_test(wrong_leaf_count_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -48,7 +48,7 @@ static void refused(const char *name, bool absent, const char *words)
     assert_non_null(strstr(err.text, words));
 }
 
-static void regular_files_alone(void **state)
+static void opens_only_regular_files(void **state)
 {
     (void)state;
     ost_file file;
@@ -83,7 +83,7 @@ static void regular_files_alone(void **state)
     close(listening);
 }
 
-static void within_a_folder_no_link(void **state)
+static void open_within_refuses_links(void **state)
 {
     (void)state;
     ost_file file;
@@ -99,7 +99,7 @@ static void within_a_folder_no_link(void **state)
 }
 
 /* If no file descriptor is free, the file is reported as unreadable, not as absent. */
-static void without_descriptors(void **state)
+static void without_free_descriptors(void **state)
 {
     (void)state;
     struct rlimit before, none;
@@ -153,7 +153,7 @@ static void read_completely(void **state)
 
 /* A pipe is opened as a file that contains its bytes. The file can be read from the start and more than once. Its
    size is limited. */
-static void a_stream_is_a_file(void **state)
+static void pipe_is_read_as_a_file(void **state)
 {
     (void)state;
     int ends[2];
@@ -188,11 +188,11 @@ static void a_stream_is_a_file(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(regular_files_alone),
-        cmocka_unit_test(within_a_folder_no_link),
-        cmocka_unit_test(without_descriptors),
+        cmocka_unit_test(opens_only_regular_files),
+        cmocka_unit_test(open_within_refuses_links),
+        cmocka_unit_test(without_free_descriptors),
         cmocka_unit_test(read_completely),
-        cmocka_unit_test(a_stream_is_a_file),
+        cmocka_unit_test(pipe_is_read_as_a_file),
     };
     char command[128];
     if (!mkdtemp(folder))

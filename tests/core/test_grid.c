@@ -14,7 +14,7 @@ static ost_geometry plain(void)
     return (ost_geometry){{4, 5, 6}, {470000000, 470000000, OST_PM_PER_MM}, {0, 0, 0}};
 }
 
-static void bounds_hold_exactly(void **state)
+static void bounds_are_exact(void **state)
 {
     (void)state;
     ost_geometry g = plain();
@@ -41,7 +41,7 @@ static void bounds_hold_exactly(void **state)
     assert_int_equal(ost_geometry_check(&g, "grid", NULL), OST_ERR_RANGE);
 }
 
-static void the_error_names_axis_and_value(void **state)
+static void error_contains_axis_and_value(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -51,7 +51,7 @@ static void the_error_names_axis_and_value(void **state)
     assert_string_equal(err.text, "rect grid: spacing of 0 mm along y; expected 0.001 to 100 mm");
 }
 
-static void volumes_start_at_zero(void **state)
+static void new_volume_is_zero(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -64,7 +64,7 @@ static void volumes_start_at_zero(void **state)
     ost_volume_free(&v);
 }
 
-static void meta_replaces_and_refuses(void **state)
+static void facts_are_replaced_and_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -112,7 +112,7 @@ static void tool_and_path_limits(void **state)
     ost_path_free(&path);
 }
 
-static void the_limits_themselves_are_accepted(void **state)
+static void values_at_the_limits_are_accepted(void **state)
 {
     (void)state;
     ost_geometry g = {.dims = {4096, 4096, 4096}, .spacing = {OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN}};
@@ -128,12 +128,12 @@ static void the_limits_themselves_are_accepted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bounds_hold_exactly),
-        cmocka_unit_test(the_error_names_axis_and_value),
-        cmocka_unit_test(volumes_start_at_zero),
-        cmocka_unit_test(meta_replaces_and_refuses),
+        cmocka_unit_test(bounds_are_exact),
+        cmocka_unit_test(error_contains_axis_and_value),
+        cmocka_unit_test(new_volume_is_zero),
+        cmocka_unit_test(facts_are_replaced_and_refused),
         cmocka_unit_test(tool_and_path_limits),
-        cmocka_unit_test(the_limits_themselves_are_accepted),
+        cmocka_unit_test(values_at_the_limits_are_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

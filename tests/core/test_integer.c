@@ -38,7 +38,7 @@ static void assert_nearest(ost_i128 n, ost_i128 d, ost_i128 q)
     assert_true(away < d - away || (away == d - away && (q & 1) == 0));
 }
 
-static void small_quotients_are_by_definition(void **state)
+static void small_quotients_equal_the_definition(void **state)
 {
     (void)state;
     for (int64_t d = 1; d <= 24; d++)
@@ -58,7 +58,7 @@ static ost_i128 random_wide(test_rng *rng, int bits)
 }
 
 /* Tests random dividends, and dividends at and next to multiples and half multiples of the divisor. */
-static void the_divider_divides(void **state)
+static void divider_equals_the_division_functions(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("the divider");
@@ -94,8 +94,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ties_go_to_the_even_neighbour),
-        cmocka_unit_test(small_quotients_are_by_definition),
-        cmocka_unit_test(the_divider_divides),
+        cmocka_unit_test(small_quotients_equal_the_definition),
+        cmocka_unit_test(divider_equals_the_division_functions),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

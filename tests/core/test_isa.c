@@ -41,7 +41,7 @@ static const struct machine {
 };
 enum { MACHINES = sizeof machines / sizeof *machines };
 
-static void machines_of_the_manuals(void **state)
+static void levels_of_known_processors(void **state)
 {
     (void)state;
     for (int i = 0; i < MACHINES; i++)
@@ -78,7 +78,7 @@ static void unsaved_registers(void **state)
 }
 
 /* Every bit that a level requires is necessary: if it is missing, a lower level is selected. */
-static void each_bit_is_needed(void **state)
+static void each_bit_is_required(void **state)
 {
     (void)state;
     static const struct {
@@ -105,7 +105,7 @@ static void each_bit_is_needed(void **state)
  * The best level and all lower levels of the same architecture are available. Valid names
  * select a level; invalid names return an error status.
  */
-static void this_machine(void **state)
+static void levels_of_this_machine(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -137,10 +137,10 @@ static void this_machine(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(machines_of_the_manuals),
+        cmocka_unit_test(levels_of_known_processors),
         cmocka_unit_test(unsaved_registers),
-        cmocka_unit_test(each_bit_is_needed),
-        cmocka_unit_test(this_machine),
+        cmocka_unit_test(each_bit_is_required),
+        cmocka_unit_test(levels_of_this_machine),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

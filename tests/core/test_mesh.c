@@ -17,7 +17,7 @@ static void make_box(ost_mesh *mesh, int64_t a, int64_t b, int64_t c)
     memcpy(mesh->triangles, faces, sizeof faces);
 }
 
-static void a_box_has_its_volume_and_no_open_edge(void **state)
+static void volume_and_open_edges_of_a_box(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -39,7 +39,7 @@ static void a_box_has_its_volume_and_no_open_edge(void **state)
     ost_mesh_free(&mesh);
 }
 
-static void a_turned_face_opens_its_edges(void **state)
+static void reversed_face_has_open_edges(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -54,7 +54,7 @@ static void a_turned_face_opens_its_edges(void **state)
     ost_mesh_free(&mesh);
 }
 
-static void too_large_is_refused(void **state)
+static void too_many_triangles_are_refused(void **state)
 {
     (void)state;
     ost_mesh mesh;
@@ -92,7 +92,7 @@ static void the_widest_tool_grid_is_accepted(void **state)
     assert_int_equal(ost_tool_geometry_check(&g, NULL), OST_ERR_RANGE);
 }
 
-static void a_vertex_that_is_not_there_is_refused(void **state)
+static void absent_vertex_is_refused(void **state)
 {
     (void)state;
     ost_mesh mesh;
@@ -110,12 +110,12 @@ static void a_vertex_that_is_not_there_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_box_has_its_volume_and_no_open_edge),
-        cmocka_unit_test(a_turned_face_opens_its_edges),
-        cmocka_unit_test(too_large_is_refused),
+        cmocka_unit_test(volume_and_open_edges_of_a_box),
+        cmocka_unit_test(reversed_face_has_open_edges),
+        cmocka_unit_test(too_many_triangles_are_refused),
         cmocka_unit_test(edges_of_four_faces_are_open),
         cmocka_unit_test(the_widest_tool_grid_is_accepted),
-        cmocka_unit_test(a_vertex_that_is_not_there_is_refused),
+        cmocka_unit_test(absent_vertex_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static void the_worked_example(void **state)
  * For any device pose and phase, the tool's rotation is the device's rotation times a clockwise rotation about z. The
  * inverse function restores the device's rotation.
  */
-static void a_pose_is_turned_about_its_own_axis(void **state)
+static void tool_rotates_about_its_z_axis(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -77,7 +77,7 @@ static void a_pose_is_turned_about_its_own_axis(void **state)
  * The phase does not change while a motor is off or its speed is unknown. The difference between the least and the
  * greatest time in int64 does not overflow.
  */
-static void a_phase_is_exact(void **state)
+static void phase_is_exact(void **state)
 {
     (void)state;
     ost_motor motor = {0};
@@ -106,7 +106,7 @@ static ost_tick row(int64_t t_ms, int32_t rpm, int64_t x)
     return tick;
 }
 
-static void rows_become_ticks(void **state)
+static void intervals_are_divided_into_ticks(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -150,7 +150,7 @@ static void rows_become_ticks(void **state)
  * The device turns by 80 degrees between two rows. The interpolated quaternions must have the same length as the
  * quaternions of the two rows.
  */
-static void hands_between_rows_are_poses(void **state)
+static void interpolated_quaternions_keep_their_length(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -170,7 +170,7 @@ static void hands_between_rows_are_poses(void **state)
     ost_path_free(&path);
 }
 
-static void rows_too_far_apart_are_refused(void **state)
+static void intervals_of_too_many_turns_are_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -202,11 +202,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_worked_example),
-        cmocka_unit_test(a_pose_is_turned_about_its_own_axis),
-        cmocka_unit_test(a_phase_is_exact),
-        cmocka_unit_test(rows_become_ticks),
-        cmocka_unit_test(hands_between_rows_are_poses),
-        cmocka_unit_test(rows_too_far_apart_are_refused),
+        cmocka_unit_test(tool_rotates_about_its_z_axis),
+        cmocka_unit_test(phase_is_exact),
+        cmocka_unit_test(intervals_are_divided_into_ticks),
+        cmocka_unit_test(interpolated_quaternions_keep_their_length),
+        cmocka_unit_test(intervals_of_too_many_turns_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -94,7 +94,7 @@ static void classes_are_parsed(void **state)
 }
 
 /* By AR-CLS-1 the density of an active voxel is at least 1, so a class below 1 would always be empty. */
-static void borders_begin_at_one(void **state)
+static void class_border_below_one_is_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -114,7 +114,7 @@ static void borders_begin_at_one(void **state)
 }
 
 /* A value at a documented limit is accepted. A value beyond a limit is refused and changes nothing. */
-static void limits_of_classes_are_where_they_are_said(void **state)
+static void documented_class_limits_apply(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -145,8 +145,8 @@ int main(void)
         cmocka_unit_test(totals_are_sums),
         cmocka_unit_test(every_class_has_its_own_sum),
         cmocka_unit_test(classes_are_parsed),
-        cmocka_unit_test(borders_begin_at_one),
-        cmocka_unit_test(limits_of_classes_are_where_they_are_said),
+        cmocka_unit_test(class_border_below_one_is_refused),
+        cmocka_unit_test(documented_class_limits_apply),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

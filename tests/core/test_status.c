@@ -6,7 +6,7 @@
 
 #include "config.h"
 
-static void every_status_has_its_exit(void **state)
+static void every_status_has_an_exit_status(void **state)
 {
     (void)state;
     assert_int_equal(ost_status_exit(OST_OK), 0);
@@ -40,7 +40,7 @@ static void a_null_error_is_allowed(void **state)
 }
 
 /* The headers, the library and configure.ac state the same version. */
-static void version_is_one(void **state)
+static void versions_are_equal(void **state)
 {
     (void)state;
     char text[32];
@@ -57,10 +57,10 @@ static void version_is_one(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_status_has_its_exit),
+        cmocka_unit_test(every_status_has_an_exit_status),
         cmocka_unit_test(text_is_one_bounded_line),
         cmocka_unit_test(a_null_error_is_allowed),
-        cmocka_unit_test(version_is_one),
+        cmocka_unit_test(versions_are_equal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -198,7 +198,7 @@ static void rect_to_cubic_to_chunks(void **state)
  * Returns voxels with densities from -1 to 1. A few voxels are at the threshold or at the maximum density, so that
  * interpolated means may also be active.
  */
-static int16_t *lonely_voxels(test_rng *rng, int64_t count, int32_t threshold)
+static int16_t *sparse_voxels(test_rng *rng, int64_t count, int32_t threshold)
 {
     int16_t *voxels = malloc((size_t)count * sizeof *voxels);
     assert_non_null(voxels);
@@ -234,7 +234,7 @@ static void interpolated_to_chunks(void **state)
                                          : rng_range(&rng, 400, 4000) * (OST_PM_PER_MM / 1000);
         const int32_t threshold = round % 5 == 0 ? 1 : round % 5 == 1 ? INT16_MAX : (int32_t)rng_range(&rng, 1, 2000);
         const int n = chunk_of[rng_range(&rng, 0, 2)];
-        int16_t *voxels = round % 3 ? lonely_voxels(&rng, ost_dims_count(g.dims), threshold)
+        int16_t *voxels = round % 3 ? sparse_voxels(&rng, ost_dims_count(g.dims), threshold)
                                     : random_voxels(&rng, ost_dims_count(g.dims), threshold);
         ost_backend *backends[2] = {ref, open_next(&turn)};
         ost_grid *rect[2], *cube[2];
@@ -259,7 +259,7 @@ static void interpolated_to_chunks(void **state)
     ost_backend_close(ref);
 }
 
-static void slabs_over_slabs(void **state)
+static void repeated_uploads_of_slabs(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("slabs over slabs");
@@ -409,7 +409,7 @@ int main(void)
         cmocka_unit_test(blocks_keep_their_content),
         cmocka_unit_test(rect_to_cubic_to_chunks),
         cmocka_unit_test(interpolated_to_chunks),
-        cmocka_unit_test(slabs_over_slabs),
+        cmocka_unit_test(repeated_uploads_of_slabs),
         cmocka_unit_test(samples_to_rect),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -30,7 +30,7 @@ static int64_t resident(void)
 }
 
 /* Returns false under sanitizers, valgrind and emulators, whose own data are part of the process's memory. */
-static bool alone_in_memory(void)
+static bool memory_can_be_measured(void)
 {
 #if defined __SANITIZE_ADDRESS__
     return false;
@@ -57,7 +57,7 @@ static ost_bone *bone_of(ost_backend *backend, const ost_volume *ct)
     return bone;
 }
 
-static void a_scapula_is_small(void **state)
+static void memory_of_an_imported_scapula(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -87,7 +87,7 @@ static void a_scapula_is_small(void **state)
     assert_int_equal(info.chunk_bytes, densities + densities / 16);
     assert_true(info.resident_bytes > info.chunk_bytes);
     assert_true(info.resident_bytes <= most);
-    if (before >= 0 && alone_in_memory()) {
+    if (before >= 0 && memory_can_be_measured()) {
         assert_true(grown <= most);
         assert_true(grown >= info.chunk_bytes - info.chunk_bytes / 50); /* The measurement must include the chunks. */
     }
@@ -97,7 +97,7 @@ static void a_scapula_is_small(void **state)
 }
 
 /* A bone that is uploaded slice by slice, without a grid, must not need more memory than a bone made from a grid. */
-static void an_uploaded_bone_too(void **state)
+static void memory_of_an_uploaded_bone(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -124,8 +124,8 @@ static void an_uploaded_bone_too(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scapula_is_small),
-        cmocka_unit_test(an_uploaded_bone_too),
+        cmocka_unit_test(memory_of_an_imported_scapula),
+        cmocka_unit_test(memory_of_an_uploaded_bone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,7 +116,7 @@ static ost_digest run_all(const char *spec, int32_t side, int chunk_size, seen *
 }
 
 /* The resulting bone does not depend on the order in which threads process its parts. */
-static void no_order_changes_a_bone(void **state)
+static void bone_does_not_depend_on_the_order(void **state)
 {
     (void)state;
     seen none;
@@ -157,7 +157,7 @@ static void the_smallest_grain_enters_every_path(void **state)
 
 /* An upload of at least 8 slices is divided among threads, so the upload of 40 slices is divided. All other work is
    too small. */
-static void thresholds_hold_without_it(void **state)
+static void small_work_is_not_divided(void **state)
 {
     (void)state;
     seen small;
@@ -169,7 +169,7 @@ static void thresholds_hold_without_it(void **state)
 }
 
 /* Each item of a team's work must be processed exactly once. Empty work has no items. */
-static void a_team_takes_each_item_once(void **state)
+static void each_item_is_processed_once(void **state)
 {
     (void)state;
     enum { ITEMS = 21 };
@@ -199,7 +199,7 @@ static void a_team_takes_each_item_once(void **state)
 }
 
 /* The 3 x 3 x 3 chunks of 64^3 contain 7.1 million voxels, more than 2^22, although the grid has only 2.2 million. */
-static void many_chunks_share_a_removal(void **state)
+static void large_removal_is_divided(void **state)
 {
     (void)state;
     seen none, large;
@@ -225,10 +225,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_smallest_grain_enters_every_path),
-        cmocka_unit_test(no_order_changes_a_bone),
-        cmocka_unit_test(thresholds_hold_without_it),
-        cmocka_unit_test(a_team_takes_each_item_once),
-        cmocka_unit_test(many_chunks_share_a_removal),
+        cmocka_unit_test(bone_does_not_depend_on_the_order),
+        cmocka_unit_test(small_work_is_not_divided),
+        cmocka_unit_test(each_item_is_processed_once),
+        cmocka_unit_test(large_removal_is_divided),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,7 +73,7 @@ static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
                                       650,  532,  400,  347,  320,  288,  260,  247, 150, 63};
 
-static void same_event(const team *t, test_rng *rng, int64_t poses_max)
+static void compare_event(const team *t, test_rng *rng, int64_t poses_max)
 {
     ost_error err = {0};
     const ost_pm s = bone_voxels[rng_range(rng, 0, 2)];
@@ -157,18 +157,18 @@ static void single_poses(void **state)
 {
     test_rng rng = rng_seeded("single poses");
     for (int i = 0; i < 300; i++)
-        same_event(*state, &rng, 1);
+        compare_event(*state, &rng, 1);
 }
 
 static void several_poses(void **state)
 {
     test_rng rng = rng_seeded("several poses");
     for (int i = 0; i < 60; i++)
-        same_event(*state, &rng, 6);
+        compare_event(*state, &rng, 6);
 }
 
 /* Moves a tool through one bone in several events, so that each result depends on the state after earlier events. */
-static void a_sequence(void **state)
+static void several_events_on_one_bone(void **state)
 {
     const team *t = *state;
     ost_error err = {0};
@@ -289,7 +289,7 @@ static void many_chunks(void **state)
 }
 
 /* Uploads slices that overlap, in random order. */
-static void slabs_of_slices(void **state)
+static void overlapping_uploads(void **state)
 {
     const team *t = *state;
     ost_error err = {0};
@@ -334,10 +334,10 @@ static void slabs_of_slices(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slabs_of_slices),
+        cmocka_unit_test(overlapping_uploads),
         cmocka_unit_test(single_poses),
         cmocka_unit_test(several_poses),
-        cmocka_unit_test(a_sequence),
+        cmocka_unit_test(several_events_on_one_bone),
         cmocka_unit_test(many_chunks),
     };
     return cmocka_run_group_tests(tests, open_team, close_team);

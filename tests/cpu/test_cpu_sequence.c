@@ -68,7 +68,7 @@ static void close_bench(bench *b)
 }
 
 /* Returns a random pose in a bone or near it. */
-static ost_pose somewhere(test_rng *rng, const ost_geometry *g)
+static ost_pose random_pose_near_bone(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
     ost_pose pose = random_pose(rng, (ost_pm3){-5 * s, -5 * s, -5 * s},
@@ -144,7 +144,7 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
         if (has_turn(i, turn))
             own[i] = open_bench(t->cpu[i], &p);
     tick k = {0};
-    ost_pose at = somewhere(rng, &p.geometry[0]);
+    ost_pose at = random_pose_near_bone(rng, &p.geometry[0]);
     motion m = some_motion(rng);
     ost_removal_report report = {0}, found = {0};
     for (int n = 0; n < ticks; n++) {
@@ -152,7 +152,7 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
         switch (rng_range(rng, 0, 39)) {
         case 0:
             k.bone = (int)rng_range(rng, 0, BONES - 1);
-            at = somewhere(rng, &p.geometry[k.bone]);
+            at = random_pose_near_bone(rng, &p.geometry[k.bone]);
             break;
         case 1:
             k.upload = true;
@@ -160,7 +160,7 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
             k.slices = (int32_t)rng_range(rng, 1, p.geometry[k.bone].dims.z - k.z0);
             break;
         case 2:
-            at = somewhere(rng, &p.geometry[k.bone]);
+            at = random_pose_near_bone(rng, &p.geometry[k.bone]);
             break;
         case 3:
             m.way = (ost_pm3){-m.way.x, -m.way.y, -m.way.z};
@@ -182,7 +182,7 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
         for (int i = 0; i < k.poses; i++)
             k.pose[i] = at = moved(&at, &m);
         if (llabs(at.t.x) > 60000 * UM || llabs(at.t.y) > 60000 * UM || llabs(at.t.z) > 60000 * UM)
-            at = somewhere(rng, &p.geometry[k.bone]);
+            at = random_pose_near_bone(rng, &p.geometry[k.bone]);
         do_tick(&p, &expected, &k, &report);
         int16_t *left = content(expected.bone[k.bone], &p.geometry[k.bone]);
         for (int i = 0; i < t->count; i++) {
@@ -220,7 +220,7 @@ static void random_sequences(void **state)
  * not at all. The tool moves along one axis from one side of a block to the opposite side. It starts and
  * ends outside the block, and each step is one voxel plus or minus one picometre.
  */
-static void borders_of_blocks(void **state)
+static void block_limits_of_the_tool_grid(void **state)
 {
     const team *t = *state;
     const ost_pm s = 470 * UM;
@@ -270,7 +270,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_sequences),
-        cmocka_unit_test(borders_of_blocks),
+        cmocka_unit_test(block_limits_of_the_tool_grid),
     };
     return cmocka_run_group_tests(tests, open_team, close_team);
 }

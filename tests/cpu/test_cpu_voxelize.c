@@ -218,7 +218,7 @@ static ost_snapped_mesh make_sphere(ost_dims dims, uint32_t rings, uint32_t sect
 
 /* ----------------------------------------------------------------- tests */
 
-static void soups(void **state)
+static void random_triangles(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("soups");
@@ -231,7 +231,7 @@ static void soups(void **state)
     }
 }
 
-static void closed_meshes_that_cross_themselves(void **state)
+static void self_intersecting_closed_meshes(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("closed");
@@ -247,7 +247,7 @@ static void closed_meshes_that_cross_themselves(void **state)
 
 /* Many triangles cross a row at the same centre. Bits are therefore toggled several times, and counts are far
    greater than one. */
-static void piles_of_triangles(void **state)
+static void many_triangles_at_one_centre(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("piles");
@@ -262,7 +262,7 @@ static void piles_of_triangles(void **state)
 }
 
 /* Tests crossings beyond the last centre of a row, with and without padding in the row's last word. */
-static void triangles_at_the_far_border(void **state)
+static void crossings_beyond_the_last_centre(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("border");
@@ -364,7 +364,7 @@ static void shells_closer_than_a_voxel(void **state)
 }
 
 /* Tests every number of fraction bits. */
-static void every_lattice(void **state)
+static void every_number_of_fraction_bits(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("lattices");
@@ -380,7 +380,7 @@ static void every_lattice(void **state)
 }
 
 /* Tests the greatest coordinates along each axis, and a large slice. */
-static void the_greatest_grids(void **state)
+static void grids_of_the_maximum_size(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("greatest");
@@ -396,7 +396,7 @@ static void the_greatest_grids(void **state)
     }
 }
 
-static void an_empty_mesh_is_void(void **state)
+static void empty_mesh_gives_an_empty_grid(void **state)
 {
     (void)state;
     ost_snapped_mesh mesh = make_snapped((ost_dims){33, 5, 6}, 3, 1);
@@ -408,7 +408,7 @@ static void an_empty_mesh_is_void(void **state)
  * The caller's rounding mode and floating-point traps do not affect the grid and are the same
  * after the call. Embree sets flush-to-zero and divides by zero.
  */
-static void floats_are_left_alone(void **state)
+static void floating_point_state_is_preserved(void **state)
 {
     (void)state;
 #if defined __SSE__ && !defined __SANITIZE_ADDRESS__
@@ -466,18 +466,18 @@ static void options(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(soups),
-        cmocka_unit_test(closed_meshes_that_cross_themselves),
-        cmocka_unit_test(piles_of_triangles),
-        cmocka_unit_test(triangles_at_the_far_border),
+        cmocka_unit_test(random_triangles),
+        cmocka_unit_test(self_intersecting_closed_meshes),
+        cmocka_unit_test(many_triangles_at_one_centre),
+        cmocka_unit_test(crossings_beyond_the_last_centre),
         cmocka_unit_test(nested_boxes),
         cmocka_unit_test(shapes_over_many_tiles),
         cmocka_unit_test(triangles_smaller_than_a_voxel),
         cmocka_unit_test(shells_closer_than_a_voxel),
-        cmocka_unit_test(every_lattice),
-        cmocka_unit_test(the_greatest_grids),
-        cmocka_unit_test(an_empty_mesh_is_void),
-        cmocka_unit_test(floats_are_left_alone),
+        cmocka_unit_test(every_number_of_fraction_bits),
+        cmocka_unit_test(grids_of_the_maximum_size),
+        cmocka_unit_test(empty_mesh_gives_an_empty_grid),
+        cmocka_unit_test(floating_point_state_is_preserved),
         cmocka_unit_test(options),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -38,7 +38,7 @@ static void sphere_points(double radius, double top)
  * the radius of contact is R + L, but the areas are computed for the radius R. The force is therefore multiplied by R^2
  * / (R + L)^2.
  */
-static void a_sphere_in_a_plane(void **state)
+static void sphere_pressed_into_a_plane(void **state)
 {
     skip_without_samples(*state);
     enum { PLACES = 40 };
@@ -187,7 +187,7 @@ static void hemispherical_reaming(void **state)
 }
 
 /* A tool that does not rotate or has no blade does not cut: it stops at the bone and slides along the surface. */
-static void what_does_not_cut_stops(void **state)
+static void tool_that_does_not_cut_stops_and_slides(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -220,7 +220,7 @@ static void what_does_not_cut_stops(void **state)
 }
 
 /* If a device passes through a plate of 1 mm within one tick, the tool must not pass through the plate. */
-static void nothing_is_tunnelled_through(void **state)
+static void tool_does_not_pass_through_a_plate(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -243,7 +243,7 @@ static void nothing_is_tunnelled_through(void **state)
  * If all parameters are within their bounds, the contact force must not exceed what a hand can
  * exert, however far away the device is.
  */
-static void no_hand_presses_with_tons(void **state)
+static void contact_force_is_bounded(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -273,7 +273,7 @@ static void no_hand_presses_with_tons(void **state)
 }
 
 /* The shell of a voxelized ball has the ball's area, volume and normals. */
-static void a_shell_is_its_surface(void **state)
+static void shell_equals_the_surface_of_a_ball(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -321,7 +321,7 @@ static void a_shell_is_its_surface(void **state)
     ost_tool_volume_free(&empty);
 }
 
-static void what_makes_no_sense_is_refused(void **state)
+static void invalid_parameters_are_refused(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -343,11 +343,15 @@ static void what_makes_no_sense_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-            cmocka_unit_test(a_sphere_in_a_plane),
-        cmocka_unit_test(stiffness_is_bounded),         cmocka_unit_test(planar_reaming),
-        cmocka_unit_test(hemispherical_reaming),        cmocka_unit_test(what_does_not_cut_stops),
-        cmocka_unit_test(nothing_is_tunnelled_through), cmocka_unit_test(no_hand_presses_with_tons),
-        cmocka_unit_test(a_shell_is_its_surface),       cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(sphere_pressed_into_a_plane),
+        cmocka_unit_test(stiffness_is_bounded),
+        cmocka_unit_test(planar_reaming),
+        cmocka_unit_test(hemispherical_reaming),
+        cmocka_unit_test(tool_that_does_not_cut_stops_and_slides),
+        cmocka_unit_test(tool_does_not_pass_through_a_plate),
+        cmocka_unit_test(contact_force_is_bounded),
+        cmocka_unit_test(shell_equals_the_surface_of_a_ball),
+        cmocka_unit_test(invalid_parameters_are_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -80,7 +80,7 @@ static ost_path plan(double lowest_mm, bool drag)
     return path;
 }
 
-static bool watched(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+static bool tick_and_record(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     run *r = user;
     const bool more = ost_operation_tick(r->operation, sample, wrench);
@@ -92,7 +92,7 @@ static bool watched(void *user, const ost_servo_sample *sample, ost_wrench *wren
     return more;
 }
 
-static void served(void *user, uint64_t number, uint32_t exec_ns)
+static void tick_done(void *user, uint64_t number, uint32_t exec_ns)
 {
     ost_operation_done(((run *)user)->operation, number, exec_ns);
 }
@@ -102,7 +102,7 @@ static void served(void *user, uint64_t number, uint32_t exec_ns)
  * 10 ms and the speed averaged over 200 ms. One encoder step is 5.5 mm/s over 10 ms; a held
  * device that oscillates does so at 5 to 40 Hz.
  */
-static double swing(const double at[])
+static double speed_deviation(const double at[])
 {
     enum { LAST = 800, SHORT = 5, LONG = 100 };
     double sum = 0;
@@ -151,7 +151,7 @@ static uint64_t operate(ost_backend *backend, ost_tool *tool, const char *device
     assert_ok(
         ost_operation_create(world, &(ost_operation_options){.force = force, .safety = safety}, &r->operation, &err));
     assert_ok(ost_servo_run(haptic, &(ost_servo_options){.ticks = TICKS, .no_clock = true, .no_realtime = true},
-                            watched, served, r, &report, &err));
+                            tick_and_record, tick_done, r, &report, &err));
     ost_operation_report done;
     ost_operation_report_get(r->operation, &done);
     assert_int_equal(done.faults, 0);
@@ -172,7 +172,7 @@ static double lowest_mm(const ost_tool *tool)
     return ost_pm_to_mm(ost_tool_geometry_get(tool)->corner.z + ost_tool_geometry_get(tool)->voxel);
 }
 
-static void no_hand_swings(void **state)
+static void force_loop_is_stable(void **state)
 {
     static const char *const grips[] = {"light", "normal", "firm"}, *const ways[] = {"press", "drag"},
                              *const modes[] = {"energy", "instant"};
@@ -204,7 +204,7 @@ static void no_hand_swings(void **state)
                      friction ? 260 : 0);
             ost_path path = plan(lowest_mm(tool), drag);
             operate(*state, tool, device, &path, &params, NULL, name, &r);
-            const double along = swing(r.x), down = swing(r.z);
+            const double along = speed_deviation(r.x), down = speed_deviation(r.z);
             print_message("%-42s %5.2f mm/s along, %5.2f down, felt %5.2f N at the end\n", name, along, down,
                           r.force[TICKS - 1]);
             worst = fmax(worst, fmax(along, down));
@@ -219,7 +219,7 @@ static void no_hand_swings(void **state)
 }
 
 /* Checks that swing() and its bound of 10 mm/s detect an oscillation. */
-static void what_is_too_stiff_does_swing(void **state)
+static void excessive_stiffness_oscillates(void **state)
 {
     static run r;
     ost_tool *tool = builtin_tool(*state, OST_TOOL_PEG);
@@ -231,14 +231,14 @@ static void what_is_too_stiff_does_swing(void **state)
     ost_safety_params bare = ost_safety_defaults();
     bare.max_damping = 0;
     operate(*state, tool, "sim:grip=light,friction=0", &path, &params, &bare, "too-stiff", &r);
-    print_message("eight times as stiff, without damping and passivity: %.1f mm/s\n", swing(r.z));
-    assert_true(swing(r.z) > 10);
+    print_message("eight times as stiff, without damping and passivity: %.1f mm/s\n", speed_deviation(r.z));
+    assert_true(speed_deviation(r.z) > 10);
     ost_path_free(&path);
     ost_tool_free(tool);
 }
 
 /* Because bone resists cutting, the force reduces the number of removed voxels. */
-static void bone_resists(void **state)
+static void force_reduces_the_removal(void **state)
 {
     static run r;
     ost_tool *tool = builtin_tool(*state, OST_TOOL_PEG);
@@ -258,9 +258,9 @@ static void bone_resists(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_hand_swings),
-        cmocka_unit_test(what_is_too_stiff_does_swing),
-        cmocka_unit_test(bone_resists),
+        cmocka_unit_test(force_loop_is_stable),
+        cmocka_unit_test(excessive_stiffness_oscillates),
+        cmocka_unit_test(force_reduces_the_removal),
     };
     /* Forces do not depend on the backend, so one backend is sufficient. */
     snprintf(test_backend, sizeof test_backend, "cpu:threads=1");

@@ -29,7 +29,7 @@ static ost_bone *half_space_30mm(ost_backend *backend, int16_t hu)
  * sin a. Both springs carry the point's force: F = K (h - x) and F r cos a = Kr a. For small
  * angles, F = h / (1/K + r^2/Kr).
  */
-static void a_torque_turns_the_tool(void **state)
+static void torque_rotates_the_tool(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -72,7 +72,7 @@ static void a_torque_turns_the_tool(void **state)
 }
 
 /* In air the tool follows the hand through any rotation, even beyond half a turn. */
-static void in_air_the_tool_follows(void **state)
+static void tool_follows_the_hand_in_air(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -101,7 +101,7 @@ static void in_air_the_tool_follows(void **state)
  * bone. The handle must come to rest, although there is a delay of one tick and the encoder steps
  * are 0.5 mrad.
  */
-static void a_turning_handle_rests(void **state)
+static void rotating_handle_comes_to_rest(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -143,7 +143,7 @@ static void a_turning_handle_rests(void **state)
  * tool's z axis. The difference must follow the formula in the handle's axes, so the difference turns once per
  * revolution of the tool. The tool is a point on its axis, whose contact does not depend on the rotation.
  */
-static void runout_follows_the_handle(void **state)
+static void runout_equals_its_formula(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -182,7 +182,7 @@ static void runout_follows_the_handle(void **state)
  * Compares two runs along the same path, with and without vibration. At every tick, their
  * difference must equal the formula.
  */
-static void vibration_is_its_formula(void **state)
+static void vibration_equals_its_formula(void **state)
 {
     skip_without_samples(*state);
     enum { SPOKES = 16, RINGS = 8 };
@@ -242,7 +242,7 @@ static void vibration_is_its_formula(void **state)
 }
 
 /* Even with the strongest vibration, the force on the hand stays within the limits for saturation and slew. */
-static void vibration_is_within_the_rules(void **state)
+static void vibration_stays_within_the_safety_limits(void **state)
 {
     (void)state;
     ost_safety safety;
@@ -269,7 +269,7 @@ static void write_text(const char *path, const char *text)
     fclose(out);
 }
 
-static void a_file_says_what_is_other(void **state)
+static void parameter_file_is_read_and_written(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -300,7 +300,7 @@ static void a_file_says_what_is_other(void **state)
     for (int i = 0; i < ost_force_key_count(); i++)
         assert_true(ost_force_key_value(i, &f, &s) == ost_force_key_value(i, &g, &t));
     const struct {
-        const char *text, *says;
+        const char *text, *message;
         ost_status status;
     } wrong[] = {
         {"stiffness 250\n", ":1: 'stiffness 250': expected 'key: number'", OST_ERR_INPUT},
@@ -324,7 +324,8 @@ static void a_file_says_what_is_other(void **state)
         g = ost_force_defaults();
         write_text(path, wrong[i].text);
         const ost_status status = ost_force_params_read(path, &g, &t, &err);
-        if (status != wrong[i].status || !strstr(err.text, wrong[i].says) || strncmp(err.text, path, strlen(path)) != 0)
+        if (status != wrong[i].status || !strstr(err.text, wrong[i].message) ||
+            strncmp(err.text, path, strlen(path)) != 0)
             fail_msg("'%s': %s", wrong[i].text, err.text);
         assert_true(g.stiffness == 300 && g.scale == 0.08 && g.vibration == 0);
     }
@@ -335,10 +336,13 @@ static void a_file_says_what_is_other(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_torque_turns_the_tool),       cmocka_unit_test(in_air_the_tool_follows),
-        cmocka_unit_test(a_turning_handle_rests),        cmocka_unit_test(vibration_is_its_formula),
-        cmocka_unit_test(vibration_is_within_the_rules), cmocka_unit_test(a_file_says_what_is_other),
-        cmocka_unit_test(runout_follows_the_handle),
+        cmocka_unit_test(torque_rotates_the_tool),
+        cmocka_unit_test(tool_follows_the_hand_in_air),
+        cmocka_unit_test(rotating_handle_comes_to_rest),
+        cmocka_unit_test(vibration_equals_its_formula),
+        cmocka_unit_test(vibration_stays_within_the_safety_limits),
+        cmocka_unit_test(parameter_file_is_read_and_written),
+        cmocka_unit_test(runout_equals_its_formula),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -28,7 +28,7 @@ static ost_safety_params open_params(void)
                                .stored_j = 1};
 }
 
-static ost_safety_answer give(ost_safety *s, double z_mm, bool fresh, uint32_t buttons, double n, double *out)
+static ost_safety_answer step_safety(ost_safety *s, double z_mm, bool fresh, uint32_t buttons, double n, double *out)
 {
     double force[3] = {0, 0, n}, torque[3] = {0, 0, n / 100};
     const ost_pose pose = at_mm(z_mm);
@@ -37,18 +37,18 @@ static ost_safety_answer give(ost_safety *s, double z_mm, bool fresh, uint32_t b
     return answer;
 }
 
-static void without_rules_it_passes(void **state)
+static void without_rules_the_force_is_unchanged(void **state)
 {
     (void)state;
     const ost_safety_params p = open_params();
     ost_safety s;
     double f;
     ost_safety_begin(&s, &p);
-    assert_int_equal(give(&s, 0, true, 0, 500, &f), OST_SAFETY_GIVEN);
+    assert_int_equal(step_safety(&s, 0, true, 0, 500, &f), OST_SAFETY_GIVEN);
     assert_true(fabs(f - 500) < 1e-3);
 }
 
-static void no_number_is_a_fault(void **state)
+static void non_finite_force_is_a_fault(void **state)
 {
     (void)state;
     static const double none[] = {NAN, INFINITY, -INFINITY};
@@ -57,12 +57,12 @@ static void no_number_is_a_fault(void **state)
         double f = 0;
         ost_safety_begin(&s, NULL);
         for (int k = 0; k < 1000; k++)
-            give(&s, 0, true, 0, 1, &f);
+            step_safety(&s, 0, true, 0, 1, &f);
         assert_true(f > 0.9);
-        assert_int_equal(give(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
+        assert_int_equal(step_safety(&s, 0, true, 0, none[i], &f), OST_SAFETY_FAULT);
         assert_true(f == 0);
         /* After a fault the force must increase gradually. */
-        assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
+        assert_int_equal(step_safety(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
         assert_true(f > 0 && f < 0.01);
     }
 }
@@ -88,7 +88,7 @@ static void force_and_torque_saturate(void **state)
     assert_true(last > 2.99);
 }
 
-static void force_changes_slowly(void **state)
+static void force_rate_is_limited(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -97,7 +97,7 @@ static void force_changes_slowly(void **state)
     double f = 0, before = 0;
     ost_safety_begin(&s, &p);
     for (int i = 0; i < 40; i++) {
-        give(&s, 0, true, 0, i < 20 ? 2 : -2, &f);
+        step_safety(&s, 0, true, 0, i < 20 ? 2 : -2, &f);
         assert_true(fabs(f - before) <= 0.3 + 1e-9);
         before = f;
     }
@@ -108,7 +108,7 @@ static void force_changes_slowly(void **state)
  * Like the force, the torque may change by at most a tenth of its limit per tick. For a force limit of 3 N
  * this is 0.3 N; for a torque limit of 0.1 N m it is 10 mN m.
  */
-static void torque_changes_slowly(void **state)
+static void torque_rate_is_limited(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -128,7 +128,7 @@ static void torque_changes_slowly(void **state)
     assert_true(fabs(before + 0.05 / sqrt(1.25)) < 1e-6);
 }
 
-static void force_begins_softly(void **state)
+static void force_increases_gradually_at_the_start(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -137,15 +137,15 @@ static void force_begins_softly(void **state)
     double f;
     ost_safety_begin(&s, &p);
     for (int i = 1; i <= 600; i++) {
-        give(&s, 0, true, 0, 1, &f);
+        step_safety(&s, 0, true, 0, 1, &f);
         assert_true(fabs(f - (i < 500 ? i / 500.0 : 1)) < 1e-5);
     }
     ost_safety_stop(&s);
-    give(&s, 0, true, 0, 1, &f);
+    step_safety(&s, 0, true, 0, 1, &f);
     assert_true(fabs(f - 0.002) < 1e-5);
 }
 
-static void who_lets_go_feels_nothing(void **state)
+static void released_dead_man_button_stops_the_force(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -153,13 +153,13 @@ static void who_lets_go_feels_nothing(void **state)
     ost_safety s;
     double f;
     ost_safety_begin(&s, &p);
-    assert_int_equal(give(&s, 0, true, 4, 1, &f), OST_SAFETY_GIVEN);
+    assert_int_equal(step_safety(&s, 0, true, 4, 1, &f), OST_SAFETY_GIVEN);
     assert_true(f > 0.9);
-    assert_int_equal(give(&s, 0, true, 2, 1, &f), OST_SAFETY_WITHHELD);
+    assert_int_equal(step_safety(&s, 0, true, 2, 1, &f), OST_SAFETY_WITHHELD);
     assert_true(f == 0);
 }
 
-static void a_silent_device_gets_nothing(void **state)
+static void missing_samples_stop_the_force(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -167,20 +167,20 @@ static void a_silent_device_gets_nothing(void **state)
     ost_safety s;
     double f;
     ost_safety_begin(&s, &p);
-    give(&s, 0, true, 0, 1, &f);
+    step_safety(&s, 0, true, 0, 1, &f);
     /* A single tick without a sample is bridged. */
-    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN);
+    assert_int_equal(step_safety(&s, 0, false, 0, 1, &f), OST_SAFETY_GIVEN);
     assert_true(f > 0.9);
-    assert_int_equal(give(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
+    assert_int_equal(step_safety(&s, 0, false, 0, 1, &f), OST_SAFETY_WITHHELD);
     assert_true(f == 0);
-    assert_int_equal(give(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
+    assert_int_equal(step_safety(&s, 0, true, 0, 1, &f), OST_SAFETY_GIVEN);
 }
 
 /*
  * A delayed spring generates energy in every cycle, so a mass on it oscillates with growing
  * amplitude. Simulates 3 s and returns the amplitude in the last second.
  */
-static double swing(double max_damping, uint64_t *damped)
+static double oscillation_amplitude(double max_damping, uint64_t *damped)
 {
     ost_safety_params p = open_params();
     p.stored_j = 1e-3;
@@ -196,7 +196,7 @@ static double swing(double max_damping, uint64_t *damped)
         lag[2] = lag[1];
         lag[1] = lag[0];
         lag[0] = z;
-        give(&s, z * 1e3, true, 0, -400 * lag[2], &f);
+        step_safety(&s, z * 1e3, true, 0, -400 * lag[2], &f);
         if (i > 2000 && fabs(z) > peak)
             peak = fabs(z);
     }
@@ -204,19 +204,19 @@ static double swing(double max_damping, uint64_t *damped)
     return peak;
 }
 
-static void passivity_takes_back_what_was_made(void **state)
+static void passivity_controller_damps_an_oscillation(void **state)
 {
     (void)state;
     uint64_t damped;
-    const double free_swing = swing(0, &damped);
+    const double free_swing = oscillation_amplitude(0, &damped);
     assert_int_equal(damped, 0);
-    const double held = swing(2, &damped);
+    const double held = oscillation_amplitude(2, &damped);
     print_message("swing of a lagging spring: %.3g m without, %.3g m with the controller\n", free_swing, held);
     assert_true(free_swing > 20e-3 && held < 4e-3 && damped > 10);
 }
 
 /* A passive wall must not be damped. */
-static void a_passive_wall_is_left_alone(void **state)
+static void passive_wall_is_not_damped(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -230,7 +230,7 @@ static void a_passive_wall_is_left_alone(void **state)
          * The force is the sum of a spring force and a damping force. The spring force is that in the
          * middle of the step from z to next, so that its work equals the spring's energy exactly.
          */
-        give(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
+        step_safety(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }
     assert_int_equal(s.damped_ticks, 0);
 }
@@ -239,7 +239,7 @@ static void a_passive_wall_is_left_alone(void **state)
  * A coupling cannot store more than stored_j. Even if the hand supplies 0.1 J, the force must
  * not return more than stored_j.
  */
-static void no_more_is_given_back_than_was_held(void **state)
+static void returned_energy_is_limited(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -249,17 +249,17 @@ static void no_more_is_given_back_than_was_held(void **state)
     double z = 0, f;
     ost_safety_begin(&s, &p);
     for (int i = 0; i < 100; i++)
-        give(&s, z -= 1, true, 0, 1, &f);
+        step_safety(&s, z -= 1, true, 0, 1, &f);
     for (int i = 0; i < 10; i++)
-        give(&s, z += 1, true, 0, 1, &f);
+        step_safety(&s, z += 1, true, 0, 1, &f);
     assert_int_equal(s.damped_ticks, 0);
     for (int i = 0; i < 20; i++)
-        give(&s, z += 1, true, 0, 1, &f);
+        step_safety(&s, z += 1, true, 0, 1, &f);
     assert_true(s.damped_ticks > 5);
 }
 
 /* The force limit also applies to the damping of the passivity controller. */
-static void the_controller_saturates_too(void **state)
+static void damping_force_is_limited(void **state)
 {
     (void)state;
     ost_safety_params p = open_params();
@@ -269,23 +269,27 @@ static void the_controller_saturates_too(void **state)
     ost_safety s;
     double f;
     ost_safety_begin(&s, &p);
-    give(&s, 0, true, 0, 3, &f);
-    give(&s, 4.9, true, 0, 3, &f);
-    give(&s, 5.9, true, 0, 3, &f);
+    step_safety(&s, 0, true, 0, 3, &f);
+    step_safety(&s, 4.9, true, 0, 3, &f);
+    step_safety(&s, 5.9, true, 0, 3, &f);
     assert_true(s.damped_ticks == 2 && f < -2.9 && f >= -3 - 1e-12);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_rules_it_passes),      cmocka_unit_test(no_number_is_a_fault),
-        cmocka_unit_test(force_and_torque_saturate),    cmocka_unit_test(force_changes_slowly),
-        cmocka_unit_test(force_begins_softly),          cmocka_unit_test(who_lets_go_feels_nothing),
-        cmocka_unit_test(a_silent_device_gets_nothing), cmocka_unit_test(passivity_takes_back_what_was_made),
-        cmocka_unit_test(a_passive_wall_is_left_alone),
-        cmocka_unit_test(torque_changes_slowly),
-        cmocka_unit_test(no_more_is_given_back_than_was_held),
-        cmocka_unit_test(the_controller_saturates_too),
+        cmocka_unit_test(without_rules_the_force_is_unchanged),
+        cmocka_unit_test(non_finite_force_is_a_fault),
+        cmocka_unit_test(force_and_torque_saturate),
+        cmocka_unit_test(force_rate_is_limited),
+        cmocka_unit_test(force_increases_gradually_at_the_start),
+        cmocka_unit_test(released_dead_man_button_stops_the_force),
+        cmocka_unit_test(missing_samples_stop_the_force),
+        cmocka_unit_test(passivity_controller_damps_an_oscillation),
+        cmocka_unit_test(passive_wall_is_not_damped),
+        cmocka_unit_test(torque_rate_is_limited),
+        cmocka_unit_test(returned_energy_is_limited),
+        cmocka_unit_test(damping_force_is_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ static void repair(ost_session *session, uint64_t records)
     ost_session_close(again);
 }
 
-static void look(const uint8_t *data, size_t size)
+static void check_session(const uint8_t *data, size_t size)
 {
     const char *file = fuzz_file("fuzz.session", data, size);
     ost_error err = {0};
@@ -85,7 +85,7 @@ static void look(const uint8_t *data, size_t size)
 }
 
 /* Corrects all sizes and checksums, so that the reader accepts the blocks. */
-static void make_right(uint8_t *p, size_t size)
+static void correct_checksums(uint8_t *p, size_t size)
 {
     uint32_t identity = 0;
     for (size_t at = 0; at + SESSION_BLOCK < size; at += SESSION_ALIGN) {
@@ -110,13 +110,13 @@ static void make_right(uint8_t *p, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    look(data, size);
+    check_session(data, size);
     uint8_t *copy = malloc(size ? size : 1);
     fuzz_require(copy != NULL);
     if (size)
         memcpy(copy, data, size);
-    make_right(copy, size);
-    look(copy, size);
+    correct_checksums(copy, size);
+    check_session(copy, size);
     free(copy);
     return 0;
 }

@@ -29,7 +29,7 @@ static ost_path straight(size_t count, ost_pm step)
     return path;
 }
 
-static void the_list(void **state)
+static void devices_are_listed(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -46,13 +46,13 @@ static void the_list(void **state)
     assert_int_equal(ost_haptic_describe(-1, &info, &err), OST_ERR_USAGE);
 }
 
-static void a_wrong_spec_is_told_what_is_wrong(void **state)
+static void wrong_specs_are_refused(void **state)
 {
     (void)state;
     ost_path path = straight(2, MM);
     const ost_haptic_setup setup = {.path = &path, .start = ost_pose_identity()};
     static const struct {
-        const char *spec, *says;
+        const char *spec, *message;
     } cases[] = {
         {"omni", "unknown device 'omni'; expected null, script, replay, sim, motion, mouse, openhaptics, dhd, spnav, "
                  "inverse3, udp or openxr"},
@@ -74,7 +74,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
         ost_haptic *device = (ost_haptic *)&path;
         assert_int_equal(ost_haptic_open(cases[i].spec, &setup, &device, &err), OST_ERR_USAGE);
         assert_null(device);
-        if (!strstr(err.text, cases[i].says))
+        if (!strstr(err.text, cases[i].message))
             fail_msg("'%s' gives: %s", cases[i].spec, err.text);
     }
     ost_error err = {0};
@@ -87,7 +87,7 @@ static void a_wrong_spec_is_told_what_is_wrong(void **state)
     ost_path_free(&path);
 }
 
-static void scripts_and_sessions_row_by_row(void **state)
+static void plays_back_scripts_and_sessions(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -146,7 +146,7 @@ static double read_x_mm(ost_haptic *device)
 }
 
 /* Applies a constant force to a hand at rest. In both directions, F = k * x must hold to within the friction. */
-static void a_force_meets_the_hands_spring(void **state)
+static void force_is_balanced_by_the_grip(void **state)
 {
     (void)state;
     static const struct {
@@ -184,7 +184,7 @@ static void a_force_meets_the_hands_spring(void **state)
 }
 
 /* A force below the friction does not move the device. */
-static void what_sticks_sticks(void **state)
+static void force_below_the_friction_moves_nothing(void **state)
 {
     (void)state;
     ost_path path = straight(1, 0);
@@ -201,7 +201,7 @@ static void what_sticks_sticks(void **state)
  * The device follows a hand that moves at v = 50 mm/s. Viscosity and friction cause the lag (0.2 v + 0.26)
  * / k.
  */
-static void it_follows_the_hand(void **state)
+static void device_follows_the_hand(void **state)
 {
     (void)state;
     ost_path path = straight(1000, MM / 20);
@@ -223,7 +223,7 @@ static void it_follows_the_hand(void **state)
  * Presses the device 3 mm into a wall of stiffness k at x = 0. Returns the range of motion
  * after the first second, in mm.
  */
-static double unrest(const char *spec, double k)
+static double wall_range_mm(const char *spec, double k)
 {
     ost_path path = straight(1, 0);
     path.ticks[0].pose.t.x = 3 * MM;
@@ -247,29 +247,31 @@ static double unrest(const char *spec, double k)
  * (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti et al. 2006). Without friction, stability depends on the
  * damping of the hand, so a light grip oscillates first. A range of two encoder steps counts as rest.
  */
-static void stiff_walls_swing_and_soft_ones_rest(void **state)
+static void closed_loop_is_stable_up_to_a_stiffness(void **state)
 {
     (void)state;
     static const double stiffness[] = {150, 300, 600, 1200, 2400, 5000, 20000};
     for (int i = 0; i < 7; i++)
         printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
-               unrest("sim:grip=light,friction=0", stiffness[i]), unrest("sim:friction=0", stiffness[i]),
-               unrest("sim:grip=firm,friction=0", stiffness[i]));
+               wall_range_mm("sim:grip=light,friction=0", stiffness[i]), wall_range_mm("sim:friction=0", stiffness[i]),
+               wall_range_mm("sim:grip=firm,friction=0", stiffness[i]));
     /*
      * For a device without friction, the literature recommends a stiffness of 300 N/m for a light grip and
      * 400 N/m for a normal grip.
      */
     const double rest_mm = 0.111, swing = 0.3;
-    assert_true(unrest("sim:grip=light", 300) <= rest_mm && unrest("sim:grip=light,friction=0", 300) <= rest_mm);
-    assert_true(unrest("sim", 400) <= rest_mm && unrest("sim:friction=0", 400) <= rest_mm);
-    assert_true(unrest("sim:grip=firm", 400) <= rest_mm && unrest("sim:grip=firm,friction=0", 2400) <= rest_mm);
-    assert_true(unrest("sim:grip=light", 9000) <= rest_mm && unrest("sim", 9000) <= rest_mm &&
-                unrest("sim:grip=firm", 9000) <= rest_mm);
-    assert_true(unrest("sim:grip=light,friction=0", 2400) > swing);
-    assert_true(unrest("sim:friction=0", 5000) > swing);
+    assert_true(wall_range_mm("sim:grip=light", 300) <= rest_mm);
+    assert_true(wall_range_mm("sim:grip=light,friction=0", 300) <= rest_mm);
+    assert_true(wall_range_mm("sim", 400) <= rest_mm && wall_range_mm("sim:friction=0", 400) <= rest_mm);
+    assert_true(wall_range_mm("sim:grip=firm", 400) <= rest_mm);
+    assert_true(wall_range_mm("sim:grip=firm,friction=0", 2400) <= rest_mm);
+    assert_true(wall_range_mm("sim:grip=light", 9000) <= rest_mm && wall_range_mm("sim", 9000) <= rest_mm &&
+                wall_range_mm("sim:grip=firm", 9000) <= rest_mm);
+    assert_true(wall_range_mm("sim:grip=light,friction=0", 2400) > swing);
+    assert_true(wall_range_mm("sim:friction=0", 5000) > swing);
 }
 
-static void the_same_seed_is_the_same_hand(void **state)
+static void equal_seeds_give_equal_tremor(void **state)
 {
     (void)state;
     ost_path path = straight(500, MM / 50);
@@ -295,7 +297,7 @@ static void the_same_seed_is_the_same_hand(void **state)
 
 /* Every hand-held device must have a button for the motor. A device with two buttons must also have a button for the
    next tool. */
-static void buttons_have_a_table(void **state)
+static void devices_have_default_buttons(void **state)
 {
     (void)state;
     static const struct {
@@ -344,15 +346,15 @@ static void buttons_have_a_table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_list),
-        cmocka_unit_test(a_wrong_spec_is_told_what_is_wrong),
-        cmocka_unit_test(scripts_and_sessions_row_by_row),
-        cmocka_unit_test(a_force_meets_the_hands_spring),
-        cmocka_unit_test(what_sticks_sticks),
-        cmocka_unit_test(it_follows_the_hand),
-        cmocka_unit_test(stiff_walls_swing_and_soft_ones_rest),
-        cmocka_unit_test(the_same_seed_is_the_same_hand),
-        cmocka_unit_test(buttons_have_a_table),
+        cmocka_unit_test(devices_are_listed),
+        cmocka_unit_test(wrong_specs_are_refused),
+        cmocka_unit_test(plays_back_scripts_and_sessions),
+        cmocka_unit_test(force_is_balanced_by_the_grip),
+        cmocka_unit_test(force_below_the_friction_moves_nothing),
+        cmocka_unit_test(device_follows_the_hand),
+        cmocka_unit_test(closed_loop_is_stable_up_to_a_stiffness),
+        cmocka_unit_test(equal_seeds_give_equal_tremor),
+        cmocka_unit_test(devices_have_default_buttons),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -58,7 +58,7 @@ static bool read_all(service *s, int fd, void *bytes, size_t size)
     return true;
 }
 
-static bool shake_hands(service *s, int fd)
+static bool answer_handshake(service *s, int fd)
 {
     static const char magic[] = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"; /* RFC 6455 */
     char head[TEXT] = "", key[128], answer[256], accept[64];
@@ -182,7 +182,7 @@ static void *serve(void *user)
         if (poll(&wait, 1, 20) != 1)
             continue;
         const int fd = accept(s->listening, NULL, NULL);
-        bool more = fd >= 0 && shake_hands(s, fd);
+        bool more = fd >= 0 && answer_handshake(s, fd);
         while (more && read_text(s, fd, text)) {
             pthread_mutex_lock(&s->lock);
             memcpy(s->first[0] ? s->last : s->first, text, TEXT);
@@ -230,7 +230,7 @@ static ost_status open_at(const service *s, const char *more, ost_haptic **devic
 }
 
 /* Skips the test if the driver was built without libwebsockets. */
-static void need(void)
+static void skip_without_driver(void)
 {
     ost_haptic_info info;
     for (int i = 0; i < ost_haptic_count(); i++)
@@ -298,7 +298,7 @@ static void move(service *s, ost_haptic *device, int from_um, int to_um, ost_pos
     fail_msg("the machine is too slow for a service that answers every millisecond");
 }
 
-static void heard(service *s, const char *text)
+static void await_message(service *s, const char *text)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
     bool found = false;
@@ -312,10 +312,10 @@ static void heard(service *s, const char *text)
         fail_msg("the service never heard %s, but %s", text, s->last);
 }
 
-static void poses_in_and_forces_out(void **state)
+static void poses_and_forces(void **state)
 {
     (void)state;
-    need();
+    skip_without_driver();
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state hand = {0};
@@ -336,21 +336,21 @@ static void poses_in_and_forces_out(void **state)
                 llabs(to.t.y - from.t.y - 6 * MM) < 1000);
     /* Forces are mapped to the device by the inverse rotation. */
     ost_haptic_write(device, &(ost_wrench){{1.5, 0.25, -2}, {0}});
-    heard(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,\"y\":2000000e-6,"
-             "\"z\":250000e-6}}}");
+    await_message(s, "\"device_id\":\"04EA\",\"commands\":{\"set_cursor_force\":{\"values\":{\"x\":1500000e-6,"
+                     "\"y\":2000000e-6,\"z\":250000e-6}}}");
     ost_haptic_tally tally[OST_HAPTIC_COUNTS];
     assert_int_equal(ost_haptic_counts(device, tally), 2);
     assert_true(tally[0].value >= 3 && tally[1].value == 0);
     ost_haptic_close(device);
     /* The last force sent is zero. */
-    heard(s, "\"x\":0e-6,\"y\":0e-6,\"z\":0e-6");
+    await_message(s, "\"x\":0e-6,\"y\":0e-6,\"z\":0e-6");
     end_service(s);
 }
 
-static void the_grip_turns_the_tool(void **state)
+static void grip_rotates_the_tool(void **state)
 {
     (void)state;
-    need();
+    skip_without_driver();
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state hand = {0};
@@ -393,13 +393,13 @@ int sem_timedwait(sem_t *sem, const struct timespec *until)
     return waited;
 }
 
-static void a_service_that_fails(void **state)
+static void failing_service_is_reported(void **state)
 {
     (void)state;
-    need();
+    skip_without_driver();
     static const struct {
         fault what;
-        const char *says; /* expected message if the fault occurs before the first state */
+        const char *message; /* expected message if the fault occurs before the first state */
     } cases[] = {
         {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "offers no device"},
         {LONG_MESSAGE, "too long"},       {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
@@ -412,7 +412,7 @@ static void a_service_that_fails(void **state)
         service *s = begin_service(cases[i].what, 1, false);
         assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
-        if (!strstr(err.text, cases[i].says))
+        if (!strstr(err.text, cases[i].message))
             fail_msg("fault %d: says %s", cases[i].what, err.text);
         end_service(s);
         /* If a later answer is faulty, the device is lost. */
@@ -439,10 +439,10 @@ static void a_service_that_fails(void **state)
     end_service(s);
 }
 
-static void silence(void **state)
+static void missing_answers_lose_the_device(void **state)
 {
     (void)state;
-    need();
+    skip_without_driver();
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state hand = {0};
@@ -479,10 +479,10 @@ static void silence(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(poses_in_and_forces_out),
-        cmocka_unit_test(the_grip_turns_the_tool),
-        cmocka_unit_test(a_service_that_fails),
-        cmocka_unit_test(silence),
+        cmocka_unit_test(poses_and_forces),
+        cmocka_unit_test(grip_rotates_the_tool),
+        cmocka_unit_test(failing_service_is_reported),
+        cmocka_unit_test(missing_answers_lose_the_device),
     };
     signal(SIGPIPE, SIG_IGN);
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -82,7 +82,7 @@ static void bytes_are_as_documented(void **state)
     link_key_free(key);
 }
 
-static void nothing_else_passes(void **state)
+static void invalid_packets_are_refused(void **state)
 {
     (void)state;
     link_key *key = key_from(1), *other = key_from(2);
@@ -131,7 +131,7 @@ static void nothing_else_passes(void **state)
     link_key_free(other);
 }
 
-static void keys(void **state)
+static void key_files(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -158,7 +158,7 @@ static void keys(void **state)
     scratch_remove(folder);
 }
 
-static void which_numbers_came(void **state)
+static void sequence_numbers_are_classified(void **state)
 {
     (void)state;
     link_window w = {0};
@@ -182,7 +182,7 @@ static void which_numbers_came(void **state)
     assert_int_equal(link_window_add(&w, UINT64_MAX - 63, &lost), LINK_LATE);
 }
 
-static void a_plane_presses_and_never_pulls(void **state)
+static void plane_never_attracts_the_device(void **state)
 {
     (void)state;
     /* The state contains a force of 2 N along +z at z = 1 mm, a stiffness of 300 N/m and a damping of 0.5 N s/m. */
@@ -211,7 +211,7 @@ static void a_plane_presses_and_never_pulls(void **state)
  * Presses the simulated device, in a light grip and without friction, against a wall of 300 N/m
  * whose force is delayed. Returns the range of motion in the last second, in m.
  */
-static double swing_with(int delay, bool plane)
+static double range_with_delay(int delay, bool plane)
 {
     enum { TICKS = 3000, LATE_MOST = 64 };
     ost_error err = {0};
@@ -259,16 +259,16 @@ static double swing_with(int delay, bool plane)
     return high - low;
 }
 
-static void however_late_the_hand_rests(void **state)
+static void delayed_loop_comes_to_rest(void **state)
 {
     (void)state;
     for (int delay = 0; delay <= 50; delay += 5) {
-        const double with = swing_with(delay, true);
+        const double with = range_with_delay(delay, true);
         printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
         assert_true(with < 0.2e-3); /* The range is less than four encoder steps. */
     }
     /* If the delayed force is used directly, without the plane, the device must oscillate. */
-    const double without = swing_with(20, false);
+    const double without = range_with_delay(20, false);
     printf("# 20 ms late, a force as it comes: %.1f mm\n", without * 1e3);
     assert_true(without > 2e-3);
 }
@@ -276,9 +276,12 @@ static void however_late_the_hand_rests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bytes_are_as_documented), cmocka_unit_test(nothing_else_passes),
-        cmocka_unit_test(keys),                    cmocka_unit_test(which_numbers_came),
-        cmocka_unit_test(a_plane_presses_and_never_pulls), cmocka_unit_test(however_late_the_hand_rests),
+        cmocka_unit_test(bytes_are_as_documented),
+        cmocka_unit_test(invalid_packets_are_refused),
+        cmocka_unit_test(key_files),
+        cmocka_unit_test(sequence_numbers_are_classified),
+        cmocka_unit_test(plane_never_attracts_the_device),
+        cmocka_unit_test(delayed_loop_comes_to_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

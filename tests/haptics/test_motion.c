@@ -39,7 +39,7 @@ static int remove_folder(void **state)
  * about x. It is not tracked before row 20, in rows 120 to 219, between rows 300 and 330 (where
  * there are no rows), and in the last 10 rows.
  */
-static bool is_seen(int row)
+static bool is_tracked(int row)
 {
     return row >= 20 && row < ROWS - 10 && !(row >= 120 && row < 220);
 }
@@ -71,7 +71,7 @@ static size_t write_motion(char *text, size_t capacity)
             continue;
         used += (size_t)snprintf(text + used, capacity - used, "%.4f,%.6f,%.6f,%.6f,", row_time(row), at[0], at[1],
                                  at[2]);
-        if (is_seen(row))
+        if (is_tracked(row))
             used += (size_t)snprintf(text + used, capacity - used, "%.8f,%.8f,%.8f,%.8f,1\n", q[0], q[1], q[2], q[3]);
         else
             used += (size_t)snprintf(text + used, capacity - used, "nan,nan,NaN,nan,0\n");
@@ -169,7 +169,7 @@ static void check_motion(const char *file)
     assert_int_equal(tracking_lost, 70 + 353 + 104 + 35);
 }
 
-static void a_hand_as_it_was_seen(void **state)
+static void poses_follow_the_recording(void **state)
 {
     (void)state;
     static char text[100000];
@@ -219,7 +219,7 @@ static void with_longer_gaps_allowed(void **state)
  * In a recording at 1 kHz, the hand moves by 20 mm between two rows. If no option allows jumps of this size, the hand
  * counts as not tracked between these rows. The positions are in millimetres.
  */
-static void a_jump_is_a_gap(void **state)
+static void jump_counts_as_not_tracked(void **state)
 {
     (void)state;
     static const struct {
@@ -251,11 +251,11 @@ static void a_jump_is_a_gap(void **state)
     }
 }
 
-static void files_that_are_no_motion(void **state)
+static void refuses_invalid_motions(void **state)
 {
     (void)state;
     static const struct {
-        const char *text, *options, *says;
+        const char *text, *options, *message;
         ost_status status;
     } cases[] = {
         {"", "", "bad.csv: no row in 0 lines", OST_ERR_INPUT},
@@ -285,7 +285,7 @@ static void files_that_are_no_motion(void **state)
         snprintf(spec, sizeof spec, "motion:%s%s", file, cases[i].options);
         assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), cases[i].status);
         assert_null(device);
-        if (!strstr(err.text, cases[i].says))
+        if (!strstr(err.text, cases[i].message))
             fail_msg("%s: says %s", cases[i].text, err.text);
     }
     static char long_line[10000];
@@ -314,7 +314,7 @@ static void files_that_are_no_motion(void **state)
 
 static ost_servo_report report;
 
-static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
+static void dropouts_remove_nothing_and_are_recorded(void **state)
 {
     ost_error err = {0};
     static char text[100000];
@@ -416,27 +416,27 @@ static void what_is_not_seen_removes_nothing_and_is_declared(void **state)
 
 static struct haptic_instance {
     int at;
-} blinking;
+} interrupted;
 
 enum { PRESS = 300, DARK = 100, TICKS = 700 };
 
-static ost_status blinking_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
-                                ost_error *err)
+static ost_status interrupted_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,
+                                   ost_error *err)
 {
     (void)options;
     (void)setup;
     (void)err;
-    blinking.at = 0;
-    *out = &blinking;
+    interrupted.at = 0;
+    *out = &interrupted;
     return OST_OK;
 }
 
-static void blinking_close(haptic_instance *instance)
+static void interrupted_close(haptic_instance *instance)
 {
     (void)instance;
 }
 
-static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *state)
+static ost_haptic_answer interrupted_read(haptic_instance *b, ost_haptic_state *state)
 {
     const int t = b->at++;
     if (t >= PRESS && t < PRESS + DARK)
@@ -447,7 +447,7 @@ static ost_haptic_answer blinking_read(haptic_instance *b, ost_haptic_state *sta
     return OST_HAPTIC_FRESH;
 }
 
-static void blinking_write(haptic_instance *b, const ost_wrench *wrench)
+static void interrupted_write(haptic_instance *b, const ost_wrench *wrench)
 {
     (void)b;
     (void)wrench;
@@ -455,10 +455,10 @@ static void blinking_write(haptic_instance *b, const ost_wrench *wrench)
 
 static const haptic_driver blinker = {.name = "blinker",
                                       .caps = OST_HAPTIC_FORCE | OST_HAPTIC_LOGICAL,
-                                      .open = blinking_open,
-                                      .close = blinking_close,
-                                      .read = blinking_read,
-                                      .write = blinking_write};
+                                      .open = interrupted_open,
+                                      .close = interrupted_close,
+                                      .read = interrupted_read,
+                                      .write = interrupted_write};
 
 typedef struct felt {
     ost_operation *operation;
@@ -466,7 +466,7 @@ typedef struct felt {
     int count;
 } felt;
 
-static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+static bool record_force(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     felt *f = user;
     const bool more = ost_operation_tick(f->operation, sample, wrench);
@@ -474,7 +474,7 @@ static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wren
     return more;
 }
 
-static void the_force_goes_with_the_hand_and_comes_back_softly(void **state)
+static void force_stops_at_dropouts_and_returns_gradually(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -503,7 +503,7 @@ static void the_force_goes_with_the_hand_and_comes_back_softly(void **state)
     assert_ok(
         ost_operation_create(world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
     assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true, .ticks = TICKS},
-                            feeling, NULL, &f, &report, &err));
+                            record_force, NULL, &f, &report, &err));
     assert_int_equal(f.count, TICKS);
     const double full_n = f.n[PRESS - 1];
     assert_true(full_n > 0.1);
@@ -524,14 +524,14 @@ static void the_force_goes_with_the_hand_and_comes_back_softly(void **state)
 int main(void)
 {
     const struct CMUnitTest files[] = {
-        cmocka_unit_test(a_hand_as_it_was_seen),
+        cmocka_unit_test(poses_follow_the_recording),
         cmocka_unit_test(with_longer_gaps_allowed),
-        cmocka_unit_test(a_jump_is_a_gap),
-        cmocka_unit_test(files_that_are_no_motion),
+        cmocka_unit_test(jump_counts_as_not_tracked),
+        cmocka_unit_test(refuses_invalid_motions),
     };
     const struct CMUnitTest worlds[] = {
-        cmocka_unit_test(what_is_not_seen_removes_nothing_and_is_declared),
-        cmocka_unit_test(the_force_goes_with_the_hand_and_comes_back_softly),
+        cmocka_unit_test(dropouts_remove_nothing_and_are_recorded),
+        cmocka_unit_test(force_stops_at_dropouts_and_returns_gradually),
     };
     int failed = cmocka_run_group_tests(files, make_folder, remove_folder);
     folder = scratch_folder();

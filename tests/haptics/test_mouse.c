@@ -47,7 +47,7 @@ static double angle(const ost_pose *a, const ost_pose *b)
     return 2 * acos(fmin(1, fabs(c)));
 }
 
-static void a_hand_is_followed(void **state)
+static void device_approaches_the_target(void **state)
 {
     ost_mouse_input *input;
     ost_haptic *device = open_mouse("mouse", &input);
@@ -71,7 +71,7 @@ static void a_hand_is_followed(void **state)
     ost_mouse_input_free(input);
 }
 
-static void a_tool_taken_up_is_there_at_once(void **state)
+static void selected_tool_moves_at_once(void **state)
 {
     ost_mouse_input *input;
     ost_haptic *device = open_mouse("mouse", &input);
@@ -87,7 +87,7 @@ static void a_tool_taken_up_is_there_at_once(void **state)
 }
 
 /* The pedal is a button: it switches the motor of the operation and does not change the pose. */
-static void the_pedal_is_a_button(void **state)
+static void pedal_is_a_button(void **state)
 {
     ost_mouse_input *input;
     ost_haptic *device = open_mouse("mouse", &input);
@@ -109,7 +109,7 @@ static void the_pedal_is_a_button(void **state)
  * A lifted tool moves to its new pose at once. The device must report "lifted" in exactly one
  * tick, even if the window sets the state several times before this tick.
  */
-static void a_lifted_hand_is_there_at_once(void **state)
+static void lifted_tool_moves_at_once(void **state)
 {
     ost_mouse_input *input;
     ost_haptic *device = open_mouse("mouse", &input);
@@ -129,7 +129,7 @@ static void a_lifted_hand_is_there_at_once(void **state)
     ost_mouse_input_free(input);
 }
 
-static void what_is_wrong_is_said(void **state)
+static void invalid_inputs_are_refused(void **state)
 {
     ost_error err = {0};
     ost_haptic *device;
@@ -156,7 +156,7 @@ static double seconds_since(const struct timespec *then)
 }
 
 /* Lets the other thread run. Without this pause, on one core or under valgrind, one thread may use all the time. */
-static void let_the_other_run(void)
+static void yield_to_other_thread(void)
 {
     nanosleep(&(const struct timespec){.tv_nsec = 100000}, NULL);
 }
@@ -170,19 +170,19 @@ typedef struct putter {
     _Atomic bool stop;
 } putter;
 
-static void *put_on(void *user)
+static void *put_states(void *user)
 {
     putter *p = user;
     for (int i = 0; !atomic_load(&p->stop); i++) {
         const ost_haptic_state s = at(i % 1000, -(i % 1000), 2 * (i % 1000), i % 1000);
         ost_mouse_input_put(p->input, &s);
         if (i % 10000 == 9999)
-            let_the_other_run();
+            yield_to_other_thread();
     }
     return NULL;
 }
 
-static void states_are_whole(void **state)
+static void no_partial_state_is_read(void **state)
 {
     putter p = {0};
     ost_haptic *device = open_mouse("mouse", &p.input);
@@ -192,12 +192,12 @@ static void states_are_whole(void **state)
     int seen = 0;
     (void)state;
     clock_gettime(CLOCK_MONOTONIC, &start);
-    assert_int_equal(pthread_create(&thread, NULL, put_on, &p), 0);
+    assert_int_equal(pthread_create(&thread, NULL, put_states, &p), 0);
     while (seconds_since(&start) < (seen > 1 ? 0.3 : 20)) {
         ost_haptic_state now;
         ost_haptic_read(device, &now);
         if (now.tool == last) {
-            let_the_other_run();
+            yield_to_other_thread();
             continue;
         }
         last = now.tool;
@@ -217,12 +217,12 @@ static void states_are_whole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_hand_is_followed),
-        cmocka_unit_test(a_tool_taken_up_is_there_at_once),
-        cmocka_unit_test(the_pedal_is_a_button),
-        cmocka_unit_test(a_lifted_hand_is_there_at_once),
-        cmocka_unit_test(what_is_wrong_is_said),
-        cmocka_unit_test(states_are_whole),
+        cmocka_unit_test(device_approaches_the_target),
+        cmocka_unit_test(selected_tool_moves_at_once),
+        cmocka_unit_test(pedal_is_a_button),
+        cmocka_unit_test(lifted_tool_moves_at_once),
+        cmocka_unit_test(invalid_inputs_are_refused),
+        cmocka_unit_test(no_partial_state_is_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

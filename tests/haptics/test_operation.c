@@ -80,7 +80,7 @@ static ost_operation_report operate(fixture *r, const char *device_spec, const o
     return done;
 }
 
-static void a_script_is_its_path(void **state)
+static void script_equals_its_path(void **state)
 {
     ost_error err = {0};
     fixture by_hand = make_fixture(*state), by_device = make_fixture(*state);
@@ -102,7 +102,7 @@ static void a_script_is_its_path(void **state)
 }
 
 /* The bone must equal the bone after the same path without the faulty rows. */
-static void what_is_no_hands_is_left_out(void **state)
+static void impossible_poses_are_ignored(void **state)
 {
     ost_error err = {0};
     static const struct {
@@ -147,7 +147,7 @@ static void what_is_no_hands_is_left_out(void **state)
  * The tool jumps and does not return. It must stay at the position before the jump, so only a few
  * voxels are removed.
  */
-static void a_tool_that_jumps_does_not_cut_on_its_way(void **state)
+static void jump_removes_nothing_on_its_way(void **state)
 {
     fixture r = make_fixture(*state);
     ost_path path = into_bone(60);
@@ -179,7 +179,7 @@ typedef struct felt {
     size_t count;
 } felt;
 
-static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
+static bool record_force(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     felt *f = user;
     const bool more = ost_operation_tick(f->operation, sample, wrench);
@@ -187,7 +187,7 @@ static bool feeling(void *user, const ost_servo_sample *sample, ost_wrench *wren
     return more;
 }
 
-static void a_fault_lets_the_hand_alone(void **state)
+static void fault_sets_the_force_to_zero(void **state)
 {
     skip_without_samples(*state);
     ost_error err = {0};
@@ -218,7 +218,7 @@ static void a_fault_lets_the_hand_alone(void **state)
     assert_ok(ost_haptic_open("script", &(ost_haptic_setup){.path = &path}, &device, &err));
     assert_ok(
         ost_operation_create(r.world, &(ost_operation_options){.force = force, .safety = &safety}, &f.operation, &err));
-    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, feeling, NULL, &f,
+    assert_ok(ost_servo_run(device, &(ost_servo_options){.no_clock = true, .no_realtime = true}, record_force, NULL, &f,
                             &report, &err));
     ost_operation_report done;
     ost_operation_report_get(f.operation, &done);
@@ -241,7 +241,7 @@ static void a_fault_lets_the_hand_alone(void **state)
  * Every tick is rehearsed at least once. The forces and the bone must equal those of an operation without
  * rehearsals.
  */
-static void a_rehearsal_leaves_no_trace(void **state)
+static void rehearsals_change_no_result(void **state)
 {
     skip_without_samples(*state);
     enum { TICKS = 200 };
@@ -291,7 +291,7 @@ static void a_rehearsal_leaves_no_trace(void **state)
     ost_path_free(&path);
 }
 
-static void a_session_of_it_does_it_again(void **state)
+static void replayed_session_gives_the_same_bone(void **state)
 {
     ost_error err = {0};
     char *folder = scratch_folder(), path_name[4200];
@@ -386,7 +386,7 @@ static int disk_sync(void *user)
  * for the disk, it would wait until the alarm ends the test, because the disk is released only after the
  * operation.
  */
-static void it_does_not_wait_for_its_recorder(void **state)
+static void ticks_do_not_wait_for_the_recorder(void **state)
 {
     static const struct {
         uint32_t capacity;
@@ -466,7 +466,7 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
  * With the motor off, a tool in bone removes nothing. With the motor on, the ticks equal those of
  * ost_motor_turn. A tick that is too late counts as a tick with the motor off.
  */
-static void a_motor_belongs_to_the_operation(void **state)
+static void operation_switches_its_motor(void **state)
 {
     ost_error err = {0};
     fixture live_fixture = make_fixture(*state), by_hand = make_fixture(*state);
@@ -513,7 +513,7 @@ static void a_motor_belongs_to_the_operation(void **state)
 }
 
 /* The actions `next tool`, `clutch` and `home` must have the same effect with a button and with a key. */
-static void buttons_do_what_their_table_says(void **state)
+static void buttons_and_keys_have_equal_effects(void **state)
 {
     ost_error err = {0};
     for (int by_key = 0; by_key <= 1; by_key++) {
@@ -585,15 +585,15 @@ static void buttons_do_what_their_table_says(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_script_is_its_path),
-        cmocka_unit_test(what_is_no_hands_is_left_out),
-        cmocka_unit_test(a_tool_that_jumps_does_not_cut_on_its_way),
-        cmocka_unit_test(a_fault_lets_the_hand_alone),
-        cmocka_unit_test(a_rehearsal_leaves_no_trace),
-        cmocka_unit_test(a_session_of_it_does_it_again),
-        cmocka_unit_test(it_does_not_wait_for_its_recorder),
-        cmocka_unit_test(a_motor_belongs_to_the_operation),
-        cmocka_unit_test(buttons_do_what_their_table_says),
+        cmocka_unit_test(script_equals_its_path),
+        cmocka_unit_test(impossible_poses_are_ignored),
+        cmocka_unit_test(jump_removes_nothing_on_its_way),
+        cmocka_unit_test(fault_sets_the_force_to_zero),
+        cmocka_unit_test(rehearsals_change_no_result),
+        cmocka_unit_test(replayed_session_gives_the_same_bone),
+        cmocka_unit_test(ticks_do_not_wait_for_the_recorder),
+        cmocka_unit_test(operation_switches_its_motor),
+        cmocka_unit_test(buttons_and_keys_have_equal_effects),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -181,7 +181,7 @@ static seen run_with(const haptic_driver *driver, const char *answers, const ost
     return s;
 }
 
-static void a_loop_ends_as_it_says(void **state)
+static void reason_of_the_end_is_reported(void **state)
 {
     (void)state;
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true},
@@ -198,7 +198,7 @@ static void a_loop_ends_as_it_says(void **state)
     assert_int_equal(run_with(&polled, "E", &fast, (seen){0}).ticks, 0);
 }
 
-static void a_silent_device_gets_no_force(void **state)
+static void missing_samples_end_the_loop(void **state)
 {
     (void)state;
     alarm(60); /* The alarm ends the test if the servo loop does not end, for example without its watchdog. */
@@ -220,7 +220,7 @@ static void a_silent_device_gets_no_force(void **state)
     alarm(0);
 }
 
-static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
+static void lost_tracking_does_not_end_the_loop(void **state)
 {
     (void)state;
     const ost_servo_options fast = {.no_clock = true, .no_realtime = true},
@@ -242,7 +242,7 @@ static void a_device_that_does_not_see_the_hand_is_not_silent(void **state)
     assert_int_equal(report.end, OST_SERVO_WATCHDOG);
 }
 
-static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **state)
+static void long_tick_counts_missed_deadlines(void **state)
 {
     (void)state;
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
@@ -261,7 +261,7 @@ static void a_tick_that_takes_too_long_is_counted_and_not_caught_up_on(void **st
     assert_int_equal(report.missed_by_work + report.missed_woken_late + report.missed_preempted, report.missed);
 }
 
-static void who_is_to_blame(void **state)
+static void missed_deadlines_are_classified(void **state)
 {
     (void)state;
     const thread_time from = {.wall_ns = 5000, .cpu_ns = 700, .waits = 3},
@@ -280,7 +280,7 @@ static void who_is_to_blame(void **state)
 }
 
 /* Tests the measurement of a thread's processor time and waiting time on this machine. */
-static void thread_time_is_what_was_used(void **state)
+static void thread_time_is_measured(void **state)
 {
     (void)state;
     const thread_time begin = thread_time_now();
@@ -295,7 +295,7 @@ static void thread_time_is_what_was_used(void **state)
     assert_true(thread_time_between(&now, &later) >= 3000000);
 }
 
-static void a_device_with_a_clock_of_its_own(void **state)
+static void device_with_its_own_clock(void **state)
 {
     (void)state;
     const ost_servo_options options = {.ticks = 50, .no_realtime = true};
@@ -340,7 +340,7 @@ static void every_tick_is_rehearsed(void **state)
     assert_int_equal(report.lead_ns, 0);
 }
 
-static void what_cannot_be_is_refused(void **state)
+static void invalid_options_are_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -363,7 +363,7 @@ static void what_cannot_be_is_refused(void **state)
 }
 
 /* All settings that the loop changed are restored. */
-static void the_thread_is_afterwards_as_it_was(void **state)
+static void thread_settings_are_restored(void **state)
 {
     (void)state;
     const int policy = sched_getscheduler(0);
@@ -380,7 +380,7 @@ typedef struct placed {
     bool apart; /* true if a thread that is created after ost_servo_core_leave may not run on the core of the loop */
 } placed;
 
-static void *where_am_i(void *user)
+static void *find_allowed_cores(void *user)
 {
     placed *p = user;
     cpu_set_t set;
@@ -401,7 +401,7 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
  * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does not run on
  * this core. After the loop, the loop's thread may run on all other cores again, but not on this core.
  */
-static void the_loop_has_a_core_of_its_own(void **state)
+static void loop_has_its_own_core(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -414,7 +414,7 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
     assert_true(CPU_ISSET(p.core, &before));
     assert_true(ost_servo_core_leave(p.core));
-    assert_int_equal(pthread_create(&thread, NULL, where_am_i, &p), 0);
+    assert_int_equal(pthread_create(&thread, NULL, find_allowed_cores, &p), 0);
     pthread_join(thread, NULL);
     assert_true(p.apart);
     fake = (struct haptic_instance){.answers = "F"};
@@ -443,7 +443,7 @@ static void the_loop_has_a_core_of_its_own(void **state)
     assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
 }
 
-static void times_are_found_again(void **state)
+static void quantiles_of_recorded_times(void **state)
 {
     (void)state;
     static ost_times t;
@@ -465,18 +465,18 @@ static void times_are_found_again(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_loop_ends_as_it_says),
-        cmocka_unit_test(a_silent_device_gets_no_force),
-        cmocka_unit_test(a_device_that_does_not_see_the_hand_is_not_silent),
-        cmocka_unit_test(a_tick_that_takes_too_long_is_counted_and_not_caught_up_on),
-        cmocka_unit_test(who_is_to_blame),
-        cmocka_unit_test(thread_time_is_what_was_used),
-        cmocka_unit_test(a_device_with_a_clock_of_its_own),
+        cmocka_unit_test(reason_of_the_end_is_reported),
+        cmocka_unit_test(missing_samples_end_the_loop),
+        cmocka_unit_test(lost_tracking_does_not_end_the_loop),
+        cmocka_unit_test(long_tick_counts_missed_deadlines),
+        cmocka_unit_test(missed_deadlines_are_classified),
+        cmocka_unit_test(thread_time_is_measured),
+        cmocka_unit_test(device_with_its_own_clock),
         cmocka_unit_test(every_tick_is_rehearsed),
-        cmocka_unit_test(what_cannot_be_is_refused),
-        cmocka_unit_test(the_thread_is_afterwards_as_it_was),
-        cmocka_unit_test(the_loop_has_a_core_of_its_own),
-        cmocka_unit_test(times_are_found_again),
+        cmocka_unit_test(invalid_options_are_refused),
+        cmocka_unit_test(thread_settings_are_restored),
+        cmocka_unit_test(loop_has_its_own_core),
+        cmocka_unit_test(quantiles_of_recorded_times),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -171,7 +171,7 @@ static ost_status run(scene *s, ost_servo_tick *tick, ost_servo_done *done, ost_
     return ost_servo_run(s->device, &how, tick, done, s->operation, &report, err);
 }
 
-static void a_tick_allocates_nothing(void **state)
+static void tick_allocates_nothing(void **state)
 {
     /* Only the backend cpu is tested: the reference allocates memory, and the driver of an OpenCL device may do so. */
     if (!COUNTING || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
@@ -272,7 +272,7 @@ static int status_of(scene *s, ost_servo_tick *tick)
 }
 #endif
 
-static void a_tick_calls_the_system_for_times_alone(void **state)
+static void tick_makes_no_system_calls_except_clocks(void **state)
 {
 #if FILTERING
     if (!COUNTING || getenv("OST_UNDER_VALGRIND") || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
@@ -294,7 +294,9 @@ static void a_tick_calls_the_system_for_times_alone(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tick_allocates_nothing),
-                                       cmocka_unit_test(a_tick_calls_the_system_for_times_alone)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tick_allocates_nothing),
+        cmocka_unit_test(tick_makes_no_system_calls_except_clocks),
+    };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

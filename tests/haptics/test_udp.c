@@ -64,7 +64,7 @@ static ost_haptic *listen_at(char where[64], const char *options)
     return device;
 }
 
-static uint64_t counted(const ost_haptic *device, const char *name)
+static uint64_t counter_of(const ost_haptic *device, const char *name)
 {
     ost_haptic_tally tally[OST_HAPTIC_COUNTS];
     const int count = ost_haptic_counts(device, tally);
@@ -79,9 +79,9 @@ static uint64_t counted(const ost_haptic *device, const char *name)
 static void await_count(const ost_haptic *device, const char *name, uint64_t value)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
-    for (int i = 0; i < ANSWER_MS && counted(device, name) < value; i++)
+    for (int i = 0; i < ANSWER_MS && counter_of(device, name) < value; i++)
         nanosleep(&pause, NULL);
-    assert_int_equal(counted(device, name), value);
+    assert_int_equal(counter_of(device, name), value);
 }
 
 static int connect_to(const char *where)
@@ -145,7 +145,7 @@ static link_packet send_pose_packet(client *c, ost_pm x, uint16_t flags)
     return state;
 }
 
-static void poses_in_and_states_out(void **state)
+static void poses_and_states(void **state)
 {
     (void)state;
     char where[64];
@@ -177,7 +177,7 @@ static void poses_in_and_states_out(void **state)
     close(c.socket);
 }
 
-static void what_is_dropped_is_counted(void **state)
+static void dropped_packets_are_counted(void **state)
 {
     (void)state;
     char where[64];
@@ -187,7 +187,7 @@ static void what_is_dropped_is_counted(void **state)
     client c = greet(where, 5);
     send_pose_packet(&c, MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
-    const uint64_t good = counted(device, "good");
+    const uint64_t good = counter_of(device, "good");
     assert_int_equal(good, 2);
     link_packet p = c.pose;
     /* Sends a packet that is signed with a wrong key. */
@@ -210,7 +210,7 @@ static void what_is_dropped_is_counted(void **state)
     p.pose.t.x = MM + 200;
     send_sealed(c.socket, key, &p);
     await_count(device, "late", 1);
-    assert_int_equal(counted(device, "missing"), 2);
+    assert_int_equal(counter_of(device, "missing"), 2);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     assert_true(hand.pose.t.x == MM + 300);
     /*
@@ -247,7 +247,7 @@ static void what_is_dropped_is_counted(void **state)
     close(c.socket);
 }
 
-static void silence_is_declared_and_then_the_device_is_lost(void **state)
+static void missing_packets_lose_the_device(void **state)
 {
     (void)state;
     char where[64];
@@ -277,7 +277,7 @@ static void silence_is_declared_and_then_the_device_is_lost(void **state)
     close(c.socket);
 }
 
-static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
+static void unreachable_pose_releases_the_tool(void **state)
 {
     (void)state;
     char where[64];
@@ -304,7 +304,7 @@ static void a_pose_that_no_hand_reaches_is_let_go_of(void **state)
     c.pose.pose.qx = OST_Q30_ONE;
     send_pose_packet(&c, MM + 5, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
-    assert_int_equal(counted(device, "too_far"), 2);
+    assert_int_equal(counter_of(device, "too_far"), 2);
     ost_haptic_close(device);
     close(c.socket);
 }
@@ -330,9 +330,9 @@ static void one_bridge_at_a_time(void **state)
         p.sequence++;
         send_sealed(s, key, &p);
         const struct timespec pause = {.tv_nsec = 1000000};
-        for (int i = 0; i < ANSWER_MS && counted(device, "of_other_bridges") + counted(device, "good") < 4; i++)
+        for (int i = 0; i < ANSWER_MS && counter_of(device, "of_other_bridges") + counter_of(device, "good") < 4; i++)
             nanosleep(&pause, NULL);
-        assert_true(counted(device, "of_other_bridges") >= 1);
+        assert_true(counter_of(device, "of_other_bridges") >= 1);
     }
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
     ost_haptic_close(device);
@@ -340,14 +340,14 @@ static void one_bridge_at_a_time(void **state)
     close(a.socket);
 }
 
-static void what_cannot_be_opened(void **state)
+static void invalid_specs_are_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_haptic *device;
     char spec[4400];
     static const struct {
-        const char *options, *says;
+        const char *options, *message;
         ost_status status;
     } cases[] = {
         {"udp", "missing option key=FILE", OST_ERR_USAGE},
@@ -358,7 +358,7 @@ static void what_cannot_be_opened(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_int_equal(ost_haptic_open(cases[i].options, NULL, &device, &err), cases[i].status);
         assert_null(device);
-        if (!strstr(err.text, cases[i].says))
+        if (!strstr(err.text, cases[i].message))
             fail_msg("%s: says %s", cases[i].options, err.text);
     }
     snprintf(spec, sizeof spec, "udp:bind=somewhere,key=%s", key_file);
@@ -385,7 +385,7 @@ typedef struct stand_in {
     int poses, seen, let_go, jumps, hellos;
 } stand_in;
 
-static void *stand_in_serves(void *user)
+static void *run_stand_in(void *user)
 {
     stand_in *s = user;
     ost_pose tool = {.t = {0, 0, 10 * MM}, .qw = OST_Q30_ONE}, last = tool;
@@ -449,7 +449,7 @@ static void *stand_in_serves(void *user)
     return NULL;
 }
 
-static stand_in *stand(void)
+static stand_in *make_stand_in(void)
 {
     stand_in *s = calloc(1, sizeof *s);
     struct sockaddr_in own = {.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
@@ -462,12 +462,12 @@ static stand_in *stand(void)
     return s;
 }
 
-static void start(stand_in *s)
+static void start_stand_in(stand_in *s)
 {
-    assert_int_equal(pthread_create(&s->thread, NULL, stand_in_serves, s), 0);
+    assert_int_equal(pthread_create(&s->thread, NULL, run_stand_in, s), 0);
 }
 
-static void leave(stand_in *s)
+static void free_stand_in(stand_in *s)
 {
     atomic_store(&s->stop, true);
     pthread_join(s->thread, NULL);
@@ -492,7 +492,7 @@ static ost_haptic *a_hand(ost_path *path)
 
 static bridge_report report;
 
-static ost_status cross(const char *to, const char *with, uint64_t ticks, ost_error *err)
+static ost_status run_bridge(const char *to, const char *with, uint64_t ticks, ost_error *err)
 {
     ost_path path;
     ost_haptic *device = a_hand(&path);
@@ -504,18 +504,18 @@ static ost_status cross(const char *to, const char *with, uint64_t ticks, ost_er
     return status;
 }
 
-static void a_bridge_holds_and_presses(void **state)
+static void bridge_moves_the_tool_and_outputs_forces(void **state)
 {
     (void)state;
     ost_error err = {0};
-    stand_in *s = stand();
-    start(s);
+    stand_in *s = make_stand_in();
+    start_stand_in(s);
     /*
      * The safety layer lets the force rise slowly after each gap in the states. On a busy machine gaps are frequent, so
      * one run of 1 s may be too short for the force to rise.
      */
     for (int runs = 0; runs < 20; runs++) {
-        assert_ok(cross(s->to, key_file, 1000, &err));
+        assert_ok(run_bridge(s->to, key_file, 1000, &err));
         assert_true(report.met && !report.ended);
         assert_int_equal(report.loop.ticks, 1000);
         assert_int_equal(report.loop.end, OST_SERVO_TICKS);
@@ -527,19 +527,19 @@ static void a_bridge_holds_and_presses(void **state)
             break;
     }
     assert_true(report.peak_n > 0.5);
-    leave(s);
+    free_stand_in(s);
 }
 
-static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(void **state)
+static void missing_states_release_the_tool(void **state)
 {
     (void)state;
     ost_error err = {0};
-    stand_in *s = stand();
+    stand_in *s = make_stand_in();
     s->silent_from = 200;
     s->silent_to = 600;
     s->end_at = 1000;
-    start(s);
-    assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
+    start_stand_in(s);
+    assert_ok(run_bridge(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
     assert_true(report.limps >= 1);
@@ -550,54 +550,54 @@ static void when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again(voi
      */
     assert_true(s->let_go >= 100);
     assert_int_equal(s->jumps, 0);
-    leave(s);
+    free_stand_in(s);
 }
 
-static void after_a_second_of_silence_the_bridge_says_hello_again(void **state)
+static void bridge_sends_hello_after_a_second_without_states(void **state)
 {
     (void)state;
     ost_error err = {0};
-    stand_in *s = stand();
+    stand_in *s = make_stand_in();
     s->silent_from = 200;
     s->silent_to = PATH_TICKS;
     s->end_at = 2000;
-    start(s);
-    assert_ok(cross(s->to, key_file, PATH_TICKS, &err));
+    start_stand_in(s);
+    assert_ok(run_bridge(s->to, key_file, PATH_TICKS, &err));
     assert_true(report.ended);
     assert_int_equal(report.loop.end, OST_SERVO_STOPPED);
     assert_true(s->hellos >= 2); /* One hello is sent at the start, and one while poses are not answered. */
     assert_true(report.limps >= 1);
     assert_int_equal(s->jumps, 0);
-    leave(s);
+    free_stand_in(s);
 }
 
-static void where_nobody_answers(void **state)
+static void missing_simulation_is_reported(void **state)
 {
     (void)state;
     ost_error err = {0};
-    stand_in *s = stand();
-    start(s);
+    stand_in *s = make_stand_in();
+    start_stand_in(s);
     /* The stand-in drops packets that were signed with another key. */
-    assert_int_equal(cross(s->to, other_file, 0, &err), OST_ERR_UNAVAILABLE);
+    assert_int_equal(run_bridge(s->to, other_file, 0, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no simulation answers at 127.0.0.1"));
-    assert_int_equal(cross("nowhere", key_file, 10, &err), OST_ERR_USAGE);
-    assert_int_equal(cross("127.0.0.1:", key_file, 10, &err), OST_ERR_USAGE);
-    leave(s);
+    assert_int_equal(run_bridge("nowhere", key_file, 10, &err), OST_ERR_USAGE);
+    assert_int_equal(run_bridge("127.0.0.1:", key_file, 10, &err), OST_ERR_USAGE);
+    free_stand_in(s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(poses_in_and_states_out),
-        cmocka_unit_test(what_is_dropped_is_counted),
-        cmocka_unit_test(silence_is_declared_and_then_the_device_is_lost),
-        cmocka_unit_test(a_pose_that_no_hand_reaches_is_let_go_of),
+        cmocka_unit_test(poses_and_states),
+        cmocka_unit_test(dropped_packets_are_counted),
+        cmocka_unit_test(missing_packets_lose_the_device),
+        cmocka_unit_test(unreachable_pose_releases_the_tool),
         cmocka_unit_test(one_bridge_at_a_time),
-        cmocka_unit_test(what_cannot_be_opened),
-        cmocka_unit_test(a_bridge_holds_and_presses),
-        cmocka_unit_test(when_it_is_silent_the_hand_is_let_alone_and_the_tool_taken_again),
-        cmocka_unit_test(after_a_second_of_silence_the_bridge_says_hello_again),
-        cmocka_unit_test(where_nobody_answers),
+        cmocka_unit_test(invalid_specs_are_refused),
+        cmocka_unit_test(bridge_moves_the_tool_and_outputs_forces),
+        cmocka_unit_test(missing_states_release_the_tool),
+        cmocka_unit_test(bridge_sends_hello_after_a_second_without_states),
+        cmocka_unit_test(missing_simulation_is_reported),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

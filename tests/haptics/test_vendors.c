@@ -35,7 +35,7 @@ static const char *fake_file(const char *name)
  * Replaces the vendor's library with the stand-in and returns the stand-in's record, cleared.
  * Skips the test if shared objects were not built.
  */
-static fake_note *take_place(const char *variable, const char *name, const char *note_name)
+static fake_note *load_stand_in(const char *variable, const char *name, const char *note_name)
 {
     const char *file = fake_file(name);
     if (access(file, R_OK) != 0) {
@@ -62,11 +62,11 @@ static int index_of(const char *name)
     return -1;
 }
 
-static void absent_and_short_libraries(void **state)
+static void absent_and_incomplete_libraries(void **state)
 {
     (void)state;
     static const struct {
-        const char *device, *variable, *file, *says;
+        const char *device, *variable, *file, *message;
     } cases[] = {
         {"dhd", DHD, "/nowhere/libdhd.so", "OSTEON_DHD_LIBRARY names no library that can be loaded"},
         {"openhaptics", HD, "/nowhere/libHD.so", "OSTEON_OPENHAPTICS_LIBRARY names no library"},
@@ -85,10 +85,10 @@ static void absent_and_short_libraries(void **state)
         ost_haptic *device;
         assert_ok(ost_haptic_describe(index_of(cases[i].device), &info, &err));
         assert_false(info.available);
-        assert_non_null(strstr(info.reason, cases[i].says));
+        assert_non_null(strstr(info.reason, cases[i].message));
         assert_int_equal(ost_haptic_open(cases[i].device, NULL, &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
-        assert_non_null(strstr(err.text, cases[i].says));
+        assert_non_null(strstr(err.text, cases[i].message));
     }
 }
 
@@ -102,7 +102,7 @@ static ost_haptic_setup at_start(void)
 static void dhd_frames_and_forces(void **state)
 {
     (void)state;
-    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    fake_note *note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     const ost_haptic_setup setup = at_start();
     ost_error err = {0};
     ost_haptic *device;
@@ -137,10 +137,10 @@ static void dhd_frames_and_forces(void **state)
     assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
 }
 
-static void dhd_turns(void **state)
+static void dhd_rotations(void **state)
 {
     (void)state;
-    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    fake_note *note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     const ost_haptic_setup setup = {.start = {.qw = OST_Q30_ONE}};
     ost_error err = {0};
     ost_haptic *device;
@@ -155,13 +155,13 @@ static void dhd_turns(void **state)
     ost_haptic_close(device);
 }
 
-static void dhd_fails(void **state)
+static void dhd_failures(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_haptic *device;
     ost_haptic_state s;
-    fake_note *note = take_place(DHD, "fake_dhd", "fake_dhd");
+    fake_note *note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     note->fail_open = 1;
     assert_int_equal(ost_haptic_open("dhd", NULL, &device, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no device found"));
@@ -179,7 +179,7 @@ static void dhd_fails(void **state)
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
     /* If a force cannot be written, the device is lost at the next tick. */
-    note = take_place(DHD, "fake_dhd", "fake_dhd");
+    note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     note->fail_write_at = 1;
     assert_ok(ost_haptic_open("dhd", NULL, &device, &err));
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_FRESH);
@@ -222,7 +222,7 @@ static ost_status run(seen *s, uint64_t ticks, ost_servo_report *report, ost_err
 static void openhaptics_frames(void **state)
 {
     (void)state;
-    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     ost_error err = {0};
     ost_servo_report report;
     seen s;
@@ -239,18 +239,18 @@ static void openhaptics_frames(void **state)
     assert_true(note->force[0] == 0 && note->force[1] == 0 && note->force[2] == 0);
 }
 
-static void openhaptics_fails(void **state)
+static void openhaptics_failures(void **state)
 {
     (void)state;
     ost_error err = {0};
     ost_servo_report report;
     seen s;
-    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->fail_open = 1;
     assert_int_equal(run(&s, 3, &report, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no connection to the device"));
     /* The device is unplugged. */
-    note = take_place(HD, "fake_hd", "fake_hd");
+    note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->fail_read_at = 4;
     assert_ok(run(&s, 100, &report, &err));
     assert_int_equal(report.end, OST_SERVO_DEVICE_LOST);
@@ -260,18 +260,18 @@ static void openhaptics_fails(void **state)
      * The device is too warm from its first frame on. It returns poses and outputs no force during this
      * run.
      */
-    note = take_place(HD, "fake_hd", "fake_hd");
+    note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->warm_at = 1;
     assert_ok(run(&s, 20, &report, &err));
     assert_int_equal(s.ticks, 20);
     assert_true(note->most_force == 0);
     /* A pose that contains NaN is an invalid pose for one tick. */
-    note = take_place(HD, "fake_hd", "fake_hd");
+    note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->no_number_at = 2;
     assert_ok(run(&s, 5, &report, &err));
     assert_int_equal(s.faults, 1);
     /* The vendor's thread hangs. */
-    note = take_place(HD, "fake_hd", "fake_hd");
+    note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->hang_at = 3;
     assert_int_equal(run(&s, 100, &report, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "no call of its servo thread"));
@@ -300,7 +300,7 @@ static void openhaptics_reports_its_limits(void **state)
     } cases[] = {{3.3, 0.88, true}, {8.5, 0, true},   {0.1, 0, true}, {100, 0, true}, {0.09, 0, false},
                  {101, 0, false},   {0, 0.88, false}, {-1, 1, false}, {NAN, NAN, false}, {INFINITY, 1, false}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+        fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
         note->limit = cases[i].force;
         note->continuous = cases[i].continuous;
         const ost_haptic_limits l = limits_of("openhaptics");
@@ -313,7 +313,7 @@ static void openhaptics_reports_its_limits(void **state)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
         assert_string_equal(l.from, "HD_NOMINAL_MAX_FORCE");
     }
-    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->limit = -1;
     ost_error err = {0};
     ost_servo_report report;
@@ -334,7 +334,7 @@ static void dhd_has_the_limits_of_its_type(void **state)
                  {63, 20, 0, "a delta.3"},        {60, 8, 0, "a Falcon"},    {0, 0, 0, "type 0 of the SDK"},
                  {-1, 0, 0, "type -1 of the SDK"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        take_place(DHD, "fake_dhd", "fake_dhd")->type = cases[i].type;
+        load_stand_in(DHD, "fake_dhd", "fake_dhd")->type = cases[i].type;
         const ost_haptic_limits l = limits_of("dhd");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].force > 0);
         if (cases[i].force > 0)
@@ -460,10 +460,10 @@ static void operate_by_buttons(const char *name, fake_note *note, double *along,
 static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
-    fake_note *note = take_place(HD, "fake_hd", "fake_hd");
+    fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     /* position[0] points to the right, as the tool's x does, and is in mm. */
     operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
-    note = take_place(DHD, "fake_dhd", "fake_dhd");
+    note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* to the right, in m */
 }
 
@@ -494,7 +494,7 @@ static void read_on(ost_haptic *device, int ticks, ost_haptic_state *s)
 static void spnav_moves_while_it_is_pushed(void **state)
 {
     (void)state;
-    fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    fake_note *note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
     /* The tool's x, y and z axes are the bone's -z, y and x axes. */
     const ost_haptic_setup setup = at_start();
@@ -540,11 +540,11 @@ static void spnav_moves_while_it_is_pushed(void **state)
     assert_string_equal(note->calls, "oc");
 }
 
-static void spnav_only_while_held_and_lost(void **state)
+static void spnav_hold_option_and_failures(void **state)
 {
     (void)state;
     const int spnav = index_of("spnav");
-    fake_note *note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    fake_note *note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     fake_feed *feed = feed_of();
     const ost_haptic_setup setup = {.start = {.qw = OST_Q30_ONE}};
     ost_error err = {0};
@@ -554,7 +554,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "oc");
-    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
     /* Listing the devices must not affect the connection, of which there can be only one. */
     assert_ok(ost_haptic_describe(spnav, &info, &err));
@@ -575,7 +575,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
     /* The daemon ends. */
-    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     feed_of();
     note->hang_at = 3;
     assert_ok(ost_haptic_open("spnav", &setup, &device, &err));
@@ -583,7 +583,7 @@ static void spnav_only_while_held_and_lost(void **state)
     assert_int_equal(ost_haptic_read(device, &s), OST_HAPTIC_LOST);
     ost_haptic_close(device);
     /* The daemon is not running. */
-    note = take_place(SPNAV, "fake_spnav", "fake_spnav");
+    note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     note->fail_open = 1;
     assert_int_equal(ost_haptic_open("spnav", &setup, &device, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "spacenavd does not answer"));
@@ -598,17 +598,17 @@ static void spnav_only_while_held_and_lost(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(absent_and_short_libraries),
+        cmocka_unit_test(absent_and_incomplete_libraries),
         cmocka_unit_test(dhd_frames_and_forces),
-        cmocka_unit_test(dhd_turns),
-        cmocka_unit_test(dhd_fails),
+        cmocka_unit_test(dhd_rotations),
+        cmocka_unit_test(dhd_failures),
         cmocka_unit_test(openhaptics_frames),
-        cmocka_unit_test(openhaptics_fails),
+        cmocka_unit_test(openhaptics_failures),
         cmocka_unit_test(openhaptics_reports_its_limits),
         cmocka_unit_test(dhd_has_the_limits_of_its_type),
         cmocka_unit_test(buttons_of_devices_switch_motor_and_tool),
         cmocka_unit_test(spnav_moves_while_it_is_pushed),
-        cmocka_unit_test(spnav_only_while_held_and_lost),
+        cmocka_unit_test(spnav_hold_option_and_failures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

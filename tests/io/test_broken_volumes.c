@@ -32,7 +32,7 @@ static void write_replaced(const char *field, const char *line, const void *data
     write_file("b.nrrd", file.data, file.size);
 }
 
-static void nrrd_fields(void **state)
+static void refuses_invalid_nrrd_fields(void **state)
 {
     (void)state;
     static const struct {
@@ -135,7 +135,7 @@ static void nrrd_fields(void **state)
     }
 }
 
-static void nrrd_starts(void **state)
+static void refuses_invalid_nrrd_beginnings(void **state)
 {
     (void)state;
     static const struct {
@@ -166,7 +166,7 @@ static void nrrd_starts(void **state)
 }
 
 /* A header without an end must be refused at the size limit for headers, not when memory is exhausted. */
-static void a_header_without_end(void **state)
+static void refuses_header_without_end(void **state)
 {
     (void)state;
     FILE *file = fopen(at("long.nrrd"), "wb");
@@ -179,7 +179,7 @@ static void a_header_without_end(void **state)
 }
 
 /* A file that is truncated at any byte, or has one more byte, must be refused with a specific error. */
-static void cut_everywhere(const char *name, const bytes *good)
+static void assert_truncated_is_refused(const char *name, const bytes *good)
 {
     static bytes cut;
     ost_error err = {0};
@@ -201,7 +201,7 @@ static void cut_everywhere(const char *name, const bytes *good)
     assert_int_equal(ost_volume_read(at(name), NULL, &v, NULL, &err), OST_ERR_INPUT);
 }
 
-static void files_cut_at_every_byte(void **state)
+static void refuses_files_truncated_at_any_byte(void **state)
 {
     (void)state;
     static bytes file, inner;
@@ -210,12 +210,12 @@ static void files_cut_at_every_byte(void **state)
     put_text(&file, good_fields);
     put_text(&file, "\n");
     put_bytes(&file, sixteen, 16);
-    cut_everywhere("cut.nrrd", &file);
+    assert_truncated_is_refused("cut.nrrd", &file);
     file.size = 0;
     put_text(&file,
              "NRRD0005\ntype: int16\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 1\nencoding: gzip\nendian: little\n\n");
     put_gzip(&file, sixteen, 16);
-    cut_everywhere("cutgz.nrrd", &file);
+    assert_truncated_is_refused("cutgz.nrrd", &file);
     for (int version = 1; HAS_NIFTI && version <= 2; version++) {
         nifti_spec s = nifti_plain(version);
         unsigned char header[540];
@@ -224,10 +224,10 @@ static void files_cut_at_every_byte(void **state)
         put_bytes(&inner, header, size);
         put_bytes(&inner, "\0\0\0\0", 4);
         put_bytes(&inner, sixteen, 8);
-        cut_everywhere("cut.nii", &inner);
+        assert_truncated_is_refused("cut.nii", &inner);
         file.size = 0;
         put_gzip(&file, inner.data, inner.size);
-        cut_everywhere("cut.nii.gz", &file);
+        assert_truncated_is_refused("cut.nii.gz", &file);
     }
 }
 
@@ -235,7 +235,7 @@ static void files_cut_at_every_byte(void **state)
  * A flip of any bit of compressed data must be detected, by deflate or by the checksum, except
  * in the padding bits of deflate's last byte.
  */
-static void packed_bits_turned(void **state)
+static void detects_flipped_bits_in_compressed_data(void **state)
 {
     (void)state;
     static bytes file;
@@ -267,7 +267,7 @@ static void packed_bits_turned(void **state)
 }
 
 /* A header that declares 2^36 voxels (69 GB or more) in a file of a few bytes must be refused before any allocation. */
-static void small_files_with_huge_sizes(void **state)
+static void refuses_small_files_that_declare_huge_sizes(void **state)
 {
     (void)state;
     if (!HAS_NIFTI)
@@ -295,7 +295,7 @@ static void small_files_with_huge_sizes(void **state)
     assert_refused(at("huge.nrrd"), NULL, OST_ERR_INPUT, "at least 137438953471");
 }
 
-static void nrrd_values(void **state)
+static void refuses_invalid_nrrd_values(void **state)
 {
     (void)state;
     static const struct {
@@ -343,7 +343,7 @@ static void nrrd_values(void **state)
     assert_refused(at("n.nrrd"), NULL, OST_ERR_INPUT, location);
 }
 
-static void nifti_fields(void **state)
+static void refuses_invalid_nifti_fields(void **state)
 {
     (void)state;
     if (!HAS_NIFTI)
@@ -476,14 +476,14 @@ static void nifti_extensions(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nrrd_fields),
-        cmocka_unit_test(nrrd_starts),
-        cmocka_unit_test(a_header_without_end),
-        cmocka_unit_test(files_cut_at_every_byte),
-        cmocka_unit_test(packed_bits_turned),
-        cmocka_unit_test(small_files_with_huge_sizes),
-        cmocka_unit_test(nrrd_values),
-        cmocka_unit_test(nifti_fields),
+        cmocka_unit_test(refuses_invalid_nrrd_fields),
+        cmocka_unit_test(refuses_invalid_nrrd_beginnings),
+        cmocka_unit_test(refuses_header_without_end),
+        cmocka_unit_test(refuses_files_truncated_at_any_byte),
+        cmocka_unit_test(detects_flipped_bits_in_compressed_data),
+        cmocka_unit_test(refuses_small_files_that_declare_huge_sizes),
+        cmocka_unit_test(refuses_invalid_nrrd_values),
+        cmocka_unit_test(refuses_invalid_nifti_fields),
         cmocka_unit_test(nifti_extensions),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);

@@ -81,7 +81,7 @@ static void refused(const char *script, const char *text)
         fail_msg("'%s': expected '%s', got status %d: %s", script, text, (int)status, err.text);
 }
 
-static void bad_ends(void **state)
+static void parser_failures_are_reported(void **state)
 {
     (void)state;
     refused("kill -SEGV $$", "the DICOM parser failed on this file (signal 11)");
@@ -97,7 +97,7 @@ static void bad_ends(void **state)
 
 /* Each script checks a limit that the library sets for the process, and ends with SIGUSR1 (signal 10) if the limit
    applies. */
-static void limits(void **state)
+static void process_limits_apply(void **state)
 {
     (void)state;
     const char *preload = getenv("LD_PRELOAD");
@@ -135,7 +135,7 @@ static const char *send_of(const answer *a)
 }
 
 /* The folder has two files, .answer and program, so two results are expected. */
-static void messages(void **state)
+static void refuses_invalid_messages(void **state)
 {
     (void)state;
     ost_dicom_scan scan;
@@ -183,7 +183,7 @@ static void messages(void **state)
 }
 
 /* If the program sends valid messages without end, the library must stop at the maximum number of images. */
-static void flood(void **state)
+static void refuses_endless_messages(void **state)
 {
     (void)state;
     const ost_dicom_record record = record_at("1");
@@ -230,7 +230,7 @@ static ost_status read_with(const ost_dicom_stack *stack, const char *script, ui
     return status;
 }
 
-static void pixels(void **state)
+static void reads_pixels(void **state)
 {
     (void)state;
     ost_dicom_scan scan;
@@ -268,7 +268,7 @@ static void pixels(void **state)
     ost_dicom_scan_free(&scan);
 }
 
-static void no_program(void **state)
+static void missing_program_is_reported(void **state)
 {
     (void)state;
     char path[OST_DICOM_PATH_MAX];
@@ -289,7 +289,12 @@ static void no_program(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(bad_ends), TEST(limits), TEST(messages), TEST(flood), TEST(pixels), TEST(no_program),
+        TEST(parser_failures_are_reported),
+        TEST(process_limits_apply),
+        TEST(refuses_invalid_messages),
+        TEST(refuses_endless_messages),
+        TEST(reads_pixels),
+        TEST(missing_program_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,7 +76,7 @@ static void refused(const char *text)
 
 /* ------------------------------------------------------------------- series */
 
-static void selection(void **state)
+static void series_selection(void **state)
 {
     (void)state;
     ost_dicom_record other = record_at("0");
@@ -125,7 +125,7 @@ static void series_without_uid(void **state)
     assert_int_equal(scan.series[0].images, 2);
 }
 
-static void nothing(void **state)
+static void refuses_series_without_a_volume(void **state)
 {
     (void)state;
     refused("contains no DICOM image");
@@ -162,7 +162,7 @@ static void order_and_geometry(void **state)
 }
 
 /* Tests slices in a coronal plane. The normal (1,0,0) x (0,0,-1) points to +y, so the first slice has the lowest y. */
-static void coronal(void **state)
+static void coronal_slices(void **state)
 {
     (void)state;
     ost_dicom_stack stack;
@@ -184,7 +184,7 @@ static void coronal(void **state)
 
 /* ------------------------------------------------------------------- faults */
 
-static void uneven(void **state)
+static void unevenly_spaced_slices(void **state)
 {
     (void)state;
     ost_dicom_stack stack;
@@ -202,7 +202,7 @@ static void uneven(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-static void irregular(void **state)
+static void refuses_irregular_slice_positions(void **state)
 {
     (void)state;
     static const char *const z[] = {"0", "1", "2.3", "3", "4"};
@@ -226,7 +226,7 @@ static void rounded_positions(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-static void doubled(void **state)
+static void duplicate_slices(void **state)
 {
     (void)state;
     ost_dicom_stack stack;
@@ -242,7 +242,7 @@ static void doubled(void **state)
 }
 
 /* Tests slices 1 mm apart along z, each moved by 0.25 mm along y. The tilt is atan(0.25) = 14.04 degrees. */
-static void tilted(void **state)
+static void tilted_slices(void **state)
 {
     (void)state;
     ost_dicom_stack stack;
@@ -270,7 +270,7 @@ static void tilted(void **state)
 }
 
 /* Changes one image of five, checks that the message is reported, and restores the scan. */
-static void with(ost_dicom_record changed, const char *message)
+static void refused_with_record(ost_dicom_record changed, const char *message)
 {
     begin(NULL);
     add_at("0");
@@ -283,92 +283,92 @@ static void with(ost_dicom_record changed, const char *message)
     end(NULL);
 }
 
-static void mixed(void **state)
+static void refuses_mixed_series(void **state)
 {
     (void)state;
     const ost_dicom_record plain = record_at("2");
     ost_dicom_record r = plain;
     end(NULL);
     r.patient[0] = 9;
-    with(r, "f2: belongs to another patient than f0");
+    refused_with_record(r, "f2: belongs to another patient than f0");
     r = plain;
     r.study[0] = 9;
-    with(r, "f2: belongs to another study than f0");
+    refused_with_record(r, "f2: belongs to another study than f0");
     r = plain;
     r.reference[0] = 9;
-    with(r, "f2: belongs to another frame of reference than f0");
+    refused_with_record(r, "f2: belongs to another frame of reference than f0");
     r = plain;
     r.columns = 5;
-    with(r, "f2: has 5 x 3 pixels, but f0 has 4 x 3");
+    refused_with_record(r, "f2: has 5 x 3 pixels, but f0 has 4 x 3");
     r = plain;
     snprintf(r.spacing[1], sizeof r.spacing[1], "0.6");
-    with(r, "f2: its PixelSpacing differs from that of f0");
+    refused_with_record(r, "f2: its PixelSpacing differs from that of f0");
     r = plain;
     snprintf(r.orientation[0], sizeof r.orientation[0], "0");
     snprintf(r.orientation[1], sizeof r.orientation[1], "1");
     snprintf(r.orientation[3], sizeof r.orientation[3], "1");
     snprintf(r.orientation[4], sizeof r.orientation[4], "0");
-    with(r, "f2: its ImageOrientationPatient differs from that of f0");
+    refused_with_record(r, "f2: its ImageOrientationPatient differs from that of f0");
     r = plain;
     snprintf(r.position[0], sizeof r.position[0], "-9");
-    with(r, "f2: lies 1 mm beside the line through the first and the last slice");
+    refused_with_record(r, "f2: lies 1 mm beside the line through the first and the last slice");
 }
 
-static void attributes(void **state)
+static void refuses_invalid_attributes(void **state)
 {
     (void)state;
     const ost_dicom_record plain = record_at("2");
     ost_dicom_record r = plain;
     end(NULL);
     r.spacing[0][0] = '\0';
-    with(r, "f2: has no PixelSpacing");
+    refused_with_record(r, "f2: has no PixelSpacing");
     r.flags |= OST_DICOM_IMAGE_ENCRYPTED;
-    with(r, "f2: has no PixelSpacing; its attributes are encrypted");
+    refused_with_record(r, "f2: has no PixelSpacing; its attributes are encrypted");
     r = plain;
     snprintf(r.spacing[0], sizeof r.spacing[0], "0");
-    with(r, "f2: PixelSpacing '0'; expected two lengths from 0.001 to 100 mm");
+    refused_with_record(r, "f2: PixelSpacing '0'; expected two lengths from 0.001 to 100 mm");
     r = plain;
     snprintf(r.position[0], sizeof r.position[0], "8001");
-    with(r, "f2: ImagePositionPatient '8001'; expected three lengths within 8 m");
+    refused_with_record(r, "f2: ImagePositionPatient '8001'; expected three lengths within 8 m");
     r = plain;
     snprintf(r.position[0], sizeof r.position[0], "1 2");
-    with(r, "f2: ImagePositionPatient '1 2'");
+    refused_with_record(r, "f2: ImagePositionPatient '1 2'");
     r = plain;
     r.orientation[5][0] = '\0';
-    with(r, "f2: has no ImageOrientationPatient");
+    refused_with_record(r, "f2: has no ImageOrientationPatient");
     r = plain;
     snprintf(r.orientation[0], sizeof r.orientation[0], "0.9");
-    with(r, "f2: ImageOrientationPatient is not two perpendicular directions of length 1");
+    refused_with_record(r, "f2: ImageOrientationPatient is not two perpendicular directions of length 1");
     r = plain;
     snprintf(r.slope, sizeof r.slope, "nan");
-    with(r, "f2: RescaleSlope 'nan'; expected a number below 9,000,000");
+    refused_with_record(r, "f2: RescaleSlope 'nan'; expected a number below 9,000,000");
     r = plain;
     r.bits_allocated = 12;
-    with(r, "f2: 12 bits allocated, 12 stored, high bit 11; expected 8 or 16 allocated");
+    refused_with_record(r, "f2: 12 bits allocated, 12 stored, high bit 11; expected 8 or 16 allocated");
     r = plain;
     r.columns = 100000;
-    with(r, "f2: has 16385 columns and 3 rows; expected 1 to 16384");
+    refused_with_record(r, "f2: has 16385 columns and 3 rows; expected 1 to 16384");
     r = plain;
     r.flags |= OST_DICOM_IMAGE_LUT;
-    with(r, "f2: has a ModalityLUTSequence");
+    refused_with_record(r, "f2: has a ModalityLUTSequence");
     r = plain;
     r.flags |= OST_DICOM_IMAGE_FLOAT;
-    with(r, "f2: has pixels of floating-point numbers");
+    refused_with_record(r, "f2: has pixels of floating-point numbers");
     r = plain;
     r.result = OST_DICOM_RESULT_DAMAGED;
-    with(r, "f2: is a truncated or damaged DICOM file");
+    refused_with_record(r, "f2: is a truncated or damaged DICOM file");
     r = plain;
     r.result = OST_DICOM_RESULT_UNSUPPORTED;
-    with(r, "f2: its pixels are compressed in a way that osteon does not read");
+    refused_with_record(r, "f2: its pixels are compressed in a way that osteon does not read");
     /* An image that is not a slice leaves a gap between slices, which must be detected. */
     r = plain;
     r.flags |= OST_DICOM_IMAGE_LOCALIZER;
-    with(r, "f3: lies 2 mm after f1");
+    refused_with_record(r, "f3: lies 2 mm after f1");
     begin(NULL);
 }
 
 /* Records that osteon-dicom cannot send are refused. */
-static void invalid_records(void **state)
+static void refuses_invalid_records(void **state)
 {
     (void)state;
     ost_dicom_record r = record_at("0");
@@ -408,7 +408,7 @@ static int16_t density_of(ost_dicom_table *table, const ost_dicom_record *record
     return out;
 }
 
-static void densities(void **state)
+static void densities_of_stored_values(void **state)
 {
     (void)state;
     ost_dicom_table *table = calloc(1, sizeof *table);
@@ -440,7 +440,7 @@ static void densities(void **state)
 }
 
 /* Tests 16-bit padding in an image of 12 bits, and a range of padding values. */
-static void padding(void **state)
+static void padding_values_are_air(void **state)
 {
     (void)state;
     ost_dicom_table *table = calloc(1, sizeof *table);
@@ -460,7 +460,7 @@ static void padding(void **state)
     free(table);
 }
 
-static void beyond_int16(void **state)
+static void values_beyond_int16(void **state)
 {
     (void)state;
     ost_dicom_table *table = calloc(1, sizeof *table);
@@ -486,7 +486,7 @@ static void beyond_int16(void **state)
 
 /* --------------------------------------------------------------- resampling */
 
-static void mixing(void **state)
+static void interpolation_between_slices(void **state)
 {
     (void)state;
     const int16_t before[] = {0, 10, -32768, 1}, after[] = {10, 0, 32767, 2};
@@ -503,7 +503,7 @@ static void mixing(void **state)
 }
 
 /* Tests a slice of 3 x 2 pixels that is moved by 1.5 pixels along x, and by -0.5 pixels along x and y. */
-static void shearing(void **state)
+static void shear_of_a_slice(void **state)
 {
     (void)state;
     const int16_t from[] = {0, 100, 200, 10, 110, 210};
@@ -525,11 +525,24 @@ static void shearing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(selection),  TEST(series_without_uid), TEST(nothing),         TEST(order_and_geometry),
-        TEST(coronal),    TEST(uneven),             TEST(irregular),       TEST(rounded_positions),
-        TEST(doubled),    TEST(tilted),             TEST(mixed),           TEST(attributes),
-        TEST(densities),  TEST(padding),            TEST(beyond_int16),    TEST(invalid_records),
-        TEST(mixing),     TEST(shearing),
+        TEST(series_selection),
+        TEST(series_without_uid),
+        TEST(refuses_series_without_a_volume),
+        TEST(order_and_geometry),
+        TEST(coronal_slices),
+        TEST(unevenly_spaced_slices),
+        TEST(refuses_irregular_slice_positions),
+        TEST(rounded_positions),
+        TEST(duplicate_slices),
+        TEST(tilted_slices),
+        TEST(refuses_mixed_series),
+        TEST(refuses_invalid_attributes),
+        TEST(densities_of_stored_values),
+        TEST(padding_values_are_air),
+        TEST(values_beyond_int16),
+        TEST(refuses_invalid_records),
+        TEST(interpolation_between_slices),
+        TEST(shear_of_a_slice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

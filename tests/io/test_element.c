@@ -24,7 +24,7 @@ static int16_t convert_one(ost_converter *c, const void *bytes, ost_bad_kind exp
     return out;
 }
 
-static void integers_and_their_borders(void **state)
+static void integers_at_their_limits(void **state)
 {
     (void)state;
     static const struct {
@@ -165,7 +165,7 @@ static void scaling_is_exact(void **state)
     assert_true(checked > 10000);
 }
 
-static void scaling_at_its_ends(void **state)
+static void scaling_with_extreme_factors(void **state)
 {
     (void)state;
     const double slopes[] = {1e300, -1e300, 1e-300, 5e-324};
@@ -266,10 +266,12 @@ static void table_is_made_only_if_it_saves_time(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(integers_and_their_borders), cmocka_unit_test(floats_round_half_to_even),
-        cmocka_unit_test(nan_and_infinity_are_never_densities), cmocka_unit_test(nan_is_air_by_option),
+        cmocka_unit_test(integers_at_their_limits),
+        cmocka_unit_test(floats_round_half_to_even),
+        cmocka_unit_test(nan_and_infinity_are_never_densities),
+        cmocka_unit_test(nan_is_air_by_option),
         cmocka_unit_test(scaling_is_exact),
-        cmocka_unit_test(scaling_at_its_ends),
+        cmocka_unit_test(scaling_with_extreme_factors),
         cmocka_unit_test(row_of_floats),
         cmocka_unit_test(table_equals_conversion),
         cmocka_unit_test(table_is_made_only_if_it_saves_time),

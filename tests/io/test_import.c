@@ -204,7 +204,7 @@ static void every_format_gives_the_same_grid(void **state)
  * The import receives slices one by one. For each of the 48 orders and directions of a file's axes, its
  * rect grid must equal the volume that ost_volume_read returns.
  */
-static void every_orientation_gives_the_grid_of_the_volume(void **state)
+static void every_orientation_equals_the_volume(void **state)
 {
     (void)state;
     enum { X = 3, Y = 4, Z = 5 };
@@ -240,7 +240,7 @@ static void every_orientation_gives_the_grid_of_the_volume(void **state)
     }
 }
 
-static void a_written_bone_reads_back_the_same(void **state)
+static void written_bone_is_restored(void **state)
 {
     (void)state;
     static const char *const names[] = {"bone.nrrd", "bone.nii.gz", "bone.txt"};
@@ -268,7 +268,7 @@ static void a_written_bone_reads_back_the_same(void **state)
 
 /* ----------------------------------------------------------------------- reports */
 
-static void the_result_tells_all(void **state)
+static void result_describes_the_import(void **state)
 {
     (void)state;
     static const char text[] = "# osteon side: right\n"
@@ -350,7 +350,7 @@ static ost_resample rule_of(const char *path, const ost_import_options *options,
 }
 
 /* The file has the labels 200 and 300. Their mean would be a third label, so it must not occur. */
-static void labels_take_the_nearest(void **state)
+static void labels_are_resampled_by_nearest(void **state)
 {
     (void)state;
     static const char nrrd[] =
@@ -394,7 +394,7 @@ static void labels_take_the_nearest(void **state)
 }
 
 /* If a bone is imported without changes of its voxels, the facts about its CT must be preserved. */
-static void a_kept_bone_keeps_its_rule(void **state)
+static void unchanged_bone_keeps_its_resampling_rule(void **state)
 {
     (void)state;
     static const char text[] = "0 0 0 200\n0 0 1 300\n0 0 2 300\n0.5 0 0 200\n0 0.5 0 200\n";
@@ -412,7 +412,7 @@ static void a_kept_bone_keeps_its_rule(void **state)
     rule_of(path, &finer, "linear");
 }
 
-static void given_spacings_win(void **state)
+static void given_spacings_are_used(void **state)
 {
     (void)state;
     static const char text[] = "# osteon spacing_mm: 0.5 0.5 2\n0 0 0 1\n1 1 0 2\n";
@@ -506,7 +506,7 @@ static void sparse_texts_are_refused(void **state)
 
 /* --------------------------------------------------------------------------- crop */
 
-static void a_crop_is_a_part_of_the_whole(void **state)
+static void crop_is_a_part_of_the_complete_grid(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -544,7 +544,7 @@ static void a_crop_is_a_part_of_the_whole(void **state)
 
 /* By AR-GRID-5 the complete grid must be valid even if only a part of it is imported, from a text as well as from a
    volume. */
-static void the_rest_of_a_crop_is_checked(void **state)
+static void grid_outside_the_crop_is_checked(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -596,7 +596,7 @@ static bool watch(void *user, const char *stage, double share)
     return !w->cancel || strcmp(stage, w->cancel) != 0;
 }
 
-static void progress_can_cancel(void **state)
+static void progress_function_can_cancel(void **state)
 {
     (void)state;
     static const char text[] = "0 0 0 1\n1 1 1 2\n";
@@ -614,7 +614,7 @@ static void progress_can_cancel(void **state)
     }
 }
 
-static void a_change_between_the_passes_is_seen(void **state)
+static void change_between_the_passes_is_detected(void **state)
 {
     (void)state;
     static const char text[] = "0 0 0 1\n1 1 1 2\n";
@@ -632,7 +632,7 @@ static void other_files_are_refused(void **state)
 {
     (void)state;
     static const struct {
-        const char *name, *content, *says;
+        const char *name, *content, *message;
         ost_status status;
     } cases[] = {
         {"mesh.stl", "solid x\nfacet normal 0 0 1\nendsolid\n", "is a mesh, not a CT", OST_ERR_INPUT},
@@ -657,8 +657,8 @@ static void other_files_are_refused(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const char *path = scratch_write(folder, cases[i].name, cases[i].content, strlen(cases[i].content));
         ost_status status = import(path, NULL, &result, &err);
-        if (status != cases[i].status || !strstr(err.text, cases[i].says) || !strstr(err.text, cases[i].name))
-            fail_msg("%s: %s '%s', expected '%s'", cases[i].name, ost_status_name(status), err.text, cases[i].says);
+        if (status != cases[i].status || !strstr(err.text, cases[i].message) || !strstr(err.text, cases[i].name))
+            fail_msg("%s: %s '%s', expected '%s'", cases[i].name, ost_status_name(status), err.text, cases[i].message);
     }
     /* makes osteon search for osteon-dicom in a folder that lacks it */
     assert_int_equal(setenv("OSTEON_LIBEXECDIR", folder, 1), 0);
@@ -751,7 +751,7 @@ static void memory_is_bounded_by_the_grid(void **state)
 }
 
 /* A bone of 2^36 voxels takes 137 GB and must be refused at once if the machine has less memory. */
-static void a_bone_beyond_the_memory_is_refused(void **state)
+static void bone_larger_than_memory_is_refused(void **state)
 {
     (void)state;
     if ((double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE) > 130e9)
@@ -779,22 +779,22 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_layer_is_empty_or_doubled),
         cmocka_unit_test(every_format_gives_the_same_grid),
-        cmocka_unit_test(every_orientation_gives_the_grid_of_the_volume),
-        cmocka_unit_test(a_written_bone_reads_back_the_same),
-        cmocka_unit_test(the_result_tells_all),
-        cmocka_unit_test(labels_take_the_nearest),
-        cmocka_unit_test(a_kept_bone_keeps_its_rule),
-        cmocka_unit_test(given_spacings_win),
+        cmocka_unit_test(every_orientation_equals_the_volume),
+        cmocka_unit_test(written_bone_is_restored),
+        cmocka_unit_test(result_describes_the_import),
+        cmocka_unit_test(labels_are_resampled_by_nearest),
+        cmocka_unit_test(unchanged_bone_keeps_its_resampling_rule),
+        cmocka_unit_test(given_spacings_are_used),
         cmocka_unit_test(duplicates_follow_the_option),
         cmocka_unit_test(positions_off_the_lattice),
         cmocka_unit_test(sparse_texts_are_refused),
-        cmocka_unit_test(a_crop_is_a_part_of_the_whole),
-        cmocka_unit_test(the_rest_of_a_crop_is_checked),
-        cmocka_unit_test(progress_can_cancel),
-        cmocka_unit_test(a_change_between_the_passes_is_seen),
+        cmocka_unit_test(crop_is_a_part_of_the_complete_grid),
+        cmocka_unit_test(grid_outside_the_crop_is_checked),
+        cmocka_unit_test(progress_function_can_cancel),
+        cmocka_unit_test(change_between_the_passes_is_detected),
         cmocka_unit_test(other_files_are_refused),
         cmocka_unit_test(memory_is_bounded_by_the_grid),
-        cmocka_unit_test(a_bone_beyond_the_memory_is_refused),
+        cmocka_unit_test(bone_larger_than_memory_is_refused),
     };
     return run_on_backends(tests, set_up, tear_down);
 }

@@ -16,7 +16,7 @@ static ost_file_kind kind_of(const char *folder, const char *name, const void *b
     return kind;
 }
 
-static void by_content(void **state)
+static void type_is_found_by_content(void **state)
 {
     (void)state;
     static const struct {
@@ -101,7 +101,7 @@ static void binary_signatures(void **state)
     scratch_remove(folder);
 }
 
-static void what_has_no_content(void **state)
+static void folders_absent_files_and_pipes(void **state)
 {
     (void)state;
     char *folder = scratch_folder(), path[600];
@@ -121,7 +121,7 @@ static void what_has_no_content(void **state)
 
 /* A format that osteon does not read must be refused. The error line contains the name of the format and of a
    program that converts it. */
-static void foreign_formats(void **state)
+static void refuses_foreign_formats(void **state)
 {
     static const struct {
         const char *name, *bytes;
@@ -155,10 +155,10 @@ static void foreign_formats(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_content),
+        cmocka_unit_test(type_is_found_by_content),
         cmocka_unit_test(binary_signatures),
-        cmocka_unit_test(what_has_no_content),
-        cmocka_unit_test(foreign_formats),
+        cmocka_unit_test(folders_absent_files_and_pipes),
+        cmocka_unit_test(refuses_foreign_formats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,7 +84,7 @@ static void assert_points(const char *name)
 }
 
 /* A file that osteon wrote must give the same labels and, to the picometre, the same positions when it is read. */
-static void what_is_written_is_read(void **state)
+static void written_landmarks_are_restored(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -147,7 +147,7 @@ static void every_format_gives_the_same_points(void **state)
     assert_points("l.csv");
 }
 
-static void labels(void **state)
+static void labels_are_recognized(void **state)
 {
     (void)state;
     static const struct {
@@ -168,11 +168,11 @@ static void labels(void **state)
         assert_int_equal(ost_landmark_role_of(cases[i].label), cases[i].role);
 }
 
-static void what_is_refused(void **state)
+static void refuses_invalid_files(void **state)
 {
     (void)state;
     static const struct {
-        const char *name, *text, *says;
+        const char *name, *text, *message;
     } cases[] = {
         {"e.csv", "", "no landmarks in the file"},
         {"e.csv", "# nothing\n", "no landmarks in the file"},
@@ -201,8 +201,8 @@ static void what_is_refused(void **state)
         ost_landmarks all;
         write_file(cases[i].name, cases[i].text, strlen(cases[i].text));
         assert_int_not_equal(ost_landmarks_read(at(cases[i].name), &all, &err), OST_OK);
-        if (!strstr(err.text, cases[i].says))
-            fail_msg("'%s' does not say '%s'", err.text, cases[i].says);
+        if (!strstr(err.text, cases[i].message))
+            fail_msg("'%s' does not say '%s'", err.text, cases[i].message);
         assert_null(all.items);
     }
     ost_error err = {0};
@@ -219,7 +219,7 @@ static void what_is_refused(void **state)
 }
 
 /* Randomly changed, removed or duplicated bytes must give either points or a one-line error, never a crash. */
-static void damage(void **state)
+static void damaged_files_do_not_crash(void **state)
 {
     (void)state;
     static bytes complete[2], b;
@@ -247,8 +247,12 @@ static void damage(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_is_written_is_read),
-                                       cmocka_unit_test(every_format_gives_the_same_points), cmocka_unit_test(labels),
-                                       cmocka_unit_test(what_is_refused), cmocka_unit_test(damage)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(written_landmarks_are_restored),
+        cmocka_unit_test(every_format_gives_the_same_points),
+        cmocka_unit_test(labels_are_recognized),
+        cmocka_unit_test(refuses_invalid_files),
+        cmocka_unit_test(damaged_files_do_not_crash),
+    };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

@@ -67,7 +67,7 @@ static ost_status find_one(const axis_text *a, ost_pm *spacing, ost_error *err)
     return status;
 }
 
-static void spacings_of_the_field(void **state)
+static void finds_common_spacings(void **state)
 {
     (void)state;
     /* The expected result is the true spacing if the layers and their digits distinguish the true spacing from
@@ -112,7 +112,7 @@ static void spacings_of_the_field(void **state)
  * Tests the example of docs/spec/arithmetic.md, AR-CT-3: four decimal places cannot represent the spacing
  * 0.48828125 mm, but 60 layers determine it.
  */
-static void few_digits_many_layers(void **state)
+static void many_layers_determine_the_spacing(void **state)
 {
     (void)state;
     static axis_text a;
@@ -126,7 +126,7 @@ static void few_digits_many_layers(void **state)
     assert_true(found == 488281000);
 }
 
-static bool not_third(int i)
+static bool not_every_third_layer(int i)
 {
     return i % 3 != 2 && (i < 20 || i > 90);
 }
@@ -137,10 +137,10 @@ static void layers_may_be_absent(void **state)
     static axis_text a;
     ost_error err = {0};
     ost_pm found;
-    fill(&a, -57340000000, 470000000, 300, 4, not_third);
+    fill(&a, -57340000000, 470000000, 300, 4, not_every_third_layer);
     assert_ok(find_one(&a, &found, &err));
     assert_true(found == 470000000);
-    fill(&a, -57340000000, 488281250, 300, 6, not_third);
+    fill(&a, -57340000000, 488281250, 300, 6, not_every_third_layer);
     assert_ok(find_one(&a, &found, &err));
     assert_true(found == 488281250);
 }
@@ -171,7 +171,7 @@ static void trailing_zeros_may_be_dropped(void **state)
 }
 
 /* A third of a millimetre is not a finite decimal, so the result is the nearest picometre. */
-static void spacings_without_end(void **state)
+static void spacing_that_is_not_a_finite_decimal(void **state)
 {
     (void)state;
     static axis_text a;
@@ -221,7 +221,7 @@ static void axes_share_a_spacing(void **state)
     assert_true(found_loose[2] == 500000000);
 }
 
-static void what_cannot_be_found_is_asked_for(void **state)
+static void refuses_undetermined_spacings(void **state)
 {
     (void)state;
     static axis_text a;
@@ -300,16 +300,16 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
  * unambiguous. With fewer layers, a spacing near the lower end of the range is ambiguous and must be refused.
  */
 static uint64_t keep_mask;
-static bool by_mask(int i)
+static bool keep_layers_of_mask(int i)
 {
     return i < 8 || (keep_mask >> (i % 64) & 1);
 }
 
-static void the_same_as_a_plain_search(void **state)
+static void result_equals_a_plain_search(void **state)
 {
     (void)state;
     static axis_text a;
-    test_rng rng = rng_seeded("the_same_as_a_plain_search");
+    test_rng rng = rng_seeded("result_equals_a_plain_search");
     int found_some = 0;
     for (int round = 0; round < 3000; round++) {
         int places = (int)rng_range(&rng, 2, 9);
@@ -326,7 +326,7 @@ static void the_same_as_a_plain_search(void **state)
             continue;
         ost_pm origin = rng_range(&rng, -200000000000, 200000000000);
         keep_mask = rng_next(&rng) | rng_next(&rng);
-        fill(&a, origin, spacing, (int)rng_range(&rng, 2, 120), places, by_mask);
+        fill(&a, origin, spacing, (int)rng_range(&rng, 2, 120), places, keep_layers_of_mask);
         ost_error err = {0};
         ost_pm found, expected = plain_search(&a, unit);
         assert_ok(find_one(&a, &found, &err));
@@ -343,14 +343,14 @@ static void the_same_as_a_plain_search(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spacings_of_the_field),
-        cmocka_unit_test(few_digits_many_layers),
+        cmocka_unit_test(finds_common_spacings),
+        cmocka_unit_test(many_layers_determine_the_spacing),
         cmocka_unit_test(layers_may_be_absent),
         cmocka_unit_test(trailing_zeros_may_be_dropped),
-        cmocka_unit_test(spacings_without_end),
+        cmocka_unit_test(spacing_that_is_not_a_finite_decimal),
         cmocka_unit_test(axes_share_a_spacing),
-        cmocka_unit_test(what_cannot_be_found_is_asked_for),
-        cmocka_unit_test(the_same_as_a_plain_search),
+        cmocka_unit_test(refuses_undetermined_spacings),
+        cmocka_unit_test(result_equals_a_plain_search),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

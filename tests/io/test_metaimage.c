@@ -45,7 +45,7 @@ static ost_volume_report assert_reads(const char *name)
     return report;
 }
 
-static void every_type_order_and_form(void **state)
+static void every_type_byte_order_and_data_form(void **state)
 {
     static const struct {
         const char *name, *read_as;
@@ -120,7 +120,7 @@ static ost_volume read_volume(const char *name, ost_volume_report *report)
  * posterior, its y to right and its z to superior, so voxel (x, y, z) is at (10 - 0.7 y, 20 + 0.5 x, -3 +
  * 1.25 z) in LPS.
  */
-static void rows_of_the_matrix_are_axes(void **state)
+static void matrix_rows_are_axis_directions(void **state)
 {
     (void)state;
     ost_volume_report report;
@@ -224,7 +224,7 @@ static void write_changed(const char *line)
     write_file("b.mha", file.data, file.size);
 }
 
-static void headers_that_are_refused(void **state)
+static void refuses_invalid_headers(void **state)
 {
     (void)state;
     static const struct {
@@ -286,7 +286,7 @@ static void headers_that_are_refused(void **state)
     }
 }
 
-static void headers_that_end_early(void **state)
+static void refuses_incomplete_headers(void **state)
 {
     (void)state;
     static const char *const texts[] = {"ObjectType = Image", "ObjectType = Image\nNDims = 3\n",
@@ -311,7 +311,7 @@ static void headers_that_end_early(void **state)
     assert_refused(at("e.mhd"), NULL, OST_ERR_INPUT, "a NUL in its header");
 }
 
-static void truncated_data(void **state)
+static void refuses_truncated_data(void **state)
 {
     (void)state;
     static const char header[] = "NDims = 3\nDimSize = 4 3 5\nElementSpacing = 1 1 1\nElementType = MET_SHORT\n"
@@ -338,10 +338,13 @@ static void truncated_data(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_order_and_form),    cmocka_unit_test(rows_of_the_matrix_are_axes),
-        cmocka_unit_test(units_and_defaults),           cmocka_unit_test(data_in_several_files),
-        cmocka_unit_test(headers_that_are_refused),     cmocka_unit_test(headers_that_end_early),
-        cmocka_unit_test(truncated_data),
+        cmocka_unit_test(every_type_byte_order_and_data_form),
+        cmocka_unit_test(matrix_rows_are_axis_directions),
+        cmocka_unit_test(units_and_defaults),
+        cmocka_unit_test(data_in_several_files),
+        cmocka_unit_test(refuses_invalid_headers),
+        cmocka_unit_test(refuses_incomplete_headers),
+        cmocka_unit_test(refuses_truncated_data),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

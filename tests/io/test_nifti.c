@@ -11,7 +11,7 @@
 
 static const unsigned char eight[8] = {0, 1, 2, 3, 4, 5, 6, 7};
 
-static void read_it(const char *name, ost_volume *v, ost_volume_report *report)
+static void read_plain(const char *name, ost_volume *v, ost_volume_report *report)
 {
     ost_error err = {0};
     assert_ok(ost_volume_read(at(name), NULL, v, report, &err));
@@ -53,7 +53,7 @@ static void every_type_version_and_order(void **state)
             write_nifti(name, &s, data.data, data.size);
             ost_volume v;
             ost_volume_report report;
-            read_it(name, &v, &report);
+            read_plain(name, &v, &report);
             assert_string_equal(report.type, types[t].name);
             assert_string_equal(report.encoding, variant & 4 ? "gzip" : "raw");
             assert_string_equal(report.orientation, "");
@@ -64,7 +64,7 @@ static void every_type_version_and_order(void **state)
     }
 }
 
-static void pairs(void **state)
+static void pairs_of_header_and_image(void **state)
 {
     (void)state;
     static bytes packed;
@@ -79,14 +79,14 @@ static void pairs(void **state)
         packed.size = 0;
         put_gzip(&packed, eight, 8);
         write_file("p.img.gz", packed.data, packed.size);
-        read_it("p.hdr", &v, &report);
+        read_plain("p.hdr", &v, &report);
         assert_memory_equal(v.voxels, ((int16_t[]){0, 1, 2, 3, 4, 5, 6, 7}), 16);
         ost_volume_free(&v);
         unlink(at("p.img.gz"));
         write_file("p.img", "skip\0\1\2\3\4\5\6\7", 12);
         s.vox_offset = 4;
         write_nifti("p.hdr", &s, NULL, 0);
-        read_it("p.img", &v, &report); /* if the path of the image is given, the reader also reads the header */
+        read_plain("p.img", &v, &report); /* if the path of the image is given, the reader also reads the header */
         assert_int_equal(v.voxels[7], 7);
         ost_volume_free(&v);
     }
@@ -111,7 +111,7 @@ static void slope_and_intercept(void **state)
         write_nifti("s.nii", &s, eight, 8);
         ost_volume v;
         ost_volume_report report;
-        read_it("s.nii", &v, &report);
+        read_plain("s.nii", &v, &report);
         for (int n = 0; n < 3; n++)
             assert_int_equal(v.voxels[n + 1], cases[i].expected[n]);
         assert_int_equal(report.rounded_values, cases[i].rounded);
@@ -128,7 +128,7 @@ static void slope_and_intercept(void **state)
 }
 
 /* Tests which of sform, qform and pixdim is used. Each gives different sizes. */
-static void sform_qform_or_pixdim(void **state)
+static void choice_of_sform_qform_or_pixdim(void **state)
 {
     (void)state;
     static const struct {
@@ -152,7 +152,7 @@ static void sform_qform_or_pixdim(void **state)
             ost_error err = {0};
             /*
              * In these cases both sform and qform refer to the patient and disagree, so an option must
-             * select one of them. The test forms_that_disagree tests this option.
+             * select one of them. The test sform_and_qform_that_disagree tests this option.
              */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;
             const ost_volume_options by_sform = {.form = both ? OST_FORM_SFORM : OST_FORM_AUTO};
@@ -180,7 +180,7 @@ static void sform_qform_or_pixdim(void **state)
  * origin, which is moved along R. The displacement of the farthest corner is the sum of both changes. If this
  * displacement is at most one voxel, the forms agree. If it is greater, an option must select a form.
  */
-static void forms_that_disagree(void **state)
+static void sform_and_qform_that_disagree(void **state)
 {
     (void)state;
     static const struct {
@@ -226,7 +226,7 @@ static void forms_that_disagree(void **state)
  * If a file has neither sform nor qform, the orientation letters give the directions of i, j and
  * k. Tests all 48 codes. Voxel (0, 0, 0) must stay at the origin.
  */
-static void without_forms(void **state)
+static void without_sform_and_qform(void **state)
 {
     (void)state;
     static const char letters[3][3] = {"LR", "PA", "SI"};
@@ -307,7 +307,7 @@ static void quarter_turns(void **state)
             write_nifti("q.nii", &s, eight, 8);
             ost_volume v;
             ost_volume_report report;
-            read_it("q.nii", &v, &report);
+            read_plain("q.nii", &v, &report);
             char code[4];
             strcpy(code, cases[i].code);
             if (flip)
@@ -347,7 +347,7 @@ static void units_and_float32(void **state)
                 write_nifti("u.nii", &s, eight, 8);
                 ost_volume v;
                 ost_volume_report report;
-                read_it("u.nii", &v, &report);
+                read_plain("u.nii", &v, &report);
                 char text[32];
                 ost_pm spacing;
                 ost_error err = {0};
@@ -360,7 +360,7 @@ static void units_and_float32(void **state)
     }
 }
 
-static void four_axes_and_more(void **state)
+static void files_with_more_than_three_axes(void **state)
 {
     (void)state;
     nifti_spec s = nifti_plain(1);
@@ -368,14 +368,14 @@ static void four_axes_and_more(void **state)
     write_nifti("d.nii", &s, eight, 8);
     ost_volume v;
     ost_volume_report report;
-    read_it("d.nii", &v, &report);
+    read_plain("d.nii", &v, &report);
     ost_volume_free(&v);
     s.dim[4] = 2;
     write_nifti("d.nii", &s, eight, 8);
     assert_refused(at("d.nii"), NULL, OST_ERR_INPUT, "dim[4] is 2");
 }
 
-static void oblique(void **state)
+static void oblique_grid_is_refused_or_resampled(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -416,15 +416,15 @@ int main(void)
         return cmocka_run_group_tests(absent, make_scratch, drop_scratch);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_version_and_order),
-        cmocka_unit_test(pairs),
+        cmocka_unit_test(pairs_of_header_and_image),
         cmocka_unit_test(slope_and_intercept),
-        cmocka_unit_test(sform_qform_or_pixdim),
+        cmocka_unit_test(choice_of_sform_qform_or_pixdim),
         cmocka_unit_test(quarter_turns),
         cmocka_unit_test(units_and_float32),
-        cmocka_unit_test(four_axes_and_more),
-        cmocka_unit_test(oblique),
-        cmocka_unit_test(forms_that_disagree),
-        cmocka_unit_test(without_forms),
+        cmocka_unit_test(files_with_more_than_three_axes),
+        cmocka_unit_test(oblique_grid_is_refused_or_resampled),
+        cmocka_unit_test(sform_and_qform_that_disagree),
+        cmocka_unit_test(without_sform_and_qform),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

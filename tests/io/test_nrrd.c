@@ -145,7 +145,7 @@ static void floats_are_rounded_and_counted(void **state)
     }
 }
 
-static void nan_in_both_encodings(void **state)
+static void nan_in_raw_and_text_data(void **state)
 {
     (void)state;
     static bytes file;
@@ -177,7 +177,7 @@ static void nan_in_both_encodings(void **state)
     }
 }
 
-static void beyond_int16_is_said_or_clamped(void **state)
+static void values_beyond_int16_are_refused_or_clamped(void **state)
 {
     (void)state;
     static bytes file;
@@ -203,7 +203,7 @@ static void beyond_int16_is_said_or_clamped(void **state)
 }
 
 /* AR-FILE-4: the extreme values of every integer type must be read from text. Values beyond int16 are saturated. */
-static void ends_of_types_are_values(void **state)
+static void extreme_values_of_types_are_read(void **state)
 {
     (void)state;
     static const struct {
@@ -262,7 +262,7 @@ static void write_part(const char *name, const char *lines, const char *skipped,
     write_file(name, file.data, file.size);
 }
 
-static void detached_in_one_file(void **state)
+static void detached_data_in_one_file(void **state)
 {
     (void)state;
     assert_int_equal(mkdir(at("below"), 0700), 0);
@@ -281,7 +281,7 @@ static void detached_in_one_file(void **state)
     assert_reads("y.nhdr");
 }
 
-static void detached_in_many_files(void **state)
+static void detached_data_in_many_files(void **state)
 {
     (void)state;
     char name[32];
@@ -321,7 +321,7 @@ static void detached_in_many_files(void **state)
     assert_reads("t.nhdr");
 }
 
-static void data_files_stay_in_the_folder(void **state)
+static void refuses_data_files_outside_the_folder(void **state)
 {
     (void)state;
     static const char *const names[] = {"/etc/passwd", "../v.raw", "below/../../v.raw", "..",
@@ -418,7 +418,7 @@ static void spaces_and_units(void **state)
  * If the space does not define patient axes, orientation letters map the coordinates. Directions and origin
  * must be transformed together.
  */
-static void a_space_without_a_patient(void **state)
+static void space_without_patient_axes(void **state)
 {
     (void)state;
     static const char *const spaces[] = {"space: scanner-xyz\n", "space: 3D-right-handed\n", "space: 3D-left-handed\n",
@@ -460,7 +460,7 @@ static void a_space_without_a_patient(void **state)
     }
 }
 
-static void an_oblique_grid_is_refused_or_resampled(void **state)
+static void oblique_grid_is_refused_or_resampled(void **state)
 {
     (void)state;
     static bytes file;
@@ -479,7 +479,7 @@ static void an_oblique_grid_is_refused_or_resampled(void **state)
     ost_volume_free(&v);
 }
 
-static void keys_become_meta(void **state)
+static void keys_become_facts(void **state)
 {
     (void)state;
     static bytes file;
@@ -501,14 +501,16 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type_order_and_encoding),
         cmocka_unit_test(floats_are_rounded_and_counted),
-        cmocka_unit_test(beyond_int16_is_said_or_clamped), cmocka_unit_test(nan_in_both_encodings),
-        cmocka_unit_test(ends_of_types_are_values),
-        cmocka_unit_test(detached_in_one_file),
-        cmocka_unit_test(detached_in_many_files),
-        cmocka_unit_test(data_files_stay_in_the_folder),
-        cmocka_unit_test(spaces_and_units), cmocka_unit_test(a_space_without_a_patient),
-        cmocka_unit_test(an_oblique_grid_is_refused_or_resampled),
-        cmocka_unit_test(keys_become_meta),
+        cmocka_unit_test(values_beyond_int16_are_refused_or_clamped),
+        cmocka_unit_test(nan_in_raw_and_text_data),
+        cmocka_unit_test(extreme_values_of_types_are_read),
+        cmocka_unit_test(detached_data_in_one_file),
+        cmocka_unit_test(detached_data_in_many_files),
+        cmocka_unit_test(refuses_data_files_outside_the_folder),
+        cmocka_unit_test(spaces_and_units),
+        cmocka_unit_test(space_without_patient_axes),
+        cmocka_unit_test(oblique_grid_is_refused_or_resampled),
+        cmocka_unit_test(keys_become_facts),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

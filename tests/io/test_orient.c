@@ -18,7 +18,7 @@ static ost_pm at_axis(ost_pm3 v, int w)
     return w == 0 ? v.x : w == 1 ? v.y : v.z;
 }
 
-static void all_48_ways(void **state)
+static void all_48_orientations(void **state)
 {
     (void)state;
     static const char toward[3][2] = {{'L', 'R'}, {'P', 'A'}, {'S', 'I'}};
@@ -62,7 +62,7 @@ static void all_48_ways(void **state)
  * determine every component of the grid's origin. A volume that is stored backward along an axis must give
  * the same grid.
  */
-static void tilted_axes_flip_about_their_ends(void **state)
+static void reversed_tilted_axes_give_the_same_grid(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("tilted axes");
@@ -103,7 +103,7 @@ static void tilted_axes_flip_about_their_ends(void **state)
  * An axis counts as straight if its tilt moves the farthest voxel by at most 1/8 of a voxel. One picometre
  * more makes the axis tilted. An axis with fewer than 65 voxels is treated as if it had 65 voxels.
  */
-static void an_eighth_of_a_voxel_is_the_border(void **state)
+static void tilt_limit_is_an_eighth_of_a_voxel(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -125,7 +125,7 @@ static void an_eighth_of_a_voxel_is_the_border(void **state)
     assert_true(p.oblique);
 }
 
-static void angles_and_flat_axes(void **state)
+static void reports_angle_and_refuses_parallel_axes(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -148,7 +148,7 @@ static void angles_and_flat_axes(void **state)
  * file voxels. If there is a tie, or if the nearest centre is farther than half a voxel along a file axis, the voxel is
  * not checked.
  */
-static void resampling_finds_the_nearest(void **state)
+static void resampling_uses_the_nearest_voxel(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -225,11 +225,11 @@ static void resampling_finds_the_nearest(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_48_ways),
-        cmocka_unit_test(tilted_axes_flip_about_their_ends),
-        cmocka_unit_test(an_eighth_of_a_voxel_is_the_border),
-        cmocka_unit_test(angles_and_flat_axes),
-        cmocka_unit_test(resampling_finds_the_nearest),
+        cmocka_unit_test(all_48_orientations),
+        cmocka_unit_test(reversed_tilted_axes_give_the_same_grid),
+        cmocka_unit_test(tilt_limit_is_an_eighth_of_a_voxel),
+        cmocka_unit_test(reports_angle_and_refuses_parallel_axes),
+        cmocka_unit_test(resampling_uses_the_nearest_voxel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ static void assert_content(const char *path, const char *text)
 }
 
 /* Runs a check with each of the two ways in which temporary files are named. */
-static void for_both_ways(void (*check)(const char *folder))
+static void run_with_both_namings(void (*check)(const char *folder))
 {
     for (int named = 0; named < 2; named++) {
         char *folder = scratch_folder();
@@ -74,7 +74,7 @@ static void appears_only_at_commit(const char *folder)
 static void test_appears_only_at_commit(void **state)
 {
     (void)state;
-    for_both_ways(appears_only_at_commit);
+    run_with_both_namings(appears_only_at_commit);
 }
 
 static void large_and_small_pieces(const char *folder)
@@ -106,7 +106,7 @@ static void large_and_small_pieces(const char *folder)
 static void test_large_and_small_pieces(void **state)
 {
     (void)state;
-    for_both_ways(large_and_small_pieces);
+    run_with_both_namings(large_and_small_pieces);
 }
 
 static void permissions_and_links(const char *folder)
@@ -138,7 +138,7 @@ static void permissions_and_links(const char *folder)
 static void test_permissions_and_links(void **state)
 {
     (void)state;
-    for_both_ways(permissions_and_links);
+    run_with_both_namings(permissions_and_links);
 }
 
 static void folders_are_refused(void **state)
@@ -182,7 +182,7 @@ static void devices_are_written_in_place(void **state)
 }
 
 /* A limit on the file size simulates a full disk: a write fails after a part of the data. */
-static void a_limit_leaves_nothing(const char *folder)
+static void file_size_limit_leaves_no_file(const char *folder)
 {
     pid_t child = fork();
     assert_true(child >= 0);
@@ -210,13 +210,13 @@ static void a_limit_leaves_nothing(const char *folder)
     assert_int_equal(scratch_count(folder), 0);
 }
 
-static void test_a_limit_leaves_nothing(void **state)
+static void test_file_size_limit_leaves_no_file(void **state)
 {
     (void)state;
-    for_both_ways(a_limit_leaves_nothing);
+    run_with_both_namings(file_size_limit_leaves_no_file);
 }
 
-static void a_new_file_takes_a_free_name(const char *folder)
+static void new_file_does_not_replace_a_file(const char *folder)
 {
     ost_error err = {0};
     char path[512], link[512];
@@ -240,17 +240,17 @@ static void a_new_file_takes_a_free_name(const char *folder)
     assert_false(taken);
 }
 
-static void test_a_new_file_takes_a_free_name(void **state)
+static void test_new_file_does_not_replace_a_file(void **state)
 {
     (void)state;
-    for_both_ways(a_new_file_takes_a_free_name);
+    run_with_both_namings(new_file_does_not_replace_a_file);
 }
 
 /*
  * The test makes symbolic links under all temporary names that can be derived from a process id and a number. These
  * links must have no effect.
  */
-static void hidden_names_cannot_be_guessed(void **state)
+static void temporary_names_cannot_be_guessed(void **state)
 {
     (void)state;
     enum { LINKS = 1200 };
@@ -292,10 +292,10 @@ static void write_forever(const char *path)
 }
 
 /* A child process writes a file of the same name repeatedly. At any moment the file must be absent or complete. */
-static void killed_at_any_moment(void **state)
+static void killed_writer_leaves_no_partial_file(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("killed_at_any_moment");
+    test_rng rng = rng_seeded("killed_writer_leaves_no_partial_file");
     static const int signals[] = {SIGKILL, SIGTERM};
     for (int round = 0; round < 40; round++) {
         /* the pointer is static, so that the memory is reachable in a killed child and valgrind reports no leak */
@@ -342,10 +342,10 @@ int main(void)
         cmocka_unit_test(test_permissions_and_links),
         cmocka_unit_test(folders_are_refused),
         cmocka_unit_test(devices_are_written_in_place),
-        cmocka_unit_test(test_a_limit_leaves_nothing),
-        cmocka_unit_test(test_a_new_file_takes_a_free_name),
-        cmocka_unit_test(hidden_names_cannot_be_guessed),
-        cmocka_unit_test(killed_at_any_moment),
+        cmocka_unit_test(test_file_size_limit_leaves_no_file),
+        cmocka_unit_test(test_new_file_does_not_replace_a_file),
+        cmocka_unit_test(temporary_names_cannot_be_guessed),
+        cmocka_unit_test(killed_writer_leaves_no_partial_file),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,10 +42,10 @@ static void rows_are_exact(void **state)
     ost_path_free(&path);
 }
 
-static void what_is_written_reads_back(void **state)
+static void written_path_is_restored(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("what_is_written_reads_back");
+    test_rng rng = rng_seeded("written_path_is_restored");
     char name[600];
     snprintf(name, sizeof name, "%s/back.csv", folder);
     for (int round = 0; round < 2; round++) {
@@ -98,7 +98,7 @@ static void what_is_written_reads_back(void **state)
     }
 }
 
-static void a_tools_number_and_the_longest_times(void **state)
+static void reads_tool_numbers_and_extreme_times(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -115,7 +115,7 @@ static void a_tools_number_and_the_longest_times(void **state)
 }
 
 /* Reads a path from a tracker in several forms: in metres, compressed, with additional columns, and written by hand. */
-static void a_trackers_file_is_a_path(void **state)
+static void reads_tracker_files(void **state)
 {
     (void)state;
     static const char rows[] = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,movement,lifted,tool,note\n"
@@ -172,7 +172,7 @@ typedef struct gap_case {
     bool lifted[8];
 } gap_case;
 
-static void rows_far_apart_are_a_gap(void **state)
+static void gaps_between_rows_are_detected(void **state)
 {
     (void)state;
     static const gap_case cases[] = {
@@ -232,7 +232,7 @@ static void broken_paths_are_refused(void **state)
 {
     (void)state;
     static const struct {
-        const char *text, *says;
+        const char *text, *message;
         ost_status status;
     } cases[] = {
         {"", ": no row in 0 lines", OST_ERR_INPUT},
@@ -295,8 +295,9 @@ static void broken_paths_are_refused(void **state)
         ost_path path;
         ost_status status = read_text(cases[i].text, &path, &err);
         const char *found = strstr(err.text, "p.csv");
-        if (status != cases[i].status || !found || strncmp(found + 5, cases[i].says, strlen(cases[i].says)) != 0)
-            fail_msg("case %zu: %s '%s', expected '...p.csv%s'", i, ost_status_name(status), err.text, cases[i].says);
+        if (status != cases[i].status || !found || strncmp(found + 5, cases[i].message, strlen(cases[i].message)) != 0)
+            fail_msg("case %zu: %s '%s', expected '...p.csv%s'", i, ost_status_name(status), err.text,
+                     cases[i].message);
         assert_null(path.ticks);
     }
 }
@@ -305,7 +306,7 @@ static void broken_paths_are_refused(void **state)
  * Truncates the row at every position before the last column. A row truncated inside the last
  * column still has a valid number there.
  */
-static void a_row_cut_anywhere(void **state)
+static void refuses_truncated_rows(void **state)
 {
     (void)state;
     static const char rows[] = "0,0,0,0,1,0,0,0\n0.5,10.25,-3.125,7,0.70710678,0.70710678,0,0";
@@ -322,12 +323,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_exact),
-        cmocka_unit_test(what_is_written_reads_back),
-        cmocka_unit_test(a_tools_number_and_the_longest_times),
-        cmocka_unit_test(a_trackers_file_is_a_path),
-        cmocka_unit_test(rows_far_apart_are_a_gap),
+        cmocka_unit_test(written_path_is_restored),
+        cmocka_unit_test(reads_tool_numbers_and_extreme_times),
+        cmocka_unit_test(reads_tracker_files),
+        cmocka_unit_test(gaps_between_rows_are_detected),
         cmocka_unit_test(broken_paths_are_refused),
-        cmocka_unit_test(a_row_cut_anywhere),
+        cmocka_unit_test(refuses_truncated_rows),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

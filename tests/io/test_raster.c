@@ -368,7 +368,7 @@ static void scans_are_read_in_one_pass(void **state)
     assert_true(plain >= 10 && found >= plain / 2);
 }
 
-static void what_is_done_to_a_scan_shows(void **state)
+static void changed_scans_equal_two_pass_reading(void **state)
 {
     test_rng rng = rng_seeded("broken scans");
     static const char *const densities[] = {"32768", "-32769", "+5",     "7.0", "7.5",      "1e2", "",         "-",
@@ -516,7 +516,7 @@ static void reading_can_be_cancelled(void **state)
 }
 
 /* Compares every SIMD variant of the kernel with the scalar variant. Lines, densities and end must be equal. */
-static void kernels_agree(void **state)
+static void variants_equal_the_scalar_kernel(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("text kernels");
@@ -614,10 +614,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scans_are_read_in_one_pass),
-        cmocka_unit_test(what_is_done_to_a_scan_shows),
+        cmocka_unit_test(changed_scans_equal_two_pass_reading),
         cmocka_unit_test(small_texts),
         cmocka_unit_test(reading_can_be_cancelled),
-        cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(variants_equal_the_scalar_kernel),
     };
     return run_on_backends(tests, open_backend, close_backend);
 }

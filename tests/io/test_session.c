@@ -172,7 +172,7 @@ static uint64_t check_ticks(ost_session *session)
     }
 }
 
-static void what_is_put_is_read(void **state)
+static void written_records_are_read(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -263,7 +263,7 @@ static void bytes_are_as_documented(void **state)
     assert_int_equal(ost_session_crc("123456789", 9), 0xcbf43926);
 }
 
-static void any_damaged_byte_costs_one_block(void **state)
+static void damaged_byte_loses_one_block(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -299,7 +299,7 @@ static void any_damaged_byte_costs_one_block(void **state)
         }
 }
 
-static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
+static void truncated_session_keeps_complete_blocks(void **state)
 {
     (void)state;
     static sample s;
@@ -333,10 +333,10 @@ static void cut_anywhere_it_keeps_its_whole_blocks(void **state)
  * The test inserts, removes or repeats bytes, exchanges blocks, and appends blocks of another session. The
  * reader must never return more records than were written, and must not change their order.
  */
-static void noise_is_survived(void **state)
+static void random_changes_add_no_records(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("noise_is_survived");
+    test_rng rng = rng_seeded("random_changes_add_no_records");
     static sample s;
     static unsigned char data[1 << 17];
     make_sample(&s);
@@ -380,7 +380,7 @@ static void noise_is_survived(void **state)
     }
 }
 
-static void repair_keeps_what_is_whole(void **state)
+static void repair_keeps_complete_blocks(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -420,7 +420,7 @@ static void repair_keeps_what_is_whole(void **state)
     ost_session_close(session);
 }
 
-static void a_header_takes_only_what_it_can_give_back(void **state)
+static void header_refuses_invalid_keys_and_values(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -453,7 +453,7 @@ static void a_header_takes_only_what_it_can_give_back(void **state)
     free(value);
 }
 
-static void a_table_for_others(void **state)
+static void exports_a_csv_table(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -542,7 +542,7 @@ static void wait_until_written(ost_recorder *recorder, uint64_t records)
 
 /* A symbolic link with the name of the recording must be neither followed nor replaced, even if its target does not
    exist. */
-static void a_recording_follows_no_link(void **state)
+static void recorder_does_not_follow_links(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -568,7 +568,7 @@ static void a_recording_follows_no_link(void **state)
     ost_session_header_free(header);
 }
 
-static void a_recording_is_a_session(void **state)
+static void recorded_file_is_a_session(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -608,7 +608,7 @@ static void a_recording_is_a_session(void **state)
  * The disk does not respond. Records are accepted until the ring buffer is full. After that,
  * ost_recorder_put must fail at once, and every interface must report that records were lost.
  */
-static void a_full_ring_is_counted_and_said(void **state)
+static void full_ring_buffer_is_reported(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -648,7 +648,7 @@ static void a_full_ring_is_counted_and_said(void **state)
     ost_session_close(session);
 }
 
-static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
+static void temporarily_full_disk_loses_no_records(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -681,7 +681,7 @@ static void a_full_disk_that_is_emptied_in_time_costs_nothing(void **state)
 
 /* The disk has too little space for the waiting records. It must store as many records as possible, beginning with
    the first record. */
-static void a_nearly_full_disk_takes_what_fits(void **state)
+static void nearly_full_disk_stores_the_first_records(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -700,7 +700,7 @@ static void a_nearly_full_disk_takes_what_fits(void **state)
     ost_session_close(session);
 }
 
-static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
+static void permanently_full_disk_is_an_error_on_close(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -731,21 +731,21 @@ static void a_disk_that_stays_full_is_an_error_at_the_end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_put_is_read),
+        cmocka_unit_test(written_records_are_read),
         cmocka_unit_test(version_1_is_read),
         cmocka_unit_test(bytes_are_as_documented),
-        cmocka_unit_test(any_damaged_byte_costs_one_block),
-        cmocka_unit_test(cut_anywhere_it_keeps_its_whole_blocks),
-        cmocka_unit_test(noise_is_survived),
-        cmocka_unit_test(repair_keeps_what_is_whole),
-        cmocka_unit_test(a_header_takes_only_what_it_can_give_back),
-        cmocka_unit_test(a_table_for_others),
-        cmocka_unit_test(a_recording_follows_no_link),
-        cmocka_unit_test(a_recording_is_a_session),
-        cmocka_unit_test(a_full_ring_is_counted_and_said),
-        cmocka_unit_test(a_full_disk_that_is_emptied_in_time_costs_nothing),
-        cmocka_unit_test(a_nearly_full_disk_takes_what_fits),
-        cmocka_unit_test(a_disk_that_stays_full_is_an_error_at_the_end),
+        cmocka_unit_test(damaged_byte_loses_one_block),
+        cmocka_unit_test(truncated_session_keeps_complete_blocks),
+        cmocka_unit_test(random_changes_add_no_records),
+        cmocka_unit_test(repair_keeps_complete_blocks),
+        cmocka_unit_test(header_refuses_invalid_keys_and_values),
+        cmocka_unit_test(exports_a_csv_table),
+        cmocka_unit_test(recorder_does_not_follow_links),
+        cmocka_unit_test(recorded_file_is_a_session),
+        cmocka_unit_test(full_ring_buffer_is_reported),
+        cmocka_unit_test(temporarily_full_disk_loses_no_records),
+        cmocka_unit_test(nearly_full_disk_stores_the_first_records),
+        cmocka_unit_test(permanently_full_disk_is_an_error_on_close),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

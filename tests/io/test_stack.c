@@ -71,7 +71,7 @@ static ost_volume_report assert_reads(const char *name)
     return report;
 }
 
-static void tiff_types_and_forms(void **state)
+static void tiff_types_and_compressions(void **state)
 {
     static const struct {
         unsigned bits, format;
@@ -136,7 +136,7 @@ static void folders_are_ordered_by_number(void **state)
     assert_refused(at("f/x*.tif"), &spaced, OST_ERR_INPUT, "no file");
 }
 
-static void png_of_both_depths(void **state)
+static void png_of_8_and_16_bits(void **state)
 {
     static bytes raw, file;
     char name[64];
@@ -163,7 +163,7 @@ static void png_of_both_depths(void **state)
  * With the orientation SAR, x points to superior, y to anterior, and z to right: voxel (x, y, z) of the
  * stack is at S 0.5 x, A 0.25 y, R 2 z. The grid has 4 x 2 x 3 voxels in LPS.
  */
-static void orientation_is_stated(void **state)
+static void orientation_option_is_applied(void **state)
 {
     static bytes raw[NZ];
     tiff_page pages[NZ];
@@ -260,7 +260,7 @@ static const char *folder_of(const char *folder, const char *const *names, size_
     return folder;
 }
 
-static void names_that_are_refused(void **state)
+static void refuses_inconsistent_file_names(void **state)
 {
     static const struct {
         const char *names[3], *words;
@@ -289,7 +289,7 @@ static void names_that_are_refused(void **state)
     assert_int_equal(kind, OST_FILE_DICOM);
 }
 
-static void pages_that_are_refused(void **state)
+static void refuses_unsupported_tiff_pages(void **state)
 {
     static const unsigned char pixels[200] = {1, 2, 3};
     (void)state;
@@ -330,7 +330,7 @@ static void pages_that_are_refused(void **state)
 }
 
 /* If a slice differs from the earlier slices, the error line contains its name. */
-static void slices_that_differ(void **state)
+static void refuses_slices_that_differ(void **state)
 {
     static const unsigned char pixels[64] = {1, 2, 3};
     const tiff_page good = tiff_plain(NX, NY, 8, pixels, SLICE);
@@ -350,7 +350,7 @@ static void slices_that_differ(void **state)
     assert_refused(at("d"), &spaced, OST_ERR_INPUT, "2.tif: has several pages");
 }
 
-static void pngs_that_are_refused(void **state)
+static void refuses_unsupported_png_files(void **state)
 {
     static const struct {
         unsigned width, bits, colour, interlace;
@@ -388,7 +388,7 @@ static void pngs_that_are_refused(void **state)
  * that a small file would need 1.08 MB of memory. Such a file must be refused. In the second file, the links between
  * pages form a cycle. Reading this file must end.
  */
-static void bombs_of_pages(void **state)
+static void refuses_pages_that_share_pixels(void **state)
 {
     static bytes file;
     static const unsigned char pixels[3600] = {1};
@@ -421,7 +421,7 @@ static void bombs_of_pages(void **state)
 }
 
 /* A valid file that is truncated at any byte must be refused without a memory leak. */
-static void truncated_files(void **state)
+static void refuses_truncated_files(void **state)
 {
     static bytes tiff, png;
     static const unsigned char pixels[SLICE] = {1, 2, 3, 4, 5, 6};
@@ -450,7 +450,7 @@ static void truncated_files(void **state)
     }
 }
 
-static void absent_libraries(void **state)
+static void without_libtiff_or_libpng(void **state)
 {
     static const unsigned char pixels[SLICE] = {1, 2, 3, 4, 5, 6};
     static bytes file;
@@ -468,13 +468,19 @@ static void absent_libraries(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tiff_types_and_forms),   cmocka_unit_test(folders_are_ordered_by_number),
-        cmocka_unit_test(png_of_both_depths),     cmocka_unit_test(orientation_is_stated),
-        cmocka_unit_test(spacing_is_required),    cmocka_unit_test(values_beyond_int16),
-        cmocka_unit_test(names_that_are_refused), cmocka_unit_test(pages_that_are_refused),
-        cmocka_unit_test(slices_that_differ),     cmocka_unit_test(pngs_that_are_refused),
-        cmocka_unit_test(bombs_of_pages),         cmocka_unit_test(truncated_files),
-        cmocka_unit_test(absent_libraries),
+        cmocka_unit_test(tiff_types_and_compressions),
+        cmocka_unit_test(folders_are_ordered_by_number),
+        cmocka_unit_test(png_of_8_and_16_bits),
+        cmocka_unit_test(orientation_option_is_applied),
+        cmocka_unit_test(spacing_is_required),
+        cmocka_unit_test(values_beyond_int16),
+        cmocka_unit_test(refuses_inconsistent_file_names),
+        cmocka_unit_test(refuses_unsupported_tiff_pages),
+        cmocka_unit_test(refuses_slices_that_differ),
+        cmocka_unit_test(refuses_unsupported_png_files),
+        cmocka_unit_test(refuses_pages_that_share_pixels),
+        cmocka_unit_test(refuses_truncated_files),
+        cmocka_unit_test(without_libtiff_or_libpng),
     };
     return cmocka_run_group_tests(tests, make_scratch, drop_scratch);
 }

@@ -73,7 +73,7 @@ static void values_are_exact(void **state)
     }
 }
 
-static void lines_around_samples_are_skipped(void **state)
+static void comments_and_blank_lines_are_skipped(void **state)
 {
     (void)state;
     static const char text[] = "\xef\xbb\xbf# made by hand\r\n"
@@ -99,7 +99,7 @@ static void broken_texts_are_refused(void **state)
     (void)state;
     static const struct {
         const char *text;
-        const char *says;
+        const char *message;
     } cases[] = {
         /* The text is truncated at every kind of position. */
         {"1 2 3 4\n1", ":2: 1 value; expected 4"},
@@ -193,8 +193,9 @@ static void broken_texts_are_refused(void **state)
         ost_text_summary_free(&summary);
         ost_text_source_close(&source);
         const char *found = strstr(err.text, "ct.txt");
-        if (status != OST_ERR_INPUT || !found || strncmp(found + 6, cases[i].says, strlen(cases[i].says)) != 0)
-            fail_msg("case %zu: %s '%s', expected '...ct.txt%s'", i, ost_status_name(status), err.text, cases[i].says);
+        if (status != OST_ERR_INPUT || !found || strncmp(found + 6, cases[i].message, strlen(cases[i].message)) != 0)
+            fail_msg("case %zu: %s '%s', expected '...ct.txt%s'", i, ost_status_name(status), err.text,
+                     cases[i].message);
     }
 }
 
@@ -268,7 +269,7 @@ static void zero_bytes_are_refused(void **state)
     }
 }
 
-static void lines_without_end_are_refused(void **state)
+static void overlong_lines_are_refused(void **state)
 {
     (void)state;
     static const size_t sizes[] = {OST_TEXT_LINE_MAX + 1, OST_TEXT_BUFFER - 1, OST_TEXT_BUFFER, 3 * OST_TEXT_BUFFER};
@@ -290,10 +291,10 @@ static void lines_without_end_are_refused(void **state)
  * Reads a text of 60,000 lines of random lengths, so that some lines cross the end of the read buffer. The rows must
  * depend neither on where the buffer ends nor on the size of the portions in which they are read.
  */
-static void blocks_do_not_show(void **state)
+static void rows_do_not_depend_on_the_read_buffer(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("blocks_do_not_show");
+    test_rng rng = rng_seeded("rows_do_not_depend_on_the_read_buffer");
     enum { LINES = 60000 };
     char *text = malloc(LINES * 32), *p = text;
     assert_non_null(text);
@@ -321,7 +322,7 @@ static void blocks_do_not_show(void **state)
     free(text);
 }
 
-static void files_that_cannot_be_read(void **state)
+static void refuses_unreadable_files(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -342,14 +343,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values_are_exact),
-        cmocka_unit_test(lines_around_samples_are_skipped),
+        cmocka_unit_test(comments_and_blank_lines_are_skipped),
         cmocka_unit_test(broken_texts_are_refused),
         cmocka_unit_test(facts_may_be_repeated),
         cmocka_unit_test(long_facts_are_refused),
         cmocka_unit_test(zero_bytes_are_refused),
-        cmocka_unit_test(lines_without_end_are_refused),
-        cmocka_unit_test(blocks_do_not_show),
-        cmocka_unit_test(files_that_cannot_be_read),
+        cmocka_unit_test(overlong_lines_are_refused),
+        cmocka_unit_test(rows_do_not_depend_on_the_read_buffer),
+        cmocka_unit_test(refuses_unreadable_files),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

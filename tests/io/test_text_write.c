@@ -33,7 +33,7 @@ static int set_up(void **state)
     return 0;
 }
 
-static void the_bytes(void **state)
+static void writes_the_expected_bytes(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -90,10 +90,10 @@ static void too_few_decimals_are_refused(void **state)
 }
 
 /* For any volume and any number of decimals the import must restore geometry and densities. */
-static void what_is_written_reads_back(void **state)
+static void import_restores_the_written_volume(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("what_is_written_reads_back");
+    test_rng rng = rng_seeded("import_restores_the_written_volume");
     ost_error err = {0};
     ost_backend *backend;
     assert_ok(ost_backend_open(test_backend, &backend, &err));
@@ -185,7 +185,7 @@ static void without_empty_voxels(void **state)
  * A text that osteon wrote must be refused if it is truncated at any byte. The fact `dims` and
  * the end of the last line reveal the truncation.
  */
-static void a_cut_text_is_refused(void **state)
+static void truncated_text_is_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -220,7 +220,7 @@ static ost_volume large_volume(void)
     return volume;
 }
 
-static void a_full_disk_leaves_nothing(void **state)
+static void full_disk_leaves_no_file(void **state)
 {
     (void)state;
     ost_volume volume = large_volume();
@@ -247,10 +247,10 @@ static void a_full_disk_leaves_nothing(void **state)
     ost_volume_free(&volume);
 }
 
-static void a_kill_leaves_nothing(void **state)
+static void killed_writer_leaves_no_partial_file(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("a_kill_leaves_nothing");
+    test_rng rng = rng_seeded("killed_writer_leaves_no_partial_file");
     ost_volume volume = large_volume();
     struct stat complete;
     ost_error err = {0};
@@ -276,13 +276,13 @@ static void a_kill_leaves_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_bytes),
+        cmocka_unit_test(writes_the_expected_bytes),
         cmocka_unit_test(too_few_decimals_are_refused),
-        cmocka_unit_test(what_is_written_reads_back),
+        cmocka_unit_test(import_restores_the_written_volume),
         cmocka_unit_test(without_empty_voxels),
-        cmocka_unit_test(a_cut_text_is_refused),
-        cmocka_unit_test(a_full_disk_leaves_nothing),
-        cmocka_unit_test(a_kill_leaves_nothing),
+        cmocka_unit_test(truncated_text_is_refused),
+        cmocka_unit_test(full_disk_leaves_no_file),
+        cmocka_unit_test(killed_writer_leaves_no_partial_file),
     };
     return run_on_backends(tests, set_up, scratch_tear_down);
 }

@@ -43,7 +43,7 @@ static char *read_all(const char *path, size_t *size)
 
 /* Every format must preserve the spacings and offsets of the thesis, and writing a volume twice must give equal
    files. */
-static void every_format_keeps_the_volume(void **state)
+static void every_format_restores_the_volume(void **state)
 {
     (void)state;
     static const char *const spacings[] = {"0.3", "0.032", "0.488281", "0.47", "0.48828125", "1", "0.123456789"};
@@ -132,7 +132,7 @@ static void facts_keep_their_order(void **state)
 
 /* If a NRRD file contains a key twice, the last value is stored at the position of the first. Spaces around a value
    are removed. */
-static void facts_of_a_nrrd(void **state)
+static void nrrd_keys_become_facts(void **state)
 {
     (void)state;
     static const char text[] = "NRRD0005\ntype: int8\ndimension: 3\nsizes: 1 1 1\nspace: LPS\nspace directions: "
@@ -153,7 +153,7 @@ static void facts_of_a_nrrd(void **state)
  * Without osteon's comment in the header, lengths are read as the shortest decimals of the
  * float32 values. This restores lengths of up to six digits exactly.
  */
-static void nifti_without_its_comment(void **state)
+static void nifti_without_osteon_comment(void **state)
 {
     (void)state;
     if (!HAS_NIFTI)
@@ -181,7 +181,7 @@ static void nifti_without_its_comment(void **state)
 }
 
 /* If another program has moved the volume in the header, osteon's comment is outdated and must not be used. */
-static void a_changed_nifti_header_counts(void **state)
+static void changed_nifti_header_overrides_the_comment(void **state)
 {
     (void)state;
     if (!HAS_NIFTI)
@@ -207,7 +207,7 @@ static void a_changed_nifti_header_counts(void **state)
     ost_volume_free(&back);
 }
 
-static void the_nrrd_header_to_the_byte(void **state)
+static void nrrd_header_has_the_expected_bytes(void **state)
 {
     (void)state;
     static const char expected[] = "NRRD0005\n"
@@ -237,7 +237,7 @@ static void the_nrrd_header_to_the_byte(void **state)
     free(file);
 }
 
-static void names_decide_and_nothing_is_left(void **state)
+static void failed_writes_leave_no_file(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -343,7 +343,7 @@ static void assert_tool_geometry(const ost_tool_geometry *a, const ost_tool_geom
     assert_memory_equal(&a->corner, &b->corner, sizeof a->corner);
 }
 
-static void tools(void **state)
+static void written_tools_are_restored(void **state)
 {
     (void)state;
     static const char *const voxels[] = {"0.5", "0.75", "1", "0.000000001", "0.333333333"};
@@ -371,7 +371,7 @@ static void tools(void **state)
  * The tool's voxels have a size of 1 um + 1 pm. The origin, which is half a voxel from the corner,
  * therefore needs ten decimal places. The expected text is computed by hand.
  */
-static void a_tool_of_an_odd_voxel(void **state)
+static void tool_with_long_decimals(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -402,7 +402,7 @@ static void write_tool(const char *fields, const char *values)
     write_file("t.nrrd", file.data, file.size);
 }
 
-static void foreign_tools(void **state)
+static void tools_of_other_programs(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -446,7 +446,7 @@ static void foreign_tools(void **state)
 
 /* ------------------------------------------------------------------- bones */
 
-static void bones_come_down_in_slabs(void **state)
+static void bones_are_written_in_slabs(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -533,17 +533,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(facts_keep_their_order),
-        cmocka_unit_test(facts_of_a_nrrd),
-        cmocka_unit_test(every_format_keeps_the_volume),
-        cmocka_unit_test(nifti_without_its_comment),
-        cmocka_unit_test(a_changed_nifti_header_counts),
-        cmocka_unit_test(the_nrrd_header_to_the_byte),
-        cmocka_unit_test(names_decide_and_nothing_is_left),
-        cmocka_unit_test(tools),
+        cmocka_unit_test(nrrd_keys_become_facts),
+        cmocka_unit_test(every_format_restores_the_volume),
+        cmocka_unit_test(nifti_without_osteon_comment),
+        cmocka_unit_test(changed_nifti_header_overrides_the_comment),
+        cmocka_unit_test(nrrd_header_has_the_expected_bytes),
+        cmocka_unit_test(failed_writes_leave_no_file),
+        cmocka_unit_test(written_tools_are_restored),
         cmocka_unit_test(every_format_imports_to_the_same_bone),
-        cmocka_unit_test(a_tool_of_an_odd_voxel),
-        cmocka_unit_test(foreign_tools),
-        cmocka_unit_test(bones_come_down_in_slabs),
+        cmocka_unit_test(tool_with_long_decimals),
+        cmocka_unit_test(tools_of_other_programs),
+        cmocka_unit_test(bones_are_written_in_slabs),
         cmocka_unit_test(progress_is_reported_and_can_cancel),
     };
     return run_on_backends(tests, make_scratch, drop_scratch);

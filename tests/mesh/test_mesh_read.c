@@ -223,7 +223,7 @@ static void every_format_reads_the_same_box(void **state)
  * For a file truncated at any position, or with any bytes changed, reading must return either an
  * error that names the file or a valid mesh.
  */
-static void no_cut_and_no_change_surprises(void **state)
+static void damaged_files_give_an_error_or_a_valid_mesh(void **state)
 {
     (void)state;
     static bytes b, broken;
@@ -264,15 +264,15 @@ static void no_cut_and_no_change_surprises(void **state)
     }
 }
 
-static void units_are_believed_or_guessed(void **state)
+static void units_are_given_or_inferred(void **state)
 {
     (void)state;
     static bytes b;
     static const struct {
         const char *scale; /* scale of the mesh, which is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
-        int64_t pm;       /* expected scale in picometres; 0 if the file must be refused */
-        const char *says; /* text that the error must contain, if the file is refused */
+        int64_t pm;          /* expected scale in picometres; 0 if the file must be refused */
+        const char *message; /* text that the error must contain, if the file is refused */
     } rows[] = {
         {"10", OST_UNIT_AUTO, 10000000000, NULL},
         {"10", OST_UNIT_CM, 100000000000, NULL},
@@ -311,8 +311,8 @@ static void units_are_believed_or_guessed(void **state)
             ost_mesh_free(&mesh);
         } else {
             assert_int_equal(ost_status_exit(status), 2);
-            if (!strstr(err.text, rows[i].says))
-                fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
+            if (!strstr(err.text, rows[i].message))
+                fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
         }
     }
 }
@@ -321,11 +321,11 @@ static void units_are_believed_or_guessed(void **state)
 #define PLY_FACE "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
 #define FACET "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\n"
 
-static void broken_text_is_told_where(void **state)
+static void text_errors_contain_the_line(void **state)
 {
     (void)state;
     static const struct {
-        const char *name, *content, *says;
+        const char *name, *content, *message;
     } rows[] = {
         {"x.stl", "", "the file is empty"},
         {"x.stl", "hello", "5 bytes are too few"},
@@ -384,12 +384,12 @@ static void broken_text_is_told_where(void **state)
         const char *path = scratch_write(folder, rows[i].name, rows[i].content, strlen(rows[i].content));
         ost_status status = ost_mesh_read(path, OST_UNIT_MM, &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
-        if (strstr(err.text, path) != err.text || !strstr(err.text, rows[i].says))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
+        if (strstr(err.text, path) != err.text || !strstr(err.text, rows[i].message))
+            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
     }
 }
 
-static void broken_bytes_are_told_where(void **state)
+static void binary_errors_contain_the_byte(void **state)
 {
     (void)state;
     static bytes b;
@@ -398,7 +398,7 @@ static void broken_bytes_are_told_where(void **state)
     static const struct {
         int which;
         size_t at;
-        const char *says;
+        const char *message;
     } rows[] = {
         {0, 80, "byte 80: the header states 4000000000 triangles"},
         {0, 84 + 50 * 7 + 12 + 16, "byte 462: triangle 7 has a coordinate that is not a number"},
@@ -411,14 +411,14 @@ static void broken_bytes_are_told_where(void **state)
         ost_error err = {0};
         ost_mesh mesh;
         make_file(rows[i].which, &b);
-        const bool number = strstr(rows[i].says, "coordinate") != NULL;
-        const float *value = strstr(rows[i].says, "infinite") ? &infinite : &nan_value;
+        const bool number = strstr(rows[i].message, "coordinate") != NULL;
+        const float *value = strstr(rows[i].message, "infinite") ? &infinite : &nan_value;
         memcpy(b.at + rows[i].at, number ? (const void *)value : (const void *)&huge, 4);
         ost_status status = ost_mesh_read(scratch_write(folder, names[rows[i].which], b.at, b.size), OST_UNIT_AUTO,
                                           &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
-        if (!strstr(err.text, rows[i].says))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
+        if (!strstr(err.text, rows[i].message))
+            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
     }
     ost_error err = {0};
     ost_mesh mesh;
@@ -452,7 +452,7 @@ static void bodies_are_joined_and_counted(void **state)
     ost_mesh_free(&mesh);
 }
 
-static void an_stl_comes_back(void **state)
+static void written_stl_is_restored(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -492,7 +492,7 @@ static void an_stl_comes_back(void **state)
 
 #else
 
-static void meshes_are_not_available(void **state)
+static void without_assimp(void **state)
 {
     (void)state;
     static bytes b;
@@ -513,14 +513,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
 #ifdef HAVE_ASSIMP
         cmocka_unit_test(every_format_reads_the_same_box),
-        cmocka_unit_test(no_cut_and_no_change_surprises),
-        cmocka_unit_test(units_are_believed_or_guessed),
-        cmocka_unit_test(broken_text_is_told_where),
-        cmocka_unit_test(broken_bytes_are_told_where),
+        cmocka_unit_test(damaged_files_give_an_error_or_a_valid_mesh),
+        cmocka_unit_test(units_are_given_or_inferred),
+        cmocka_unit_test(text_errors_contain_the_line),
+        cmocka_unit_test(binary_errors_contain_the_byte),
         cmocka_unit_test(bodies_are_joined_and_counted),
-        cmocka_unit_test(an_stl_comes_back),
+        cmocka_unit_test(written_stl_is_restored),
 #else
-        cmocka_unit_test(meshes_are_not_available),
+        cmocka_unit_test(without_assimp),
 #endif
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

@@ -44,7 +44,7 @@ static void the_reamer_has_the_thesis_grids(void **state)
  * For any position of the mesh, a tool's grid must have a margin of one or two empty voxels on each side.
  * The grid must contain every point of the mesh's bounds.
  */
-static void every_grid_has_its_margin(void **state)
+static void every_grid_has_a_margin(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("margin");
@@ -71,12 +71,12 @@ static void every_grid_has_its_margin(void **state)
     }
 }
 
-static void limits_are_said(void **state)
+static void values_beyond_the_limits_are_refused(void **state)
 {
     (void)state;
     static const struct {
         double size[3], voxel;
-        const char *says;
+        const char *message;
     } rows[] = {
         {{10, 10, 10}, 0.0009, "0.0009 mm"}, {{10, 10, 10}, 100.1, "100.1 mm"},
         {{10, 10, 10}, 0, "0 mm"},           {{4095, 1, 1}, 1, "4098 voxels long in x"},
@@ -90,8 +90,8 @@ static void limits_are_said(void **state)
             (ost_pm3){0, 0, 0}, (ost_pm3){mm(rows[i].size[0]), mm(rows[i].size[1]), mm(rows[i].size[2])},
             mm(rows[i].voxel), &g, &err);
         assert_int_equal(ost_status_exit(status), 2);
-        if (!strstr(err.text, rows[i].says))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
+        if (!strstr(err.text, rows[i].message))
+            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
     }
     ost_error err = {0};
     ost_tool_geometry g;
@@ -109,7 +109,7 @@ static void four_vertices(ost_mesh *mesh, const ost_pm3 p[4], uint32_t a, uint32
     mesh->triangles[0][2] = c;
 }
 
-static void vertices_snap_to_even(void **state)
+static void vertices_are_rounded_half_to_even(void **state)
 {
     (void)state;
     /* The lattice has a step of 2000 pm. */
@@ -160,7 +160,7 @@ static void fraction_bits_fit_the_grid(void **state)
  * A triangle without area, whose vertices coincide or lie on a line, must be dropped. This also applies to
  * triangles that lose their area by rounding to the lattice.
  */
-static void what_has_no_area_is_dropped(void **state)
+static void triangles_without_area_are_dropped(void **state)
 {
     (void)state;
     const ost_tool_geometry grid = {.dims = {8, 8, 8}, .voxel = 1024 * 2000};
@@ -191,7 +191,7 @@ static void what_has_no_area_is_dropped(void **state)
  * points of the mesh lie on surfaces of voxels. Only the bounds of the grid may differ, and only if the
  * rounding of a bound is a tie.
  */
-static void a_whole_voxel_shift_moves_the_grid(void **state)
+static void shift_by_voxels_moves_the_grid(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("shift");
@@ -246,7 +246,7 @@ static void a_whole_voxel_shift_moves_the_grid(void **state)
 }
 
 /* The bytes of AR-DIG-7 for a mesh of one triangle, written by hand. */
-static void the_digest_is_of_these_bytes(void **state)
+static void digest_of_the_documented_bytes(void **state)
 {
     (void)state;
     static const uint8_t bytes[] = {
@@ -282,13 +282,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reamer_has_the_thesis_grids),
-        cmocka_unit_test(every_grid_has_its_margin),
-        cmocka_unit_test(limits_are_said),
-        cmocka_unit_test(vertices_snap_to_even),
+        cmocka_unit_test(every_grid_has_a_margin),
+        cmocka_unit_test(values_beyond_the_limits_are_refused),
+        cmocka_unit_test(vertices_are_rounded_half_to_even),
         cmocka_unit_test(fraction_bits_fit_the_grid),
-        cmocka_unit_test(what_has_no_area_is_dropped),
-        cmocka_unit_test(a_whole_voxel_shift_moves_the_grid),
-        cmocka_unit_test(the_digest_is_of_these_bytes),
+        cmocka_unit_test(triangles_without_area_are_dropped),
+        cmocka_unit_test(shift_by_voxels_moves_the_grid),
+        cmocka_unit_test(digest_of_the_documented_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -87,7 +87,7 @@ static int64_t surface_voxels(const ost_snapped_mesh *mesh)
     return count;
 }
 
-static void volumes_agree(const ost_mesh *mesh, ost_pm voxel)
+static void assert_volumes_agree(const ost_mesh *mesh, ost_pm voxel)
 {
     ost_snapped_mesh snapped = snap(mesh, voxel);
     ost_voxelize_report report;
@@ -98,7 +98,7 @@ static void volumes_agree(const ost_mesh *mesh, ost_pm voxel)
     ost_snapped_mesh_free(&snapped);
 }
 
-static void the_reamer_is_the_thesis_head(void **state)
+static void reamer_has_the_dimensions_of_the_thesis(void **state)
 {
     (void)state;
     static const ost_dims dims[SIZES] = {{38, 38, 23}, {50, 50, 30}, {73, 74, 43}};
@@ -110,20 +110,20 @@ static void the_reamer_is_the_thesis_head(void **state)
             ost_snapped_mesh snapped = snap(&mesh, voxels[i]);
             assert_memory_equal(&snapped.grid.dims, &dims[i], sizeof dims[i]);
             ost_snapped_mesh_free(&snapped);
-            volumes_agree(&mesh, voxels[i]);
+            assert_volumes_agree(&mesh, voxels[i]);
         }
         round_to_float(&mesh);
     }
     ost_mesh_free(&mesh);
 }
 
-static void every_tool_keeps_its_volume_on_the_grid(void **state)
+static void grid_volume_equals_mesh_volume(void **state)
 {
     (void)state;
     for (int kind = 0; kind < OST_TOOL_KIND_COUNT; kind++) {
         ost_mesh mesh;
         make((ost_tool_kind)kind, NULL, &mesh);
-        volumes_agree(&mesh, 250000000);
+        assert_volumes_agree(&mesh, 250000000);
         ost_mesh_free(&mesh);
     }
     ost_mesh mesh;
@@ -149,7 +149,7 @@ static void every_tool_keeps_its_volume_on_the_grid(void **state)
  * the volume of the complete tool. The sphere of a burr is complete, and the burr's shaft begins
  * inside the sphere.
  */
-static void heads_and_shafts_are_the_tool(void **state)
+static void head_and_shaft_form_the_tool(void **state)
 {
     (void)state;
     const double pi = 3.14159265358979;
@@ -185,7 +185,7 @@ static void heads_and_shafts_are_the_tool(void **state)
  * that distance. No vertex of the reamer may lie below the sphere of radius 27 mm around (0, 0, 27). On
  * every ring, some vertices must lie on the sphere, distributed over the complete circumference.
  */
-static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
+static void rotating_reamer_sweeps_a_sphere(void **state)
 {
     (void)state;
     ost_mesh mesh;
@@ -205,7 +205,7 @@ static void the_turning_reamer_sweeps_a_smooth_dome(void **state)
     ost_mesh_free(&mesh);
 }
 
-static void sizes_scale_and_limits_are_said(void **state)
+static void sizes_scale_and_are_limited(void **state)
 {
     (void)state;
     ost_mesh mesh;
@@ -229,7 +229,7 @@ static void sizes_scale_and_limits_are_said(void **state)
     static const struct {
         ost_tool_kind kind;
         ost_tool_options options;
-        const char *says;
+        const char *message;
     } rows[] = {
         {OST_TOOL_REAMER, {.segments = 100}, "multiple of 24 segments, not 100"},
         {OST_TOOL_REAMER, {.length = 10000000000}, "at least 16.2 mm"},
@@ -242,8 +242,8 @@ static void sizes_scale_and_limits_are_said(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         ost_error err = {0};
         assert_int_equal(ost_tool_make(rows[i].kind, &rows[i].options, &mesh, &err), OST_ERR_USAGE);
-        if (!strstr(err.text, rows[i].says))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].says);
+        if (!strstr(err.text, rows[i].message))
+            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
     }
     assert_string_equal(ost_tool_kind_name(OST_TOOL_BURR), "burr");
     assert_string_equal(ost_tool_kind_name(OST_TOOL_KIND_COUNT), "unknown");
@@ -252,11 +252,11 @@ static void sizes_scale_and_limits_are_said(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(heads_and_shafts_are_the_tool),
-        cmocka_unit_test(the_reamer_is_the_thesis_head),
-        cmocka_unit_test(every_tool_keeps_its_volume_on_the_grid),
-        cmocka_unit_test(the_turning_reamer_sweeps_a_smooth_dome),
-        cmocka_unit_test(sizes_scale_and_limits_are_said),
+        cmocka_unit_test(head_and_shaft_form_the_tool),
+        cmocka_unit_test(reamer_has_the_dimensions_of_the_thesis),
+        cmocka_unit_test(grid_volume_equals_mesh_volume),
+        cmocka_unit_test(rotating_reamer_sweeps_a_sphere),
+        cmocka_unit_test(sizes_scale_and_are_limited),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -115,7 +115,7 @@ static void compare_with_oracle(const ost_snapped_mesh *mesh, ost_fill_rule rule
     free(got);
 }
 
-static void soups_equal_the_oracle(void **state)
+static void random_triangles_equal_the_oracle(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("soups");
@@ -134,7 +134,7 @@ static void soups_equal_the_oracle(void **state)
     }
 }
 
-static void closed_meshes_equal_the_oracle_and_never_leak(void **state)
+static void closed_meshes_equal_the_oracle(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("closed");
@@ -152,7 +152,7 @@ static void closed_meshes_equal_the_oracle_and_never_leak(void **state)
 }
 
 /* Every vertex is a voxel centre, so that as many edges and corners as possible lie on rows. */
-static void no_mesh_on_centres_leaks(void **state)
+static void meshes_on_centres_do_not_leak(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("centres");
@@ -171,7 +171,7 @@ static void no_mesh_on_centres_leaks(void **state)
 }
 
 /* Tests the widest lattice: x up to 2^20 at f = 8. */
-static void the_widest_lattice_is_exact(void **state)
+static void widest_lattice_equals_the_oracle(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("widest");
@@ -270,7 +270,7 @@ static ost_snapped_mesh placed(const ost_snapped_mesh *mesh, const placing *q)
  * Mirroring, quarter turns and permutations of the mesh must transform the grid in the same way
  * wherever no centre lies on the surface.
  */
-static void the_grid_moves_with_the_mesh(void **state)
+static void symmetries_transform_the_grid(void **state)
 {
     (void)state;
     static const placing placings[] = {
@@ -322,7 +322,7 @@ static void the_grid_moves_with_the_mesh(void **state)
  * Two tetrahedra with a shared face form a bipyramid. The union of their grids must be the grid of the
  * bipyramid, and each centre on the shared face must belong to only one tetrahedron.
  */
-static void two_closed_halves_make_the_whole(void **state)
+static void union_of_two_halves_equals_the_bipyramid(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("halves");
@@ -368,7 +368,7 @@ static void two_closed_halves_make_the_whole(void **state)
 
 static const int64_t lo3[3] = {MAKE_ONE, MAKE_ONE, MAKE_ONE}, hi3[3] = {7 * MAKE_ONE, 6 * MAKE_ONE, 5 * MAKE_ONE};
 
-static void a_box_inside_out_is_solid(void **state)
+static void inside_out_box_is_solid(void **state)
 {
     (void)state;
     ost_voxelize_report report;
@@ -387,7 +387,7 @@ static void a_box_inside_out_is_solid(void **state)
  * In a box from voxel centre to voxel centre, a centre on a low face is inside and a centre on a
  * high face is outside. Therefore the number of voxels equals the volume.
  */
-static void a_box_on_centres_is_half_open(void **state)
+static void box_on_centres_is_half_open(void **state)
 {
     (void)state;
     const int64_t lo[3] = {MAKE_ONE + MAKE_HALF, MAKE_ONE + MAKE_HALF, MAKE_ONE + MAKE_HALF};
@@ -403,7 +403,7 @@ static void a_box_on_centres_is_half_open(void **state)
     ost_snapped_mesh_free(&mesh);
 }
 
-static void shells_nest(void **state)
+static void nested_shells(void **state)
 {
     (void)state;
     const int64_t lo[3] = {2 * MAKE_ONE, 2 * MAKE_ONE, 2 * MAKE_ONE},
@@ -430,7 +430,7 @@ static void shells_nest(void **state)
  * One of the two triangles of the face x = hi is missing. In the rows that would cross this triangle the
  * mesh is not closed, so these rows stay empty. The other rows are filled.
  */
-static void a_hole_leaks_and_is_not_filled(void **state)
+static void rows_through_a_hole_stay_empty(void **state)
 {
     (void)state;
     ost_voxelize_report report;
@@ -450,7 +450,7 @@ static void a_hole_leaks_and_is_not_filled(void **state)
     ost_snapped_mesh_free(&mesh);
 }
 
-static void cutting_wins_over_not_cutting(void **state)
+static void cutting_class_takes_precedence(void **state)
 {
     (void)state;
     const int64_t lo[3] = {4 * MAKE_ONE, MAKE_ONE, MAKE_ONE}, hi[3] = {8 * MAKE_ONE, 6 * MAKE_ONE, 5 * MAKE_ONE};
@@ -477,17 +477,17 @@ static void cutting_wins_over_not_cutting(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(soups_equal_the_oracle),
-        cmocka_unit_test(closed_meshes_equal_the_oracle_and_never_leak),
-        cmocka_unit_test(no_mesh_on_centres_leaks),
-        cmocka_unit_test(the_widest_lattice_is_exact),
-        cmocka_unit_test(the_grid_moves_with_the_mesh),
-        cmocka_unit_test(two_closed_halves_make_the_whole),
-        cmocka_unit_test(a_box_inside_out_is_solid),
-        cmocka_unit_test(a_box_on_centres_is_half_open),
-        cmocka_unit_test(shells_nest),
-        cmocka_unit_test(a_hole_leaks_and_is_not_filled),
-        cmocka_unit_test(cutting_wins_over_not_cutting),
+        cmocka_unit_test(random_triangles_equal_the_oracle),
+        cmocka_unit_test(closed_meshes_equal_the_oracle),
+        cmocka_unit_test(meshes_on_centres_do_not_leak),
+        cmocka_unit_test(widest_lattice_equals_the_oracle),
+        cmocka_unit_test(symmetries_transform_the_grid),
+        cmocka_unit_test(union_of_two_halves_equals_the_bipyramid),
+        cmocka_unit_test(inside_out_box_is_solid),
+        cmocka_unit_test(box_on_centres_is_half_open),
+        cmocka_unit_test(nested_shells),
+        cmocka_unit_test(rows_through_a_hole_stay_empty),
+        cmocka_unit_test(cutting_class_takes_precedence),
     };
     return run_on_backends(tests, NULL, NULL);
 }

@@ -21,7 +21,7 @@ static void apply_threshold(int16_t *voxels, const ost_geometry *g)
         voxels[i] = voxels[i] >= 120 ? voxels[i] : 0;
 }
 
-static void what_goes_up_comes_down(void **state)
+static void download_equals_upload(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("slices");
@@ -91,7 +91,7 @@ static void the_threshold_is_inclusive(void **state)
     ost_bone_free(bone);
 }
 
-static void chunk_size_does_not_show(void **state)
+static void chunk_size_does_not_change_the_digest(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("chunk size");
@@ -112,7 +112,7 @@ static void chunk_size_does_not_show(void **state)
     }
 }
 
-static void leaves_are_those_of_the_dense_grid(void **state)
+static void leaves_equal_those_of_the_dense_grid(void **state)
 {
     /* Each leaf is copied voxel by voxel from the dense grid and hashed separately. The bone has only one active
        voxel. */
@@ -141,7 +141,7 @@ static void leaves_are_those_of_the_dense_grid(void **state)
     ost_bone_free(bone);
 }
 
-static void memory_follows_the_voxels(void **state)
+static void memory_depends_on_active_chunks(void **state)
 {
     ost_error err = {0};
     ost_geometry g = odd_geometry();
@@ -194,7 +194,7 @@ static void empty_chunks_have_no_memory(void **state)
     free(voxels);
 }
 
-static void occupancy_words_say_what_is_active(void **state)
+static void occupancy_equals_the_active_voxels(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -230,14 +230,14 @@ static void occupancy_words_say_what_is_active(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_goes_up_comes_down),
+        cmocka_unit_test(download_equals_upload),
         cmocka_unit_test(import_and_upload_agree),
         cmocka_unit_test(the_threshold_is_inclusive),
-        cmocka_unit_test(chunk_size_does_not_show),
-        cmocka_unit_test(leaves_are_those_of_the_dense_grid),
-        cmocka_unit_test(memory_follows_the_voxels),
+        cmocka_unit_test(chunk_size_does_not_change_the_digest),
+        cmocka_unit_test(leaves_equal_those_of_the_dense_grid),
+        cmocka_unit_test(memory_depends_on_active_chunks),
         cmocka_unit_test(empty_chunks_have_no_memory),
-        cmocka_unit_test(occupancy_words_say_what_is_active),
+        cmocka_unit_test(occupancy_equals_the_active_voxels),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -31,7 +31,7 @@ static int16_t voxel_at(const ost_grid *grid, int32_t x, int32_t y, int32_t z)
     return value;
 }
 
-static void the_documents_example(void **state)
+static void worked_example_of_the_specification(void **state)
 {
     /*
      * The example of docs/spec/arithmetic.md, AR-CT: the spacing is 0.47 mm and the minimum is -57.34 mm.
@@ -56,7 +56,7 @@ static void the_documents_example(void **state)
     ost_grid_free(grid);
 }
 
-static void a_density_beyond_int16_is_refused(void **state)
+static void density_beyond_int16_is_refused(void **state)
 {
     ost_grid *grid = rect_grid(*state, 4, 1, 1, (ost_pm3){0, 0, 0});
     const int32_t beyond[] = {32768, -32769, 65536 + 300, INT32_MAX, INT32_MIN};
@@ -72,7 +72,7 @@ static void a_density_beyond_int16_is_refused(void **state)
     ost_grid_free(grid);
 }
 
-static void borders_of_the_offsets(void **state)
+static void limits_of_lattice_offsets(void **state)
 {
     /*
      * The spacing is 8 units. An offset of exactly 1 unit is accepted and not counted. An offset of exactly
@@ -109,7 +109,7 @@ static void borders_of_the_offsets(void **state)
     }
 }
 
-static void a_voxel_met_again(void **state)
+static void duplicate_samples(void **state)
 {
     const struct {
         ost_duplicates rule;
@@ -140,7 +140,7 @@ static void a_voxel_met_again(void **state)
         }
 }
 
-static void a_zero_density_counts_as_seen(void **state)
+static void zero_density_counts_as_a_sample(void **state)
 {
     ost_error err = {0};
     ost_grid *grid = rect_grid(*state, 1, 1, 1, (ost_pm3){0, 0, 0});
@@ -153,7 +153,7 @@ static void a_zero_density_counts_as_seen(void **state)
     ost_grid_free(grid);
 }
 
-static void every_voxel_finds_its_place(void **state)
+static void every_sample_sets_its_voxel(void **state)
 {
     /*
      * Positions k * 0.47 - 57.34 are exact with two decimals. Therefore each voxel receives one
@@ -205,7 +205,7 @@ static ost_pm3 origin_of(const ost_grid *grid)
     return ost_grid_geometry(grid)->origin;
 }
 
-static void filler_voxels(void **state)
+static void resampling_to_finer_layers(void **state)
 {
     /*
      * Three layers of 1 mm are resampled to 0.47 mm. There are ceil(3 / 0.47) = 7 layers, the first at
@@ -245,7 +245,7 @@ static void filler_voxels(void **state)
         }
 }
 
-static void coarser_than_the_scan(void **state)
+static void resampling_to_coarser_layers(void **state)
 {
     /*
      * Seven layers of 0.3 mm are resampled to 0.47 mm. There are ceil(2.1 / 0.47) = 5 layers, the first at
@@ -331,7 +331,7 @@ static void means_round_once_and_half_to_even(void **state)
         assert_int_equal(mean_of_eight(*state, cases[i].voxels), cases[i].mean);
 }
 
-static void means_stay_between_their_neighbours(void **state)
+static void means_are_between_their_inputs(void **state)
 {
     /* AR-CUB-2: no cubic voxel may be denser than the densest rect voxel. */
     ost_error err = {0};
@@ -361,7 +361,7 @@ static void means_stay_between_their_neighbours(void **state)
     }
 }
 
-static void a_seventh_digit_moves_nothing_by_a_voxel(void **state)
+static void seventh_digit_changes_at_most_one_rounding(void **state)
 {
     /*
      * 60 layers of 0.4882812 or 0.4882813 mm are resampled to 0.4882812 mm. Each layer is 500 denser than
@@ -458,7 +458,7 @@ static void the_thesis_tables(void **state)
     }
 }
 
-static void it_takes_no_options(void **state)
+static void reference_has_no_options(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -472,21 +472,21 @@ static void it_takes_no_options(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_documents_example),
-        cmocka_unit_test(a_density_beyond_int16_is_refused),
-        cmocka_unit_test(borders_of_the_offsets),
-        cmocka_unit_test(a_voxel_met_again),
-        cmocka_unit_test(a_zero_density_counts_as_seen),
-        cmocka_unit_test(every_voxel_finds_its_place),
-        cmocka_unit_test(filler_voxels),
-        cmocka_unit_test(coarser_than_the_scan),
+        cmocka_unit_test(worked_example_of_the_specification),
+        cmocka_unit_test(density_beyond_int16_is_refused),
+        cmocka_unit_test(limits_of_lattice_offsets),
+        cmocka_unit_test(duplicate_samples),
+        cmocka_unit_test(zero_density_counts_as_a_sample),
+        cmocka_unit_test(every_sample_sets_its_voxel),
+        cmocka_unit_test(resampling_to_finer_layers),
+        cmocka_unit_test(resampling_to_coarser_layers),
         cmocka_unit_test(origins_round_half_to_even),
-        cmocka_unit_test(a_seventh_digit_moves_nothing_by_a_voxel),
+        cmocka_unit_test(seventh_digit_changes_at_most_one_rounding),
         cmocka_unit_test(means_round_once_and_half_to_even),
-        cmocka_unit_test(means_stay_between_their_neighbours),
+        cmocka_unit_test(means_are_between_their_inputs),
         cmocka_unit_test(equal_spacing_changes_nothing),
         cmocka_unit_test(the_thesis_tables),
-        cmocka_unit_test(it_takes_no_options),
+        cmocka_unit_test(reference_has_no_options),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -23,7 +23,7 @@ static int count_of(const ost_pose *a, const ost_pose *b, const ost_tool_geometr
     return count;
 }
 
-static void the_documents_sweep(void **state)
+static void sweep_of_the_worked_example(void **state)
 {
     (void)state;
     ost_pose a = at_um(0, 0, 0), b = at_um(300, 400, 0);
@@ -37,7 +37,7 @@ static void the_documents_sweep(void **state)
     assert_memory_equal(&p, &b, sizeof p);
 }
 
-static void the_count_is_the_least(void **state)
+static void pose_count_is_the_least(void **state)
 {
     (void)state;
     /* If 2 * |d| = n * s exactly, there are n poses. If d is one picometre longer, there are n + 1 poses. */
@@ -57,7 +57,7 @@ static void the_count_is_the_least(void **state)
     }
 }
 
-static void a_turn_moves_the_corners(void **state)
+static void rotation_moves_the_corners(void **state)
 {
     /*
      * An exact quarter turn of 90 degrees about z, q = (c, 0, 0, c), is allowed. The farthest
@@ -84,7 +84,7 @@ static void a_turn_moves_the_corners(void **state)
     assert_int_equal(half.qz, 379625062);
 }
 
-static void the_documents_map(void **state)
+static void map_of_the_worked_example(void **state)
 {
     /* Checks the worked example of docs/spec/arithmetic.md section 12. */
     (void)state;
@@ -132,7 +132,7 @@ static void quarter_turns_are_exact(void **state)
     }
 }
 
-static void far_blocks_are_said_so(void **state)
+static void far_blocks_are_reported(void **state)
 {
     /* Tests positions along x at and next to the borders of AR-MAP-5, one unit of 2^-20 apart. The voxels of bone
        and tool are 2^30 pm wide. */
@@ -180,7 +180,7 @@ static void ties_of_the_base_go_to_even(void **state)
     }
 }
 
-static void beyond_what_is_proved(void **state)
+static void refuses_values_beyond_the_proved_ranges(void **state)
 {
     (void)state;
     ost_map map;
@@ -219,7 +219,7 @@ static void beyond_what_is_proved(void **state)
  * size of 0.47 mm gives n = ceil(4 / 0.47) = ceil(8.51) = 9. Any other corner would give ceil(6.02) = 7 or
  * less.
  */
-static void each_corner_counts(void **state)
+static void every_corner_is_considered(void **state)
 {
     (void)state;
     const ost_pose a = at_um(0, 0, 0);
@@ -239,11 +239,15 @@ static void each_corner_counts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_documents_sweep),      cmocka_unit_test(the_count_is_the_least),
-        cmocka_unit_test(a_turn_moves_the_corners), cmocka_unit_test(each_corner_counts),
-        cmocka_unit_test(the_documents_map),        cmocka_unit_test(quarter_turns_are_exact),
-        cmocka_unit_test(far_blocks_are_said_so),   cmocka_unit_test(ties_of_the_base_go_to_even),
-        cmocka_unit_test(beyond_what_is_proved),
+        cmocka_unit_test(sweep_of_the_worked_example),
+        cmocka_unit_test(pose_count_is_the_least),
+        cmocka_unit_test(rotation_moves_the_corners),
+        cmocka_unit_test(every_corner_is_considered),
+        cmocka_unit_test(map_of_the_worked_example),
+        cmocka_unit_test(quarter_turns_are_exact),
+        cmocka_unit_test(far_blocks_are_reported),
+        cmocka_unit_test(ties_of_the_base_go_to_even),
+        cmocka_unit_test(refuses_values_beyond_the_proved_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

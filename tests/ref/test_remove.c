@@ -9,7 +9,7 @@ static const int sizes[] = {16, 32, 64};
 
 /* -------------------------------------------- results computed by hand */
 
-static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int32_t lo[3], const int32_t hi[3])
+static void assert_removed(const int16_t *voxels, const ost_geometry *g, const int32_t lo[3], const int32_t hi[3])
 {
     for (int32_t z = 0; z < g->dims.z; z++)
         for (int32_t y = 0; y < g->dims.y; y++)
@@ -20,7 +20,7 @@ static void assert_gone(const int16_t *voxels, const ost_geometry *g, const int3
             }
 }
 
-static void a_small_cube(void **state)
+static void cube_removes_the_expected_voxels(void **state)
 {
     /*
      * Bone voxels of 1 mm have their centres on integer millimetres. The tool is a cube of 2 mm. The tool's
@@ -54,7 +54,7 @@ static void a_small_cube(void **state)
             ost_removal_report report = {0};
             remove_at(bone, &g, tool, &cases[i].pose, 1, &report);
             int16_t *after = content(bone, &g);
-            assert_gone(after, &g, cases[i].lo, cases[i].hi);
+            assert_removed(after, &g, cases[i].lo, cases[i].hi);
             ost_bone_info info;
             assert_ok(ost_bone_info_get(bone, &info, &err));
             assert_int_equal(512 - info.active_voxels, report.total_voxels);
@@ -66,7 +66,7 @@ static void a_small_cube(void **state)
     }
 }
 
-static void classes_and_touch(void **state)
+static void counts_by_class_and_touched_voxels(void **state)
 {
     /*
      * Five voxels in a row lie under three cutting tool voxels, one non-cutting voxel and one empty voxel.
@@ -117,7 +117,7 @@ static void classes_and_touch(void **state)
     ost_tool_free(tool);
 }
 
-static void an_emptied_chunk_is_freed(void **state)
+static void emptied_chunk_is_freed(void **state)
 {
     ost_error err = {0};
     ost_geometry g = cubic_geometry(40, 4, 4, OST_PM_PER_MM, (ost_pm3){0, 0, 0});
@@ -176,7 +176,7 @@ static void free_scene(scene *s)
     free(s->voxels);
 }
 
-static void chunk_size_does_not_show(void **state)
+static void chunk_size_does_not_change_the_result(void **state)
 {
     test_rng rng = rng_seeded("chunk size");
     for (int round = 0; round < test_rounds(30); round++) {
@@ -209,7 +209,7 @@ static void chunk_size_does_not_show(void **state)
     }
 }
 
-static void the_report_is_the_difference(void **state)
+static void report_equals_the_difference(void **state)
 {
     test_rng rng = rng_seeded("report");
     const ost_density_classes classes = ost_density_classes_default();
@@ -255,7 +255,7 @@ static void the_report_is_the_difference(void **state)
     assert_true(removed > 0);
 }
 
-static void collision_reports_what_removal_takes(void **state)
+static void collision_report_equals_removal_report(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("collide");
@@ -287,7 +287,7 @@ static void collision_reports_what_removal_takes(void **state)
     }
 }
 
-static void an_event_equals_its_poses_one_by_one(void **state)
+static void event_equals_separate_poses(void **state)
 {
     test_rng rng = rng_seeded("sweep");
     ost_error err = {0};
@@ -325,7 +325,7 @@ static void an_event_equals_its_poses_one_by_one(void **state)
     }
 }
 
-static void events_commute_and_only_take(void **state)
+static void events_commute_and_add_no_voxels(void **state)
 {
     test_rng rng = rng_seeded("commute");
     for (int round = 0; round < test_rounds(20); round++) {
@@ -363,7 +363,7 @@ static void events_commute_and_only_take(void **state)
     }
 }
 
-static void moved_together_nothing_changes(void **state)
+static void translation_does_not_change_the_result(void **state)
 {
     /*
      * Moving the bone's origin and the pose by the same vector must not change the result. Moving the
@@ -448,7 +448,7 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
     return (ost_pose){t, (int32_t)r[0], (int32_t)r[1], (int32_t)r[2], (int32_t)r[3]};
 }
 
-static void quarter_turns_turn_the_set(void **state)
+static void quarter_turns_rotate_the_result(void **state)
 {
     /*
      * A cube of 24^3 voxels around the frame's origin is rotated together with the tool by nine quarter turns,
@@ -514,7 +514,7 @@ static void quarter_turns_turn_the_set(void **state)
     free(voxels);
 }
 
-static void classes_that_do_not_rise_are_refused(void **state)
+static void unordered_class_borders_are_refused(void **state)
 {
     ost_error err = {0};
     ost_geometry g = cubic_geometry(4, 4, 4, 1000 * UM, (ost_pm3){0, 0, 0});
@@ -543,17 +543,17 @@ static void classes_that_do_not_rise_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_small_cube),
-        cmocka_unit_test(classes_and_touch),
-        cmocka_unit_test(an_emptied_chunk_is_freed),
-        cmocka_unit_test(chunk_size_does_not_show),
-        cmocka_unit_test(the_report_is_the_difference),
-        cmocka_unit_test(collision_reports_what_removal_takes),
-        cmocka_unit_test(an_event_equals_its_poses_one_by_one),
-        cmocka_unit_test(events_commute_and_only_take),
-        cmocka_unit_test(moved_together_nothing_changes),
-        cmocka_unit_test(quarter_turns_turn_the_set),
-        cmocka_unit_test(classes_that_do_not_rise_are_refused),
+        cmocka_unit_test(cube_removes_the_expected_voxels),
+        cmocka_unit_test(counts_by_class_and_touched_voxels),
+        cmocka_unit_test(emptied_chunk_is_freed),
+        cmocka_unit_test(chunk_size_does_not_change_the_result),
+        cmocka_unit_test(report_equals_the_difference),
+        cmocka_unit_test(collision_report_equals_removal_report),
+        cmocka_unit_test(event_equals_separate_poses),
+        cmocka_unit_test(events_commute_and_add_no_voxels),
+        cmocka_unit_test(translation_does_not_change_the_result),
+        cmocka_unit_test(quarter_turns_rotate_the_result),
+        cmocka_unit_test(unordered_class_borders_are_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -48,7 +48,7 @@ static uint64_t remove_cube(ost_backend *backend, ost_bone *bone, const ost_geom
     return removed;
 }
 
-static void a_sample_is_what_is_there(void **state)
+static void samples_equal_the_download(void **state)
 {
     skip_without_samples(*state);
     test_rng rng = rng_seeded("samples");
@@ -87,7 +87,7 @@ static void a_sample_is_what_is_there(void **state)
 }
 
 /* One event changes 27 chunks of 64^3 voxels, whose occupancy is 864 KiB. */
-static void an_event_that_changes_many_chunks(void **state)
+static void samples_after_a_large_event(void **state)
 {
     skip_without_samples(*state);
     test_rng rng = rng_seeded("many chunks");
@@ -104,8 +104,8 @@ static void an_event_that_changes_many_chunks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sample_is_what_is_there),
-        cmocka_unit_test(an_event_that_changes_many_chunks),
+        cmocka_unit_test(samples_equal_the_download),
+        cmocka_unit_test(samples_after_a_large_event),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -39,8 +39,8 @@ static void *writable(const void *p)
 
 /* ------------------------------------------------------------------ grids */
 
-static void sample_counts_one_less(const struct cpu_bone *bone, size_t count, const int32_t *const at[3],
-                                   int16_t *densities)
+static void sample_wrong_last(const struct cpu_bone *bone, size_t count, const int32_t *const at[3],
+                              int16_t *densities)
 {
     ost_sample_scalar(bone, count, at, densities);
     if (count > 20)
@@ -54,7 +54,7 @@ static void sample_writes_beyond(const struct cpu_bone *bone, size_t count, cons
     densities[count] = 7;
 }
 
-static void gather_last_of_64(const int16_t *from, const int32_t *map, int count, int16_t *to)
+static void gather_wrong_last_of_64(const int16_t *from, const int32_t *map, int count, int16_t *to)
 {
     ost_gather_row_scalar(from, map, count, to);
     if (count == 64)
@@ -89,8 +89,8 @@ static void gather_writes_input(const int16_t *from, const int32_t *map, int cou
 }
 
 /* Rounds ties up instead of to even. */
-static void blend_ties_up(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
-                          int16_t *to)
+static void blend_rounds_ties_up(const int16_t *a, const int16_t *b, const size_t *row, int count, int width,
+                                 int weight, int16_t *to)
 {
     for (int r = 0; r < count; r++)
         for (int i = 0; i < width; i++)
@@ -116,8 +116,8 @@ static void blend_reads_beyond(const int16_t *a, const int16_t *b, const size_t 
 }
 
 /* Negates sums to which a weight of -2^15 contributes. */
-static void stretch_without_the_least(const int16_t *from, const int32_t *at, const int16_t *minus, int width,
-                                      int32_t *to)
+static void stretch_negates_least_weight(const int16_t *from, const int32_t *at, const int16_t *minus, int width,
+                                         int32_t *to)
 {
     ost_stretch_row_scalar(from, at, minus, width, to);
     for (int i = 0; i < width; i++)
@@ -131,7 +131,8 @@ static void stretch_reads_beyond(const int16_t *from, const int32_t *at, const i
     touch(&from[at[width - 1] + 2]);
 }
 
-static void weigh_ties_up(const int32_t *const rows[4], const int32_t weight[4], int count, int width, int16_t *to)
+static void weigh_rounds_ties_up(const int32_t *const rows[4], const int32_t weight[4], int count, int width,
+                                 int16_t *to)
 {
     for (int i = 0; i < width; i++) {
         int64_t sum = INT64_C(1) << (3 * OST_WEIGHT_BITS - 1);
@@ -192,12 +193,13 @@ static ost_brick_sums brick_writes_between(const int16_t *const rows[16], size_t
     return ost_brick_row_scalar(rows, bricks, threshold, stream, density, occupancy);
 }
 
-static bool any_one_more(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
+static bool any_tests_one_column_too_many(const int16_t *base, const size_t *row, int count, int width,
+                                          int16_t threshold)
 {
     return ost_any_active_scalar(base, row, count, width + 1, threshold);
 }
 
-static bool any_not_the_last(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
+static bool any_omits_the_last_column(const int16_t *base, const size_t *row, int count, int width, int16_t threshold)
 {
     return ost_any_active_scalar(base, row, count, width - 1, threshold);
 }
@@ -216,25 +218,25 @@ static void drain_never_ends(void)
 }
 
 #if defined __x86_64__
-static void drain_rounds_down(void)
+static void drain_changes_rounding(void)
 {
     _mm_setcsr(_mm_getcsr() ^ 0x2000);
 }
 
-static void drain_leaves_mmx(void)
+static void drain_leaves_mmx_in_use(void)
 {
     __asm__ volatile("pxor %%mm0, %%mm0" ::: "memory");
 }
 
-static void drain_leaves_halves(void)
+static void drain_leaves_upper_halves_in_use(void)
 {
     if (call_watches_halves())
         __asm__ volatile("vpcmpeqd %%ymm9, %%ymm9, %%ymm9" ::: "xmm9");
     else
-        drain_leaves_mmx();
+        drain_leaves_mmx_in_use();
 }
 #elif defined __aarch64__
-static void drain_rounds_down(void)
+static void drain_changes_rounding(void)
 {
     uint64_t fpcr;
     __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
@@ -257,24 +259,24 @@ static void blocks_never_divides(const ost_block_bases *bases, const ost_block_r
         }
 }
 
-static void blocks_reach_one_less(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
-                                  const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
+static void blocks_reach_is_one_less(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
+                                     const int32_t from[3], const int32_t to[3], ost_cubes *blocks)
 {
     ost_block_reach less = *reach;
     less.width[1]--;
     ost_blocks_scalar(bases, &less, first, from, to, blocks);
 }
 
-static void blocks_number_from_the_first(const ost_block_bases *bases, const ost_block_reach *reach,
-                                         const int32_t first[3], const int32_t from[3], const int32_t to[3],
-                                         ost_cubes *blocks)
+static void blocks_wrong_numbers(const ost_block_bases *bases, const ost_block_reach *reach,
+                                 const int32_t first[3], const int32_t from[3], const int32_t to[3],
+                                 ost_cubes *blocks)
 {
     (void)first;
     ost_blocks_scalar(bases, reach, from, from, to, blocks);
 }
 
-static void split_no_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
-                               const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
+static void split_omits_the_last_cube(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                      const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     static ost_cubes fewer;
     fewer = *cubes;
@@ -282,15 +284,15 @@ static void split_no_last_cube(const ost_split *split, const ost_cells *cells, c
     ost_split_scalar(split, cells, &fewer, occupancy, mixed, inside);
 }
 
-static void split_begins_anew(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
-                              const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
+static void split_clears_a_list(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     inside->count = 0;
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
 }
 
-static void split_one_more_is_inside(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
-                                     const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
+static void split_least_is_one_less(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
+                                    const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside)
 {
     static ost_split nearer;
     nearer = *split;
@@ -314,7 +316,7 @@ static void split_reads_before_the_margin(const ost_split *split, const ost_cell
     ost_split_scalar(split, cells, cubes, occupancy, mixed, inside);
 }
 
-static void match_one_voxel(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
+static void match_wrong_voxel(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     ost_match_scalar(match, bricks, hits);
     if (bricks->count % 8 == 5)
@@ -355,8 +357,8 @@ static void match_writes_beyond(const ost_match *match, const ost_cubes *bricks,
     hits[bricks->count + OST_CUBES_SLACK] = 0;
 }
 
-static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
-                            size_t count, ost_tally *tally)
+static void take_sums_in_16_bits(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                                 size_t count, ost_tally *tally)
 {
     ost_tally sum = {{0}, {0}};
     ost_take_scalar(take, density, number, hits, count, &sum);
@@ -366,22 +368,22 @@ static void take_in_16_bits(const ost_take *take, int16_t *density, const int32_
     }
 }
 
-static void take_always(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
-                        size_t count, ost_tally *tally)
+static void take_always_removes(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                                size_t count, ost_tally *tally)
 {
     ost_take apply = *take;
     apply.apply = true;
     ost_take_scalar(&apply, density, number, hits, count, tally);
 }
 
-static void take_not_the_513th(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
-                               size_t count, ost_tally *tally)
+static void take_at_most_512_bricks(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
+                                    size_t count, ost_tally *tally)
 {
     ost_take_scalar(take, density, number, hits, count > 512 ? 512 : count, tally);
 }
 
-static void take_writes_what_is_not_hit(const ost_take *take, int16_t *density, const int32_t *number,
-                                        const uint64_t *hits, size_t count, ost_tally *tally)
+static void take_clears_a_voxel_that_is_not_hit(const ost_take *take, int16_t *density, const int32_t *number,
+                                                const uint64_t *hits, size_t count, ost_tally *tally)
 {
     ost_take_scalar(take, density, number, hits, count, tally);
     if (take->apply && count > 0 && !(hits[0] & 1))
@@ -390,14 +392,14 @@ static void take_writes_what_is_not_hit(const ost_take *take, int16_t *density, 
 
 /* ----------------------------------------------------------- voxelization */
 
-static void mark_not_the_last_slice(ost_vox_tile *tile, const uint32_t *list, size_t count)
+static void mark_omits_the_last_slice(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     tile->k1--;
     ost_vox_mark_scalar(tile, list, count);
     tile->k1++;
 }
 
-static void mark_not_the_last(ost_vox_tile *tile, const uint32_t *list, size_t count)
+static void mark_omits_the_last_triangle(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count - (count > 0));
 }
@@ -409,7 +411,7 @@ static void mark_reads_beyond(ost_vox_tile *tile, const uint32_t *list, size_t c
     touch(&tile->mesh->vertices[tile->mesh->vertex_count]);
 }
 
-static void mark_saturates(ost_vox_tile *tile, const uint32_t *list, size_t count)
+static void mark_clears_the_row_states(ost_vox_tile *tile, const uint32_t *list, size_t count)
 {
     ost_vox_mark_scalar(tile, list, count);
     if (tile->any_unproven)
@@ -417,15 +419,15 @@ static void mark_saturates(ost_vox_tile *tile, const uint32_t *list, size_t coun
     tile->any_unproven = false;
 }
 
-static void keys_one_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
-                            uint32_t *keys)
+static void keys_writes_beyond(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
+                               uint32_t *keys)
 {
     ost_vox_keys_scalar(plan, mesh, first, count, keys);
     keys[count] = 0;
 }
 
-static void keys_never_many(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t count,
-                            uint32_t *keys)
+static void keys_omits_the_many_value(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first,
+                                      size_t count, uint32_t *keys)
 {
     ost_vox_keys_scalar(plan, mesh, first, count, keys);
     for (size_t i = 0; i < count; i++)
@@ -443,7 +445,7 @@ static uint64_t fill_clears_nothing(ost_vox_tile *tile, size_t first_row, size_t
     return count;
 }
 
-static uint64_t fill_proves_all(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
+static uint64_t fill_reports_all_rows_as_proven(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
     const bool row_state = tile->any_unproven;
     const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
@@ -459,7 +461,7 @@ static uint64_t fill_counts_wrong(ost_vox_tile *tile, size_t first_row, size_t r
     return count > 5000 ? count + 1 : count;
 }
 
-static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
+static uint64_t fill_clears_the_spills(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits)
 {
     const uint64_t count = ost_vox_fill_scalar(tile, first_row, rows, bits);
     for (size_t r = first_row; r < first_row + rows; r++)
@@ -467,7 +469,7 @@ static uint64_t fill_forgets_spills(ost_vox_tile *tile, size_t first_row, size_t
     return count;
 }
 
-static void expand_writes_eights(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
+static void expand_writes_beyond(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
                                  int32_t nx, bool stream, uint8_t *voxels)
 {
     ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
@@ -475,15 +477,15 @@ static void expand_writes_eights(const uint64_t *cutting, const uint64_t *noncut
         voxels[rows * (size_t)nx] = 0;
 }
 
-static void expand_reads_blocks(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
+static void expand_reads_beyond(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,
                                 bool stream, uint8_t *voxels)
 {
     touch(cutting + rows * (size_t)words);
     ost_vox_expand_scalar(cutting, noncutting, rows, words, nx, stream, voxels);
 }
 
-static void expand_no_second_class(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
-                                   int32_t nx, bool stream, uint8_t *voxels)
+static void expand_omits_the_second_class(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words,
+                                          int32_t nx, bool stream, uint8_t *voxels)
 {
     (void)noncutting;
     ost_vox_expand_scalar(cutting, NULL, rows, words, nx, stream, voxels);
@@ -501,8 +503,9 @@ static size_t match_stops_early(const ost_text_pattern *pattern, const ost_text_
 }
 
 /* Simulates a kernel that stores densities modulo 2^16, because it narrows them without a range check. */
-static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
-                          const char *text, const char *end, size_t lines, int16_t *density, const char **next)
+static size_t match_wraps_densities(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                    const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                    int16_t *density, const char **next)
 {
     size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     while (n < lines && *next < end) {
@@ -516,9 +519,9 @@ static size_t match_wraps(const ost_text_pattern *pattern, const ost_text_column
 }
 
 /* Simulates a kernel that also matches the line that begins at `end`, although another thread reads this line. */
-static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
-                                           const uint8_t *lengths, const char *text, const char *end, size_t lines,
-                                           int16_t *density, const char **next)
+static size_t match_continues_after_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                            const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                            int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     if (n == lines || *next != end)
@@ -526,18 +529,18 @@ static size_t match_goes_on_behind_the_end(const ost_text_pattern *pattern, cons
     return n + text_match(pattern, columns + n, lengths + n, end, end + OST_TEXT_MARGIN, 1, density + n, next);
 }
 
-static size_t match_next_is_that_of_four(const ost_text_pattern *pattern, const ost_text_column *columns,
-                                         const uint8_t *lengths, const char *text, const char *end, size_t lines,
-                                         int16_t *density, const char **next)
+static size_t match_wrong_next(const ost_text_pattern *pattern, const ost_text_column *columns,
+                               const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                               int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     text_match(pattern, columns, lengths, text, end, n & ~(size_t)3, density, next);
     return n;
 }
 
-static size_t match_writes_what_is_not_matched(const ost_text_pattern *pattern, const ost_text_column *columns,
-                                               const uint8_t *lengths, const char *text, const char *end, size_t lines,
-                                               int16_t *density, const char **next)
+static size_t match_writes_an_unmatched_density(const ost_text_pattern *pattern, const ost_text_column *columns,
+                                                const uint8_t *lengths, const char *text, const char *end, size_t lines,
+                                                int16_t *density, const char **next)
 {
     const size_t n = text_match(pattern, columns, lengths, text, end, lines, density, next);
     if (n < lines)
@@ -577,70 +580,70 @@ static const struct wrong {
 #define FAULT (1u << CHECK_FAULT)
 #define STATE (1u << CHECK_STATE)
 #define BEYOND OR(CHECK_BEYOND, CHECK_FAULT)
-    WRONG(gather_row, gather_last_of_64, DIFFERS),
+    WRONG(gather_row, gather_wrong_last_of_64, DIFFERS),
     WRONG(gather_row, gather_writes_beyond, BEYOND),
     WRONG(gather_row, gather_reads_beyond, FAULT),
     WRONG(gather_row, gather_reads_before, FAULT),
     WRONG(gather_row, gather_writes_input, FAULT),
-    WRONG(blend_rows, blend_ties_up, DIFFERS),
+    WRONG(blend_rows, blend_rounds_ties_up, DIFFERS),
     WRONG(blend_rows, blend_writes_between, DIFFERS),
     WRONG(blend_rows, blend_reads_beyond, FAULT),
-    WRONG(stretch_row, stretch_without_the_least, DIFFERS),
+    WRONG(stretch_row, stretch_negates_least_weight, DIFFERS),
     WRONG(stretch_row, stretch_reads_beyond, FAULT),
-    WRONG(weigh_rows, weigh_ties_up, DIFFERS),
+    WRONG(weigh_rows, weigh_rounds_ties_up, DIFFERS),
     WRONG(weigh_rows, weigh_in_doubles, DIFFERS),
     WRONG(weigh_rows, weigh_writes_beyond, BEYOND),
     WRONG(brick_row, brick_above_threshold, DIFFERS),
     WRONG(brick_row, brick_wrong_highest, DIFFERS),
     WRONG(brick_row, brick_reads_beyond, FAULT),
     WRONG(brick_row, brick_writes_between, DIFFERS),
-    WRONG(any_active, any_one_more, OR(CHECK_DIFFERS, CHECK_FAULT)),
-    WRONG(any_active, any_not_the_last, DIFFERS),
+    WRONG(any_active, any_tests_one_column_too_many, OR(CHECK_DIFFERS, CHECK_FAULT)),
+    WRONG(any_active, any_omits_the_last_column, DIFFERS),
     WRONG(drain, drain_traps, FAULT),
     WRONG(drain, drain_never_ends, FAULT),
 #if defined __x86_64__
-    WRONG(drain, drain_rounds_down, STATE),
-    WRONG(drain, drain_leaves_mmx, STATE),
-    WRONG(drain, drain_leaves_halves, STATE),
+    WRONG(drain, drain_changes_rounding, STATE),
+    WRONG(drain, drain_leaves_mmx_in_use, STATE),
+    WRONG(drain, drain_leaves_upper_halves_in_use, STATE),
 #elif defined __aarch64__
-    WRONG(drain, drain_rounds_down, STATE),
+    WRONG(drain, drain_changes_rounding, STATE),
 #endif
-    WRONG(sample, sample_counts_one_less, DIFFERS),
+    WRONG(sample, sample_wrong_last, DIFFERS),
     WRONG(sample, sample_writes_beyond, BEYOND),
     WRONG(blocks, blocks_never_divides, DIFFERS),
-    WRONG(blocks, blocks_reach_one_less, DIFFERS),
-    WRONG(blocks, blocks_number_from_the_first, DIFFERS),
-    WRONG(split, split_no_last_cube, DIFFERS),
-    WRONG(split, split_begins_anew, DIFFERS),
-    WRONG(split, split_one_more_is_inside, DIFFERS),
+    WRONG(blocks, blocks_reach_is_one_less, DIFFERS),
+    WRONG(blocks, blocks_wrong_numbers, DIFFERS),
+    WRONG(split, split_omits_the_last_cube, DIFFERS),
+    WRONG(split, split_clears_a_list, DIFFERS),
+    WRONG(split, split_least_is_one_less, DIFFERS),
     WRONG(split, split_writes_beyond, DIFFERS),
     WRONG(split, split_reads_before_the_margin, FAULT),
-    WRONG(match, match_one_voxel, DIFFERS),
+    WRONG(match, match_wrong_voxel, DIFFERS),
     WRONG(match, match_without_carries, DIFFERS),
     WRONG(match, match_reads_beyond, FAULT),
     WRONG(match, match_writes_beyond, BEYOND),
-    WRONG(take, take_in_16_bits, DIFFERS),
-    WRONG(take, take_always, DIFFERS),
-    WRONG(take, take_not_the_513th, DIFFERS),
-    WRONG(take, take_writes_what_is_not_hit, DIFFERS),
-    WRONG(vox_mark, mark_not_the_last_slice, DIFFERS),
-    WRONG(vox_mark, mark_not_the_last, DIFFERS),
+    WRONG(take, take_sums_in_16_bits, DIFFERS),
+    WRONG(take, take_always_removes, DIFFERS),
+    WRONG(take, take_at_most_512_bricks, DIFFERS),
+    WRONG(take, take_clears_a_voxel_that_is_not_hit, DIFFERS),
+    WRONG(vox_mark, mark_omits_the_last_slice, DIFFERS),
+    WRONG(vox_mark, mark_omits_the_last_triangle, DIFFERS),
     WRONG(vox_mark, mark_reads_beyond, FAULT),
-    WRONG(vox_mark, mark_saturates, DIFFERS),
-    WRONG(vox_keys, keys_one_beyond, BEYOND),
-    WRONG(vox_keys, keys_never_many, DIFFERS),
+    WRONG(vox_mark, mark_clears_the_row_states, DIFFERS),
+    WRONG(vox_keys, keys_writes_beyond, BEYOND),
+    WRONG(vox_keys, keys_omits_the_many_value, DIFFERS),
     WRONG(vox_fill, fill_clears_nothing, DIFFERS),
-    WRONG(vox_fill, fill_proves_all, DIFFERS),
+    WRONG(vox_fill, fill_reports_all_rows_as_proven, DIFFERS),
     WRONG(vox_fill, fill_counts_wrong, DIFFERS),
-    WRONG(vox_fill, fill_forgets_spills, DIFFERS),
-    WRONG(vox_expand, expand_writes_eights, BEYOND),
-    WRONG(vox_expand, expand_reads_blocks, FAULT),
-    WRONG(vox_expand, expand_no_second_class, DIFFERS),
+    WRONG(vox_fill, fill_clears_the_spills, DIFFERS),
+    WRONG(vox_expand, expand_writes_beyond, BEYOND),
+    WRONG(vox_expand, expand_reads_beyond, FAULT),
+    WRONG(vox_expand, expand_omits_the_second_class, DIFFERS),
     WRONG(text_match, match_stops_early, DIFFERS),
-    WRONG(text_match, match_wraps, DIFFERS),
-    WRONG(text_match, match_goes_on_behind_the_end, DIFFERS),
-    WRONG(text_match, match_next_is_that_of_four, DIFFERS),
-    WRONG(text_match, match_writes_what_is_not_matched, DIFFERS),
+    WRONG(text_match, match_wraps_densities, DIFFERS),
+    WRONG(text_match, match_continues_after_the_end, DIFFERS),
+    WRONG(text_match, match_wrong_next, DIFFERS),
+    WRONG(text_match, match_writes_an_unmatched_density, DIFFERS),
     WRONG(text_match, match_reads_before, FAULT),
     WRONG(text_match, match_reads_past_the_margin, FAULT),
 };

@@ -63,7 +63,7 @@ static uint64_t hash_of(const intrinsic_case *c)
     return hash;
 }
 
-static void as_recorded(void **state)
+static void portable_results_equal_recorded_results(void **state)
 {
     (void)state;
     int wrong = 0;
@@ -73,7 +73,7 @@ static void as_recorded(void **state)
     assert_int_equal(wrong, 0);
 }
 
-static void as_the_processor(void **state)
+static void native_results_equal_recorded_results(void **state)
 {
     (void)state;
 #if HAVE_AVX512_BUILD
@@ -92,8 +92,8 @@ static void as_the_processor(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(as_recorded),
-        cmocka_unit_test(as_the_processor),
+        cmocka_unit_test(portable_results_equal_recorded_results),
+        cmocka_unit_test(native_results_equal_recorded_results),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
