@@ -161,7 +161,7 @@ static void scatter_round(machine *m, test_rng *rng, ost_backend *ref)
         free(samples);
     }
     if (memcmp(g.density, ((ref_grid *)expected)->voxels, g.voxels * 2) != 0)
-        fail_msg("%s: the rect grid differs", m->name);
+        fail_msg("%s: the rect grid differs from the reference", m->name);
     for (size_t v = 0; v < g.voxels; v++)
         assert_int_equal(g.seen[v / 32] >> (v % 32) & 1, ((ref_grid *)expected)->seen[v / 8] >> (v % 8) & 1);
     assert_int_equal(report.samples, expected_report.samples);
@@ -239,7 +239,7 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
                        BUFFER(voxels, count), BUFFER(out + from, size));
         }
         if (memcmp(out, ((ref_grid *)expected)->voxels, slice * (size_t)d.z * 2) != 0)
-            fail_msg("%s: the cubic grid differs", m->name);
+            fail_msg("%s: the cubic grid differs from the reference", m->name);
         free(out);
         free(sources);
         free(voxels);
@@ -432,7 +432,7 @@ static void chunks_round(machine *m, test_rng *rng)
         assert_int_equal(counted[next], chunk->active);
         if (memcmp(p.density + next * p.voxels, chunk->density, p.voxels * 2) != 0 ||
             memcmp(p.words + next * p.voxels / 32, chunk->occupancy, p.voxels / 8) != 0)
-            fail_msg("%s: chunk %zu of %d^3 differs", m->name, c, n);
+            fail_msg("%s: chunk %zu of %d^3 voxels differs from the reference", m->name, c, n);
         next++;
     }
     assert_int_equal(next, p.used);
@@ -454,7 +454,7 @@ static void chunks_round(machine *m, test_rng *rng)
             m->launch(m, K_ost_chunk_load_rows, args, 6, (const size_t[3]){(size_t)grid.chunk_dims.y, slices, 1});
     }
     if (memcmp(stored, loaded, count * 2) != 0)
-        fail_msg("%s: slices of %d^3 chunks differ", m->name, n);
+        fail_msg("%s: slices read from chunks of %d^3 voxels differ from the volume", m->name, n);
     ost_chunk_grid_free(&grid);
     free(voxels);
     free(stored);

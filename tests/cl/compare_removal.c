@@ -222,8 +222,8 @@ static void run(machine *m, const bone_pool *p, plan *e, const tool_tables *tabl
         }
     }
     if (touched != expected->touched_voxels || total != expected->total_voxels)
-        fail_msg("%s: %llu hit and %llu touched; the reference has %llu and %llu", m->name, (unsigned long long)total,
-                 (unsigned long long)touched, (unsigned long long)expected->total_voxels,
+        fail_msg("%s: %llu hits and %llu touched voxels; the reference has %llu and %llu", m->name,
+                 (unsigned long long)total, (unsigned long long)touched, (unsigned long long)expected->total_voxels,
                  (unsigned long long)expected->touched_voxels);
     size_t at = 0;
     for (int64_t c = 0; c < p->grid->count; c++) {

@@ -161,7 +161,8 @@ static void voxelize_round(machine *m, test_rng *rng)
         voxelize_mesh(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, found, &leaks);
     voxelize_mesh(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, found, &leaks);
     if (memcmp(found, expected, count) != 0)
-        fail_msg("%s: a tool of %d x %d x %d differs, rule %d", m->name, dims.x, dims.y, dims.z, (int)rule);
+        fail_msg("%s: a tool of %d x %d x %d voxels differs from the reference, rule %d", m->name, dims.x, dims.y,
+                 dims.z, (int)rule);
     assert_int_equal(leaks, report.leaking_rows);
     const ost_cl_vox vox = {.dims = {dims.x, dims.y, dims.z}, .k1 = dims.z};
     LAUNCH(m, ost_vox_count, dims.y, dims.z, 1, ONE(&vox), BUFFER(found, count), BUFFER(counts, 2 * dims.z));
@@ -179,7 +180,8 @@ static void voxelize_round(machine *m, test_rng *rng)
         voxelize_tiles(m, rng, &mesh[1], rule, OST_TOOL_NONCUTTING, false, found, tiled);
     voxelize_tiles(m, rng, &mesh[0], rule, OST_TOOL_CUTTING, both, found, tiled);
     if (!m->brief && memcmp(found, expected, count) != 0)
-        fail_msg("%s: a tool of %d x %d x %d by tiles differs, rule %d", m->name, dims.x, dims.y, dims.z, (int)rule);
+        fail_msg("%s: a tool of %d x %d x %d voxels, made in tiles, differs from the reference, rule %d", m->name,
+                 dims.x, dims.y, dims.z, (int)rule);
     if (!m->brief) {
         assert_int_equal(tiled[0], report.solid_voxels);
         assert_int_equal(tiled[1], report.cutting_voxels);
@@ -244,8 +246,8 @@ void compare_reach(machine *m, test_rng *rng, int rounds)
                     const bool probe = count < 800 || rng_range(rng, 0, (int64_t)count / 100) == 0;
                     assert_int_equal(cells[0][v] & 3, classes[v]);
                     if (probe && cells[0][v] >> 2 != reach_at(classes, tool.dims, x, y, z))
-                        fail_msg("%s: cell (%d, %d, %d) of %d x %d x %d reaches %d, not %d", m->name, x, y, z,
-                                 tool.dims[0], tool.dims[1], tool.dims[2], cells[0][v] >> 2,
+                        fail_msg("%s: the reach of cell (%d, %d, %d) of %d x %d x %d is %d, expected %d", m->name, x, y,
+                                 z, tool.dims[0], tool.dims[1], tool.dims[2], cells[0][v] >> 2,
                                  reach_at(classes, tool.dims, x, y, z));
                 }
         free(classes);
@@ -296,7 +298,7 @@ void compare_fingerprint(machine *m, test_rng *rng, int rounds)
             ost_cl_fingerprint_expect(in[2 * i], in[2 * i + 1], expected);
             for (size_t k = 0; k < OST_CL_FINGERPRINT; k++)
                 if (out[i * OST_CL_FINGERPRINT + k] != expected[k])
-                    fail_msg("%s: word %zu of (%llx, %llx) is %llx, not %llx", m->name, k,
+                    fail_msg("%s: result %zu for the inputs %llx and %llx is %llx, expected %llx", m->name, k,
                              (unsigned long long)in[2 * i], (unsigned long long)in[2 * i + 1],
                              (unsigned long long)out[i * OST_CL_FINGERPRINT + k], (unsigned long long)expected[k]);
         }
@@ -307,7 +309,7 @@ void compare_fingerprint(machine *m, test_rng *rng, int rounds)
         ost_cl_fingerprint_expect_atomics(in, (uint32_t)words, right);
         for (size_t k = 0; k < OST_CL_FINGERPRINT_COUNTERS; k++)
             if (counters[k] != right[k])
-                fail_msg("%s: counter %zu is %x, not %x", m->name, k, counters[k], right[k]);
+                fail_msg("%s: counter %zu is %x, expected %x", m->name, k, counters[k], right[k]);
     }
     assert_true(m->brief || machine_turns(m) == OST_CL_TURNS);
     free(in);

@@ -11,9 +11,9 @@ reason() {
     while name=$(value "backends.$i.name") && [ -n "$name" ]; do
         if [ "$name" = '"cl"' ] || [ "$name" = cl ]; then
             available=$(value "backends.$i.available")
-            check "cl is available" "$available" false
+            check "availability of backend cl" "$available" false
             checks=$((checks + 1))
-            value "backends.$i.reason" | grep -q -- "$1" || fail "the reason '$(value "backends.$i.reason")' does not say '$1'"
+            value "backends.$i.reason" | grep -q -- "$1" || fail "the reason '$(value "backends.$i.reason")' does not contain '$1'"
             return
         fi
         i=$((i + 1))
@@ -40,6 +40,6 @@ for folder in empty broken; do
     [ $meshes = yes ] || continue
     run 0 voxelize peg.stl --voxel 1 --out peg.nrrd
     refuse 3 "backend 'cl' is not available" voxelize peg.stl --voxel 1 --out other.nrrd --backend cl
-    [ ! -e other.nrrd ] || fail "an output appeared"
+    [ ! -e other.nrrd ] || fail "the refused command wrote other.nrrd"
 done
 finish

@@ -119,7 +119,7 @@ static void failover_after_a_random_failure(void **state)
             ost_status status = ost_world_step(failing.world, &p.ticks[i], &b, &err);
             if (status != OST_OK) {
                 if (moved || !shim_failed())
-                    fail_msg("tick %d: %s", i, err.text);
+                    fail_msg("tick %d failed without an injected failure, or after the failover: %s", i, err.text);
                 assert_non_null(strstr(err.text, "OpenCL device '"));
                 continue_ticks(&failing, other);
                 moved = true;
@@ -166,7 +166,7 @@ static void failover_after_a_random_failure(void **state)
         printf("# %s: failed in %d of %d rounds\n", shim_names[calls[c]], failures[c], rounds / CALLS);
         all += failures[c];
     }
-    printf("# after the last tick: %d\n", late);
+    printf("# failures after the last tick: %d\n", late);
     assert_true(all >= rounds / 3);
 }
 

@@ -11,7 +11,7 @@ skip() {
     exit 77
 }
 grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || skip "built without OpenCL"
-[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime wants to be the first library"
+[ -z "${OST_SAN_CFLAGS:-}" ] || skip "the run-time library of a sanitizer must be loaded first"
 mkdir -p "$build/tests/cl/cache"
 export XDG_CACHE_HOME="$build/tests/cl/cache"
 
@@ -65,7 +65,7 @@ QUEUE(clEnqueueWriteBuffer,
       (cl_command_queue q, cl_mem b, cl_bool s, size_t o, size_t n, const void *p, cl_uint c, const cl_event *w, cl_event *e),
       (q, b, s, o, n, p, c, w, e))
 END
-${CC:-cc} -shared -fPIC -o failing.so failing.c -ldl 2>cc.log || skip "cannot make a library here: $(head -n 1 cc.log)"
+${CC:-cc} -shared -fPIC -o failing.so failing.c -ldl 2>cc.log || skip "cannot build the failing library: $(head -n 1 cc.log)"
 export LAUNCHES="$scratch/launches"
 
 run 0 phantom glenoid --out ct.txt
@@ -77,13 +77,13 @@ ream="ream --bone bone.nrrd --tool reamer.nrrd --path builtin:glenoid-ream --rat
 
 run 0 $ream --out cpu.nrrd
 checks=$((checks + 1))
-cmp cpu.nrrd cl.nrrd || fail "cl makes another file"
+cmp cpu.nrrd cl.nrrd || fail "the output of backend cl differs from that of backend cpu"
 
 export LD_PRELOAD="$scratch/failing.so"
 run 0 $ream --out counted.nrrd --backend cl
 many=$(cat launches)
 echo "# $many launches"
-[ "$many" -gt 100 ] || fail "$many launches are too few for a tick to fail"
+[ "$many" -gt 100 ] || fail "only $many kernels were launched; more than 100 are needed"
 
 # The device fails after 20 % of the launches, and in another run after 97 %.
 for percent in 20 97; do
@@ -91,14 +91,14 @@ for percent in 20 97; do
     export FAIL_AT
     run 0 $ream --out failing.nrrd --backend cl --json
     checks=$((checks + 1))
-    cmp cpu.nrrd failing.nrrd || fail "the file differs when launch $FAIL_AT fails"
+    cmp cpu.nrrd failing.nrrd || fail "the output differs if launch $FAIL_AT fails"
     has failover.ticks failover.reason
-    echo "# launch $FAIL_AT of $many failed after $(value failover.ticks) whole ticks"
+    echo "# launch $FAIL_AT of $many failed after $(value failover.ticks) complete ticks"
     check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
     checks=$((checks + 1))
-    grep -q 'failover to backend cpu' err || fail "nothing is said but '$(cat err)'"
+    grep -q 'failover to backend cpu' err || fail "standard error does not report the failover: '$(cat err)'"
     run 2 $ream --out stopped.nrrd --backend cl --no-failover
     check "lines on standard error" "$(wc -l <err | tr -d ' ')" 1
-    [ ! -e stopped.nrrd ] || fail "an output of a stopped run appeared"
+    [ ! -e stopped.nrrd ] || fail "the stopped run wrote an output file"
 done
 finish

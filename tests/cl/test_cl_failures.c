@@ -260,7 +260,7 @@ static int stride_of(const session *s)
     const double took = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
     const int stride = lengthy && strcmp(lengthy, "1") == 0 ? 1 : 1 + (int)(took * CALLS / SECONDS);
     if (stride > 1)
-        printf("# a session takes %.1f s here: every call number 1 + %d n is refused\n", took, stride);
+        printf("# a session takes %.1f s on this device: only every call number 1 + %d n fails\n", took, stride);
     return stride;
 }
 
@@ -291,15 +291,16 @@ static void fail_every_call(bool lost)
             refused++;
             if (status == OST_OK) {
                 if (!failure_may_be_overcome((enum shim_call)call))
-                    fail_msg("%s, call %d, was refused and nothing was said", shim_names[call], n);
+                    fail_msg("call %d of %s failed, but no error was reported", n, shim_names[call]);
                 continue;
             }
             if (!err.text[0] || strchr(err.text, '\n'))
-                fail_msg("%s, call %d: the text is '%s'", shim_names[call], n, err.text);
+                fail_msg("call %d of %s failed: the error '%s' is not one line", n, shim_names[call], err.text);
             if (!failure_may_be_overcome((enum shim_call)call) && !strstr(err.text, "OpenCL device '"))
-                fail_msg("%s, call %d: '%s' names no device", shim_names[call], n, err.text);
+                fail_msg("call %d of %s failed: the error '%s' does not name the device", n, shim_names[call],
+                         err.text);
         }
-        printf("# %s: %d calls refused%s\n", shim_names[call], refused, lost ? ", the device lost" : "");
+        printf("# %s: %d calls failed%s\n", shim_names[call], refused, lost ? ", each with a loss of the device" : "");
     }
     shim_fail(SHIM_clFinish, 0, false);
     free_session(&s);

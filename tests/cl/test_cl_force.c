@@ -100,8 +100,8 @@ static void press(const char *kernels, int chunk, ost_force_mode mode)
         hand.t.z += 120 * UM;
         const ost_step_result x = advance(&ref, &hand, i, &a), y = advance(&cl, &hand, i, &b);
         if (memcmp(&a, &b, sizeof a) != 0)
-            fail_msg("tick %d: %d points touch bone, %d on cl; %g N along z, %g N on cl", i, a.touching, b.touching,
-                     a.force_n[2], b.force_n[2]);
+            fail_msg("tick %d: ref has %d points in contact and %g N along z; cl has %d points and %g N", i, a.touching,
+                     a.force_n[2], b.touching, b.force_n[2]);
         assert_int_equal(x.removal, y.removal);
         if (x.removal) {
             assert_same_report(x.report, y.report);

@@ -36,7 +36,8 @@ static void assert_all_released(void)
         const shim_count count = shim_objects((enum shim_object)kind);
         printf("# %s: %ld created, %ld released\n", shim_object_names[kind], count.created, count.released);
         if (count.created != count.released)
-            fail_msg("%s: %ld created, %ld released", shim_object_names[kind], count.created, count.released);
+            fail_msg("%s: %ld objects were created, but %ld were released", shim_object_names[kind], count.created,
+                     count.released);
     }
 }
 
@@ -163,12 +164,12 @@ static void many_events_do_not_grow_memory(void **state)
     const ost_digest expected = digest_of(s.bone[0]), got = digest_of(s.bone[1]);
     assert_memory_equal(&got, &expected, sizeof got);
     const long grown = resident_kib() - size;
-    printf("# %d events, %ld voxels, filled again %ld times; resident %ld KiB, grown by %ld KiB\n", events, removed,
-           filled, size, grown);
+    printf("# %d events, %ld voxels removed, bone filled again %ld times; resident %ld KiB, growth %ld KiB\n", events,
+           removed, filled, size, grown);
     assert_true(filled > 0 || events < 4000);
     assert_int_equal(shim_alive(), objects);
     if (size_is_meaningful() && grown > 4096)
-        fail_msg("the process grew by %ld KiB", grown);
+        fail_msg("the resident size grew by %ld KiB; at most 4096 KiB are allowed", grown);
     free_scene(&s);
     assert_all_released();
 }

@@ -41,7 +41,7 @@ static void options(void **state)
          "staging=9999999999"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         if (ost_cl_options_read(wrong[i], &o, &err) != OST_ERR_USAGE)
-            fail_msg("'%s' is taken", wrong[i]);
+            fail_msg("the options '%s' were accepted", wrong[i]);
 
     ost_cl_device d = {
         .platform_index = 1, .device_index = 2, .platform_name = "Portable Computing Language", .name = "pthread-Xeon"};
@@ -66,7 +66,7 @@ static void options(void **state)
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         assert_ok(ost_cl_options_read(words[i].text, &o, &err));
         if (ost_cl_options_match(&o, &d) != words[i].fits)
-            fail_msg("'%s'", words[i].text);
+            fail_msg("the options '%s' %s the device", words[i].text, words[i].fits ? "do not match" : "match");
     }
 }
 
@@ -135,7 +135,7 @@ static void refused_with_info(cl_device_info what, const void *value, size_t siz
     answer_size = size;
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     if (!strstr(err.text, reason))
-        fail_msg("'%s' does not say '%s'", err.text, reason);
+        fail_msg("the error '%s' does not contain '%s'", err.text, reason);
     assert_false(ost_cl_available_with(&api, text, sizeof text));
     assert_true(text[0] != 0);
 }
@@ -566,9 +566,9 @@ static void damaged_cache_entries_are_replaced(void **state)
        returning an error. */
     ost_digest checksum;
     if (on_platform("rusticl"))
-        printf("# a binary that is rubbish: left out, rusticl panics\n");
+        printf("# an invalid binary is not tested, because rusticl aborts the process\n");
     else {
-        const char rubbish[] = "not what a driver made";
+        const char rubbish[] = "not a driver's binary";
         const uint64_t length = sizeof rubbish;
         assert_int_equal(ost_digest_bytes(rubbish, sizeof rubbish, &checksum, NULL), OST_OK);
         memcpy(bad, good, 80);
@@ -650,7 +650,7 @@ static void cache_of_other_users_is_not_used(void **state)
         assert_false(opened_from_cache());
         assert_false(opened_from_cache());
     } else
-        printf("# not root: a folder of another user is left out\n");
+        printf("# a folder of another user is not tested, because only root can create it\n");
 
     end_cache(cache, before);
 }
@@ -688,7 +688,7 @@ static void cache_key_depends_on_driver_settings(void **state)
             unsetenv(matter[i]);
         free(kept);
         if (ost_digest_equal(&one, &before) || ost_digest_equal(&one, &other))
-            fail_msg("%s does not count", matter[i]);
+            fail_msg("the cache key does not depend on %s", matter[i]);
     }
     for (size_t i = 0; i < sizeof do_not / sizeof do_not[0]; i++) {
         char *kept = getenv(do_not[i]) ? strdup(getenv(do_not[i])) : NULL;
@@ -700,7 +700,7 @@ static void cache_key_depends_on_driver_settings(void **state)
             unsetenv(do_not[i]);
         free(kept);
         if (!ost_digest_equal(&now, &before))
-            fail_msg("%s counts", do_not[i]);
+            fail_msg("the cache key depends on %s", do_not[i]);
     }
     /* The key does not depend on the order in which the variables were set. */
     setenv("POCL_B", "1", 1);

@@ -29,20 +29,24 @@ python=$(command -v python3) || skip "no python3"
 "$python" - "$device" $sets >problems <<'END'
 import json, sys
 device, sets = sys.argv[1], sys.argv[2:]
-said = {b["name"]: b for b in json.load(open("json"))["backends"]}
+reported = {b["name"]: b for b in json.load(open("json"))["backends"]}
 stored = json.load(open("bundle/environment.json"))["paths"]
 shown = open("out").read()
 own = {"cpu": ("kernel ost_chunk_scan_layers", "kernel ost_remove_blocks"), "gpu": ("kernel ost_chunk_scan", "kernel ost_remove")}
 for name in sets:
-    b = said["%s,kernels=%s" % (device, name)]
+    b = reported["%s,kernels=%s" % (device, name)]
     other = "gpu" if name == "cpu" else "cpu"
     both = set(b["entered"]) | set(b["not_entered"])
-    if b["equal"] != 1: print("equal", b)
-    if own[name][0] not in b["entered"]: print("an import scans chunks", name, b["entered"])
-    if own[name][1] not in b["not_entered"]: print("an import removes nothing", name, b["not_entered"])
-    if both & set(own[other]): print("a kernel of the other set", name)
-    if stored[b["name"]] != {"entered": b["entered"], "not_entered": b["not_entered"]}: print("the bundle differs", name)
-    if "not entered: " + ", ".join(b["not_entered"])[:200] not in shown: print("the line", name)
+    if b["equal"] != 1: print("the number of equal cases is not 1:", b)
+    if own[name][0] not in b["entered"]:
+        print(name, "does not list", own[name][0], "as entered, although an import runs it:", b["entered"])
+    if own[name][1] not in b["not_entered"]:
+        print(name, "does not list", own[name][1], "as not entered, although an import does not run it:", b["not_entered"])
+    if both & set(own[other]): print(name, "lists a kernel of the other set")
+    if stored[b["name"]] != {"entered": b["entered"], "not_entered": b["not_entered"]}:
+        print("the paths in the bundle differ from the output of --json for", name)
+    if "not entered: " + ", ".join(b["not_entered"])[:200] not in shown:
+        print("the output does not list the paths that were not entered for", name)
 END
 check "sets and paths" "$(cat problems)" ""
 finish

@@ -558,7 +558,7 @@ static void every_path_was_entered(void **state)
     int missing = 0;
     for (int i = 0; i < path_count; i++)
         if (paths[i].entered == 0) {
-            print_error("kernels=%s: not entered: %s\n", set, paths[i].name);
+            print_error("kernels=%s: the path '%s' was not entered\n", set, paths[i].name);
             missing++;
         }
     assert_int_equal(missing, 0);

@@ -22,7 +22,7 @@ compiles() {
 }
 
 compiles yes ''
-grep -q . log && fail "a warning without a violation: $(head -n 3 log)"
+grep -q . log && fail "the compiler prints a warning although no condition is violated: $(head -n 3 log)"
 compiles no 'little-endian' -U__BYTE_ORDER__ -D__BYTE_ORDER__=__ORDER_BIG_ENDIAN__
 compiles no 'little-endian' -U__BYTE_ORDER__
 compiles no 'fast-math' -ffast-math

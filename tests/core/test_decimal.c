@@ -17,7 +17,7 @@ static ost_decimal decimal(const char *text)
     ost_decimal d = {0};
     const char *end = text + strlen(text);
     if (ost_decimal_read(text, end, &d) != end)
-        fail_msg("'%s' was not read to its end", text);
+        fail_msg("only a part of '%s' was read", text);
     return d;
 }
 
@@ -95,7 +95,8 @@ static void integer_values_are_recognized(void **state)
         const ost_decimal d = decimal(row[i].text);
         uint64_t magnitude = 99;
         if (ost_decimal_integer(&d, &magnitude) != row[i].is || (row[i].is && magnitude != row[i].magnitude))
-            fail_msg("%s", row[i].text);
+            fail_msg("%s: the integer value is %llu, expected %llu", row[i].text, (unsigned long long)magnitude,
+                     (unsigned long long)row[i].magnitude);
     }
 }
 

@@ -46,8 +46,8 @@ static void levels_of_known_processors(void **state)
     (void)state;
     for (int i = 0; i < MACHINES; i++)
         if (ost_isa_decide(&machines[i].cpuid) != machines[i].level)
-            fail_msg("%s: %s, not %s", machines[i].name, ost_isa_name(ost_isa_decide(&machines[i].cpuid)),
-                     ost_isa_name(machines[i].level));
+            fail_msg("%s: the level is %s, expected %s", machines[i].name,
+                     ost_isa_name(ost_isa_decide(&machines[i].cpuid)), ost_isa_name(machines[i].level));
 }
 
 /*

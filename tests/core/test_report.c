@@ -81,7 +81,7 @@ static void classes_are_parsed(void **state)
                                       "a:1,b:2,c:3,d:4,e:5,f:6,g:7,h:8,i:9", "averyveryverylongnameindeed:5"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         if (ost_density_classes_parse(bad[i], &c, NULL) != OST_ERR_USAGE)
-            fail_msg("'%s' was taken", bad[i]);
+            fail_msg("'%s' was accepted as density classes", bad[i]);
     /* AR-CLS-1 */
     c = ost_density_classes_default();
     assert_int_equal(c.count, 3);

@@ -50,7 +50,7 @@ static void versions_are_equal(void **state)
     assert_int_equal(ost_version_number(), OST_VERSION);
     assert_int_equal(OST_VERSION_NUMBER(1, 2, 3), 1002003);
 #if OST_VERSION < OST_VERSION_NUMBER(0, 2, 0) || OST_VERSION >= OST_VERSION_NUMBER(1, 0, 0)
-    fail_msg("the preprocessor compares versions otherwise");
+    fail_msg("the preprocessor does not find OST_VERSION between 0.2.0 and 1.0.0");
 #endif
 }
 

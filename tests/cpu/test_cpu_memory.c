@@ -79,8 +79,8 @@ static void memory_of_an_imported_scapula(void **state)
     ost_bone *bone = bone_of(backend, &ct);
     const int64_t grown = resident() - before;
     assert_ok(ost_bone_info_get(bone, &info, &err));
-    print_message("densities %lld, chunks %lld, by its own account %lld (%.1f %% more than densities), the process "
-                  "grew by %lld\n",
+    print_message("bytes: densities %lld, chunks %lld, reported by the backend %lld (%.1f %% more than densities), "
+                  "growth of the process %lld\n",
                   (long long)densities, (long long)info.chunk_bytes, (long long)info.resident_bytes,
                   100.0 * (double)(info.resident_bytes - densities) / (double)densities, (long long)grown);
     assert_int_equal(info.active_chunks, SCAPULA_CHUNKS);

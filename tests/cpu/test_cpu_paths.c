@@ -34,7 +34,7 @@ static bool entered(const seen *s, const char *name)
     for (int i = 0; i < s->count; i++)
         if (strcmp(s->name[i], name) == 0)
             return s->entered[i] > 0;
-    fail_msg("no path '%s'", name);
+    fail_msg("the backend has no path '%s'", name);
     return false;
 }
 
@@ -150,7 +150,7 @@ static void the_smallest_grain_enters_every_path(void **state)
                 continue;
 #endif
             if (!all.entered[i])
-                fail_msg("%s: '%s' was not entered", spec, all.name[i]);
+                fail_msg("%s: the path '%s' was not entered", spec, all.name[i]);
         }
     }
 }
@@ -165,7 +165,7 @@ static void small_work_is_not_divided(void **state)
     assert_int_equal(small.count, PATHS);
     for (int i = 0; i < small.count; i++)
         if (strcmp(small.name[i], "upload of a bone on 3 threads") != 0 && small.entered[i])
-            fail_msg("'%s' was entered", small.name[i]);
+            fail_msg("the path '%s' was entered, although the work is small", small.name[i]);
 }
 
 /* Each item of a team's work must be processed exactly once. Empty work has no items. */
@@ -213,7 +213,7 @@ static void large_removal_is_divided(void **state)
         char name[OST_PATH_NAME];
         snprintf(name, sizeof name, "%s on 3 threads", shared[i]);
         if (!entered(&large, name))
-            fail_msg("'%s' was not entered", name);
+            fail_msg("the path '%s' was not entered", name);
     }
 #endif
     assert_true(entered(&large, "scatter in several blocks"));

@@ -40,8 +40,8 @@ static void compare_bits(const ost_backend *backend, const ost_snapped_mesh *cut
                 const int cuts = bits[0][r * words + i / 64] >> (i % 64) & 1,
                           touches = bits[1][r * words + i / 64] >> (i % 64) & 1;
                 if (cuts != (want == OST_TOOL_CUTTING) || (both && touches != (want == OST_TOOL_NONCUTTING)))
-                    fail_msg("%s, rule %d: bit %zu of row %zu is %d, %d; the reference says %d", what, (int)rule, i, r,
-                             cuts, touches, want);
+                    fail_msg("%s, rule %d: bit %zu of row %zu: cutting %d, not cutting %d; the reference's class is %d",
+                             what, (int)rule, i, r, cuts, touches, want);
             }
     }
     free(bits[0]);
@@ -71,17 +71,19 @@ static void compare_one(const char *spec, bool tiny, const ost_snapped_mesh *cut
         const ost_dims d = cutting->grid.dims;
         for (size_t i = 0; i < (size_t)ost_dims_count(d); i++)
             if (volume.voxels[i] != expected[i])
-                fail_msg("%s, %s, rule %d: voxel (%d, %d, %d) of %d x %d x %d is %d, the reference says %d", what, spec,
+                fail_msg("%s, %s, rule %d: voxel (%d, %d, %d) of %d x %d x %d is %d, in the reference %d", what, spec,
                          (int)rule, (int)(i % (size_t)d.x), (int)(i / (size_t)d.x % (size_t)d.y),
                          (int)(i / (size_t)d.x / (size_t)d.y), d.x, d.y, d.z, volume.voxels[i], expected[i]);
         if (report.solid_voxels != expected_report->solid_voxels ||
             report.cutting_voxels != expected_report->cutting_voxels ||
             report.leaking_rows != expected_report->leaking_rows)
-            fail_msg(
-                "%s, %s, rule %d: %llu solid, %llu cutting, %llu leaking; the reference says %llu, %llu, %llu", what,
-                spec, (int)rule, (unsigned long long)report.solid_voxels, (unsigned long long)report.cutting_voxels,
-                (unsigned long long)report.leaking_rows, (unsigned long long)expected_report->solid_voxels,
-                (unsigned long long)expected_report->cutting_voxels, (unsigned long long)expected_report->leaking_rows);
+            fail_msg("%s, %s, rule %d: %llu solid and %llu cutting voxels, %llu leaking rows; "
+                     "the reference has %llu, %llu and %llu",
+                     what, spec, (int)rule, (unsigned long long)report.solid_voxels,
+                     (unsigned long long)report.cutting_voxels, (unsigned long long)report.leaking_rows,
+                     (unsigned long long)expected_report->solid_voxels,
+                     (unsigned long long)expected_report->cutting_voxels,
+                     (unsigned long long)expected_report->leaking_rows);
         ost_tool_volume_free(&volume);
         ost_tool_free(tool);
     }

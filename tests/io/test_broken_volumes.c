@@ -192,7 +192,7 @@ static void assert_truncated_is_refused(const char *name, const bytes *good)
         memset(&err, 0, sizeof err);
         ost_status status = ost_volume_read(at(name), NULL, &v, NULL, &err);
         if (status != OST_ERR_INPUT || !strstr(err.text, name) || v.voxels)
-            fail_msg("%s cut to %zu bytes: %s (%s)", name, n, ost_status_name(status), err.text);
+            fail_msg("%s truncated to %zu bytes: %s (%s)", name, n, ost_status_name(status), err.text);
     }
     cut.size = 0;
     put_bytes(&cut, good->data, good->size);

@@ -258,7 +258,7 @@ static void reads_pixels(void **state)
         put(&a, cases[i].type, cases[i].index, cases[i].size, NULL);
         assert_int_equal(read_with(&stack, send_of(&a), got), OST_ERR_INPUT);
         if (!strstr(err.text, cases[i].text))
-            fail_msg("case %zu: %s", i, err.text);
+            fail_msg("case %zu: the error '%s' does not contain '%s'", i, err.text, cases[i].text);
     }
     a.size = 0;
     put(&a, OST_DICOM_FILE, 0, sizeof damaged, &damaged);

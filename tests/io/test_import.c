@@ -235,7 +235,7 @@ static void every_orientation_equals_the_volume(void **state)
         assert_true(ost_geometry_equal(&result.rect, &volume.geometry));
         assert_string_equal(result.stages[0].name, "rect");
         if (!ost_digest_equal(&direct, &result.stages[0].digest))
-            fail_msg("case %d", c);
+            fail_msg("orientation %d: the digest of the rect grid differs from the digest of the volume", c);
         ost_volume_free(&volume);
     }
 }
@@ -708,7 +708,7 @@ static int import_within_bounds(const char *spec, const char *path)
     }
     ost_backend_close(backend);
     const long grown = peak_kib() - before;
-    print_message("peak grew by %ld KiB\n", grown);
+    print_message("the peak memory grew by %ld KiB\n", grown);
     return grown < 10 * 1024 && result.scatter.samples == 1000000 ? BOUNDED : GREW;
 }
 
@@ -769,7 +769,7 @@ static void bone_larger_than_memory_is_refused(void **state)
     assert_null(bone);
     assert_int_equal(result.stage_count, 2);
     if (!strstr(err.text, "fine.txt: with cubic voxels of 0.015625 mm the bone takes 137 GB; this machine has "))
-        fail_msg("%s", err.text);
+        fail_msg("the error is '%s'", err.text);
 }
 
 int main(int argc, char **argv)

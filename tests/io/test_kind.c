@@ -55,7 +55,7 @@ static void type_is_found_by_content(void **state)
     char *folder = scratch_folder();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
         if (kind_of(folder, cases[i].name, cases[i].text, strlen(cases[i].text)) != cases[i].kind)
-            fail_msg("case %zu (%s)", i, cases[i].name);
+            fail_msg("case %zu: the type of %s is not %d", i, cases[i].name, (int)cases[i].kind);
     scratch_remove(folder);
 }
 
@@ -147,7 +147,8 @@ static void refuses_foreign_formats(void **state)
         const char *path = scratch_write(folder, cases[i].name, file, cases[i].offset + cases[i].size);
         assert_int_equal(ost_file_kind_find(path, &kind, &err), OST_ERR_INPUT);
         if (!strstr(err.text, cases[i].what) || !strstr(err.text, cases[i].remedy))
-            fail_msg("case %zu (%s): %s", i, cases[i].name, err.text);
+            fail_msg("case %zu (%s): the error '%s' does not contain '%s' and '%s'", i, cases[i].name, err.text,
+                     cases[i].what, cases[i].remedy);
     }
     scratch_remove(folder);
 }

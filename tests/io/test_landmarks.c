@@ -71,7 +71,7 @@ static void assert_points(const char *name)
     ost_error err = {0};
     ost_landmarks all;
     if (ost_landmarks_read(at(name), &all, &err) != OST_OK)
-        fail_msg("%s", err.text);
+        fail_msg("%s was refused: %s", name, err.text);
     assert_int_equal(all.count, POINTS);
     for (int i = 0; i < POINTS; i++) {
         assert_string_equal(all.items[i].label, points[i].label);
@@ -202,7 +202,7 @@ static void refuses_invalid_files(void **state)
         write_file(cases[i].name, cases[i].text, strlen(cases[i].text));
         assert_int_not_equal(ost_landmarks_read(at(cases[i].name), &all, &err), OST_OK);
         if (!strstr(err.text, cases[i].message))
-            fail_msg("'%s' does not say '%s'", err.text, cases[i].message);
+            fail_msg("the error '%s' does not contain '%s'", err.text, cases[i].message);
         assert_null(all.items);
     }
     ost_error err = {0};

@@ -40,7 +40,7 @@ static ost_volume_report assert_reads(const char *name)
     assert_int_equal(v.geometry.dims.z, NZ);
     for (int n = 0; n < COUNT; n++)
         if (v.voxels[n] != density(n))
-            fail_msg("%s: voxel %d is %d, not %d", name, n, v.voxels[n], density(n));
+            fail_msg("%s: voxel %d is %d, expected %d", name, n, v.voxels[n], density(n));
     ost_volume_free(&v);
     return report;
 }

@@ -21,9 +21,11 @@ static void assert_grid(const ost_volume *v, ost_pm sx, ost_pm sy, ost_pm sz, os
 {
     const ost_geometry expected = {v->geometry.dims, {sx, sy, sz}, {ox, oy, oz}};
     if (!ost_geometry_equal(&v->geometry, &expected))
-        fail_msg("spacing %lld %lld %lld origin %lld %lld %lld pm", (long long)v->geometry.spacing.x,
-                 (long long)v->geometry.spacing.y, (long long)v->geometry.spacing.z, (long long)v->geometry.origin.x,
-                 (long long)v->geometry.origin.y, (long long)v->geometry.origin.z);
+        fail_msg("spacing (%lld, %lld, %lld), origin (%lld, %lld, %lld) pm; expected spacing (%lld, %lld, %lld), "
+                 "origin (%lld, %lld, %lld) pm",
+                 (long long)v->geometry.spacing.x, (long long)v->geometry.spacing.y, (long long)v->geometry.spacing.z,
+                 (long long)v->geometry.origin.x, (long long)v->geometry.origin.y, (long long)v->geometry.origin.z,
+                 (long long)sx, (long long)sy, (long long)sz, (long long)ox, (long long)oy, (long long)oz);
 }
 
 static void every_type_version_and_order(void **state)

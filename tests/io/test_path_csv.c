@@ -215,7 +215,7 @@ static void gaps_between_rows_are_detected(void **state)
         for (int i = 0; i < g->count; i++) {
             gaps += g->lifted[i];
             if (path.ticks[i].lifted != g->lifted[i])
-                fail_msg("case %zu: row %d is %slifted", c, i, path.ticks[i].lifted ? "" : "not ");
+                fail_msg("case %zu: lifted of row %d is %d, expected %d", c, i, path.ticks[i].lifted, g->lifted[i]);
         }
         assert_int_equal(report.gaps, gaps);
         ost_path_free(&path);

@@ -305,7 +305,7 @@ static bool compare(ost_backend *backend, const text *t, ost_pm3 given, test_rng
     ost_error err = {0};
     ost_status status = ost_import(backend, path, &options, &bone, NULL, &err);
     if (slow.status != OST_OK && (status != slow.status || strcmp(err.text, slow.err.text) != 0))
-        fail_msg("two passes say '%s', the import '%s'", slow.err.text, err.text);
+        fail_msg("reading in two passes reports '%s'; the import reports '%s'", slow.err.text, err.text);
     ost_bone_free(bone);
     outcome_free(&slow);
     return found;
@@ -361,7 +361,7 @@ static void scans_are_read_in_one_pass(void **state)
         if (!r.thirds[0] && !r.thirds[1] && !r.thirds[2]) {
             plain++;
             if (!is)
-                fail_msg("round %d is a scan", round);
+                fail_msg("round %d: the text is a scan but was not accepted as one", round);
         }
         unmake(&t);
     }

@@ -132,7 +132,7 @@ static void killed_at_random_moments(void **state)
         const int64_t lost = kill_once(path, s, rng_range(&rng, 0, 250000));
         worst = lost > worst ? lost : worst;
     }
-    printf("# %d kills; the one that cost most: the last %.1f ms\n", kills, (double)worst * 1e-6);
+    printf("# %d kills; a kill lost at most the last %.1f ms\n", kills, (double)worst * 1e-6);
     munmap(s, sizeof *s);
 }
 

@@ -443,7 +443,7 @@ static void refuses_truncated_files(void **state)
             write_file("t", b->data, size);
             const ost_status status = ost_volume_read(at("t"), &spaced, &v, NULL, &err);
             if (status == OST_OK)
-                fail_msg("format %d: the first %zu of %zu bytes are read", format, size, b->size);
+                fail_msg("format %d: a file with only the first %zu of %zu bytes was accepted", format, size, b->size);
             assert_null(v.voxels);
             assert_non_null(strstr(err.text, scratch));
         }

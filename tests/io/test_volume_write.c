@@ -439,7 +439,7 @@ static void tools_of_other_programs(void **state)
         write_tool(bad[i].fields, bad[i].values);
         assert_int_equal(ost_tool_volume_read(at("t.nrrd"), &tool, &err), OST_ERR_INPUT);
         if (!strstr(err.text, bad[i].words))
-            fail_msg("%s: '%s' was expected", err.text, bad[i].words);
+            fail_msg("the error '%s' does not contain '%s'", err.text, bad[i].words);
         assert_null(tool.voxels);
     }
 }
@@ -468,7 +468,7 @@ static void bones_are_written_in_slabs(void **state)
     assert_true(ost_geometry_equal(&back.geometry, &g));
     for (int64_t i = 0; i < ost_dims_count(g.dims); i++)
         if (back.voxels[i] != (v.voxels[i] >= 150 ? v.voxels[i] : 0))
-            fail_msg("voxel %lld is %d, from %d", (long long)i, back.voxels[i], v.voxels[i]);
+            fail_msg("voxel %lld is %d; it was written as %d", (long long)i, back.voxels[i], v.voxels[i]);
     assert_string_equal(ost_meta_get(&back.meta, OST_META_KIND), "bone");
     assert_string_equal(ost_meta_get(&back.meta, OST_META_THRESHOLD), "150");
     assert_string_equal(ost_meta_get(&back.meta, OST_META_ARITHMETIC), "2");

@@ -101,8 +101,10 @@ static void limits_of_lattice_offsets(void **state)
         int16_t row[8];
         assert_ok(ost_grid_download(grid, 0, 1, row, &err));
         if (report.off_lattice != cases[i].counted || report.rejected_line != cases[i].rejected)
-            fail_msg("x = %lld: counted %llu, rejected line %lld", (long long)cases[i].x,
-                     (unsigned long long)report.off_lattice, (long long)report.rejected_line);
+            fail_msg("x = %lld: %llu samples are counted as off the lattice and the rejected line is %lld; expected "
+                     "%lld, %lld",
+                     (long long)cases[i].x, (unsigned long long)report.off_lattice, (long long)report.rejected_line,
+                     (long long)cases[i].counted, (long long)cases[i].rejected);
         for (int v = 0; v < 8; v++)
             assert_int_equal(row[v], v == cases[i].index ? 500 : 0);
         ost_grid_free(grid);

@@ -16,7 +16,7 @@ static void assert_removed(const int16_t *voxels, const ost_geometry *g, const i
             for (int32_t x = 0; x < g->dims.x; x++) {
                 bool gone = x >= lo[0] && x < hi[0] && y >= lo[1] && y < hi[1] && z >= lo[2] && z < hi[2];
                 if ((voxels[x + g->dims.x * (y + g->dims.y * z)] == 0) != gone)
-                    fail_msg("voxel (%d, %d, %d) is %s", x, y, z, gone ? "still there" : "gone");
+                    fail_msg("voxel (%d, %d, %d) was %s", x, y, z, gone ? "not removed" : "removed, but must remain");
             }
 }
 

@@ -241,23 +241,23 @@ static void describe_fault(char *text, size_t size)
     char where[200] = "";
     if (signal_caught == SIGSEGV || signal_caught == SIGBUS)
         guard_describe(address_caught, where, sizeof where);
-    const char *what = "stops at a signal";
+    const char *what = "is stopped by a signal";
     switch (signal_caught) {
     case SIGSEGV:
     case SIGBUS:
-        what = "touches what it may not: ";
+        what = "accesses memory that it must not access: ";
         break;
     case SIGILL:
-        what = "executes an instruction that this processor has not (SIGILL)";
+        what = "executes an instruction that this processor does not support (SIGILL)";
         break;
     case SIGFPE:
         what = "divides by zero (SIGFPE)";
         break;
     case SIGABRT:
-        what = "aborts: an assertion or a sanitizer";
+        what = "is aborted by an assertion or a sanitizer";
         break;
     case SIGVTALRM:
-        what = "does not come to an end";
+        what = "does not end";
         break;
     default:
         break;
@@ -299,6 +299,7 @@ bool call_under_valgrind(void)
 {
     if (!getenv("OST_UNDER_VALGRIND"))
         return false;
-    puts("guard pages find here what valgrind would, and it takes a wrong kernel's fault for the test's own");
+    puts("not run under valgrind: it would attribute the fault of a wrong kernel to the test; guard pages detect the "
+         "same errors");
     return true;
 }

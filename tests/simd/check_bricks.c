@@ -82,8 +82,8 @@ static void test_brick_row(check *c)
     check_same(c, "density", CHECK_I16, density[0], density[1], reach * OST_BRICK_VOXELS);
     check_same(c, "occupancy", CHECK_BITS, occupancy[0], occupancy[1], reach);
     check_that(c, a[0].sums.active == a[1].sums.active && a[0].sums.highest == a[1].sums.highest,
-               "returns %d active and highest %d, not %d and %d", a[1].sums.active, a[1].sums.highest, a[0].sums.active,
-               a[0].sums.highest);
+               "the kernel returns %d active voxels and the highest density %d; expected %d and %d", a[1].sums.active,
+               a[1].sums.highest, a[0].sums.active, a[0].sums.highest);
 }
 
 static void bench_brick_row(check_bench *b)
@@ -149,7 +149,7 @@ static void test_any_active(check *c)
     any_arguments a = {base, row, count, width, threshold, false}, b = a;
     if (check_both(c, call_any_active, &a, &b)) {
         check_that(c, a.any == (active != 0), "the scalar kernel returns %d", a.any);
-        check_that(c, b.any == a.any, "returns %d, not %d", b.any, a.any);
+        check_that(c, b.any == a.any, "the kernel returns %d, expected %d", b.any, a.any);
     }
 }
 
@@ -173,7 +173,7 @@ static void call_drain(check_fn *kernel, void *with)
 
 static void test_drain(check *c)
 {
-    check_note(c, "it is only called");
+    check_note(c, "no inputs");
     check_both(c, call_drain, NULL, NULL);
 }
 

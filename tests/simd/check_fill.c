@@ -112,36 +112,36 @@ static void check_rows(check *c, fill_arguments a[2], uint64_t *const before, si
     const size_t all = ost_vox_rows(&a[0].tile), first = a[0].first_row, rows = a[0].rows;
     for (int i = 0; i < 2; i++)
         check_that(c, a[i].count == bits_set(&a[i], words), "%s returns %llu, but sets %llu bits in proven rows",
-                   i == 0 ? "the scalar kernel" : "it", (unsigned long long)a[i].count,
+                   i == 0 ? "the scalar kernel" : "the kernel", (unsigned long long)a[i].count,
                    (unsigned long long)bits_set(&a[i], words));
     for (size_t r = 0; r < all && c->result == CHECK_GOOD; r++) {
         const bool mine = r >= first && r < first + rows;
         const bool open = a[1].tile.row_state[r] & OST_VOX_UNPROVEN;
         if (!mine)
-            check_that(c, a[0].tile.row_state[r] == a[1].tile.row_state[r], "changes odd[%zu], which is not its row",
-                       r);
+            check_that(c, a[0].tile.row_state[r] == a[1].tile.row_state[r],
+                       "the kernel changes the state of row %zu, which it must not process", r);
         else if (a[0].tile.row_state[r] & OST_VOX_UNPROVEN)
-            check_that(c, open, "calls row %zu proven", r);
+            check_that(c, open, "the kernel reports row %zu as proven, but it is unproven", r);
         else if (open)
             check_that(c, block_is_open(&a[0].tile, first, rows, r, before, plane_words),
-                       "calls row %zu unproven, and all in its block are proven", r);
+                       "the kernel reports row %zu as unproven, but all rows of its block are proven", r);
         else
-            check_same(c, "bits, of a proven row", CHECK_BITS, a[0].bits + (r - first) * words,
+            check_same(c, "bits of a proven row", CHECK_BITS, a[0].bits + (r - first) * words,
                        a[1].bits + (r - first) * words, words);
         check_that(c, (a[0].tile.row_state[r] | OST_VOX_UNPROVEN) == (a[1].tile.row_state[r] | OST_VOX_UNPROVEN),
-                   "changes odd[%zu] to %d", r, a[1].tile.row_state[r]);
+                   "the kernel changes the state of row %zu to %d", r, a[1].tile.row_state[r]);
         for (size_t plane = 0; plane < 2 && c->result == CHECK_GOOD; plane++) {
             const uint64_t *was = before + plane * plane_words + r * words,
                            *is = a[1].tile.planes + plane * plane_words + r * words;
             static const uint64_t zeros[OST_TOOL_DIM_MAX / 64];
-            check_same(c, mine && !open && !keep ? "planes, of a row to be cleared" : "planes, of a row to be kept",
+            check_same(c, mine && !open && !keep ? "planes of a row to be cleared" : "planes of a row to be kept",
                        CHECK_BITS, mine && !open && !keep ? zeros : was, is, words);
         }
     }
     bool any = keep;
     for (size_t r = first; r < first + rows; r++)
         any = any || (a[1].tile.row_state[r] & OST_VOX_UNPROVEN);
-    check_that(c, a[1].tile.any_unproven == any, "any_odd is %d", a[1].tile.any_unproven);
+    check_that(c, a[1].tile.any_unproven == any, "any_unproven is %d", a[1].tile.any_unproven);
 }
 
 static void test_fill(check *c)
@@ -161,7 +161,7 @@ static void test_fill(check *c)
 
     void *planes[2], *row_state[2], *bits[2];
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
-    check_outputs(c, "odd", all, 1, 1, row_state);
+    check_outputs(c, "row_state", all, 1, 1, row_state);
     check_outputs(c, "bits", (rows * words + OST_VOX_BLOCK - 1) / OST_VOX_BLOCK * OST_VOX_BLOCK, sizeof(uint64_t), 64,
                   bits);
     uint64_t *before = check_input(c, "planes before", 2 * plane_words, sizeof *before, sizeof *before);
@@ -199,7 +199,7 @@ static void test_fill(check *c)
         a[i].tile.any_unproven = keep;
     }
     check_note(c,
-               "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, odd ones before %d, kind %d",
+               "rows %zu to %zu of %zu, %d voxels in %zu words, parity %d, inside out %d, unproven before %d, kind %d",
                first, first + rows, all, nx, words, parity, inside_out, keep, one_kind);
     if (!check_both(c, call_fill, &a[0], &a[1]))
         return;
@@ -211,9 +211,9 @@ static void test_fill(check *c)
         if (a[i].tile.any_unproven)
             a[i].count += (uint64_t)ost_vox_fill_unproven(
                 &a[i].tile, first, rows, parity ? OST_FILL_PARITY : OST_FILL_WINDING, a[i].bits, &leaking[i]);
-    check_same(c, "bits, once the odd rows are summed", CHECK_BITS, bits[0], bits[1], rows * words);
+    check_same(c, "bits after the unproven rows are summed", CHECK_BITS, bits[0], bits[1], rows * words);
     check_that(c, a[0].count == a[1].count && leaking[0] == leaking[1],
-               "in the end %llu solid voxels and %llu leaking rows, not %llu and %llu", (unsigned long long)a[1].count,
+               "%llu solid voxels and %llu leaking rows, expected %llu and %llu", (unsigned long long)a[1].count,
                (unsigned long long)leaking[1], (unsigned long long)a[0].count, (unsigned long long)leaking[0]);
 }
 

@@ -149,11 +149,11 @@ static void test_blocks(check *c)
     if (!check_both(c, call_blocks, &a, &b))
         return;
     const ost_cubes *p = blocks[0], *q = blocks[1];
-    if (!check_that(c, p->count == q->count, "finds %zu blocks, not %zu", q->count, p->count))
+    if (!check_that(c, p->count == q->count, "the kernel finds %zu blocks, expected %zu", q->count, p->count))
         return;
     for (int i = 0; i < 3; i++) {
         check_same(c, "blocks->u", CHECK_I32, p->u[i], q->u[i], p->count);
-        check_same(c, "blocks->u behind eight", CHECK_I32, p->u[i] + 8, q->u[i] + 8,
+        check_same(c, "blocks->u from element 8 on", CHECK_I32, p->u[i] + 8, q->u[i] + 8,
                    OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
     }
     check_same(c, "blocks->number", CHECK_I32, p->number, q->number, p->count);
@@ -289,7 +289,7 @@ static void test_split(check *c)
     ost_cubes *m[2] = {mixed[0], mixed[1]};
     ost_numbers *n[2] = {inside[0], inside[1]};
     if (!check_that(c, m[1]->count == m[0]->count && n[1]->count == n[0]->count,
-                    "finds %zu mixed and %zu inside, not %zu and %zu", m[1]->count - mixed_before,
+                    "the kernel finds %zu mixed and %zu inside cubes, expected %zu and %zu", m[1]->count - mixed_before,
                     n[1]->count - inside_before, m[0]->count - mixed_before, n[0]->count - inside_before))
         return;
     static part list[2][OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -452,22 +452,22 @@ static void test_match_tables(check *c)
             for (int t = 0; t < 64; t++)
                 rank += threshold[t] <= fraction;
             if (!check_that(c, rank < 64 && carries->mask[a][rank] == carries_of(match, a, fraction),
-                            "axis %d, fraction %u has the rank %d and other carries", a, fraction, rank))
+                            "axis %d: the carries of fraction %u, whose rank is %d, are wrong", a, fraction, rank))
                 return;
         }
         for (int i = 1; i < 64; i++)
             check_that(c, threshold[16 * (i & 3) + i / 4] >= threshold[16 * ((i - 1) & 3) + (i - 1) / 4],
-                       "axis %d, threshold %d is less than the one before", a, i);
+                       "axis %d: threshold %d is less than the previous threshold", a, i);
     }
     for (int v = 0; match->wide && v < 64; v++)
         check_that(c, carries->wide[0][v] == 16 * whole[1][v] + whole[2][v] && carries->wide[1][v] == whole[0][v],
-                   "wide, voxel %d", v);
+                   "the tables of the wide window are wrong for voxel %d", v);
     for (int v = 0; match->windows && v < 64; v++) {
         for (int k = 0; k < 3 * s.shape.windows.step; k++)
-            check_that(c, carries->row[k][v] == 8 * (whole[1][v] + k % 3) + whole[2][v] + k / 3, "row %d, voxel %d", k,
-                       v);
+            check_that(c, carries->row[k][v] == 8 * (whole[1][v] + k % 3) + whole[2][v] + k / 3,
+                       "row[%d] is wrong for voxel %d", k, v);
         for (int x = 0; x <= s.shape.windows.step && whole[0][v] + x < 8; x++)
-            check_that(c, carries->bit[x][v] == 1 << (whole[0][v] + x), "bit %d, voxel %d", x, v);
+            check_that(c, carries->bit[x][v] == 1 << (whole[0][v] + x), "bit[%d] is wrong for voxel %d", x, v);
     }
 }
 

@@ -150,9 +150,9 @@ static void test_match(check *c)
     match_arguments a = {pattern, columns, lengths, text, text + end, lines, density[0], 0, NULL}, b = a;
     b.density = density[1];
     if (check_both(c, call_match, &a, &b) &&
-        check_that(c, a.matched == b.matched, "matches %zu, not %zu", b.matched, a.matched) &&
-        check_that(c, a.next == b.next, "ends at byte %td, not %td", b.next - text, a.next - text) &&
-        check_that(c, a.next == text + begins[a.matched], "both end at byte %td, not %zu", a.next - text,
+        check_that(c, a.matched == b.matched, "the kernel matches %zu lines, expected %zu", b.matched, a.matched) &&
+        check_that(c, a.next == b.next, "the kernel ends at byte %td, expected %td", b.next - text, a.next - text) &&
+        check_that(c, a.next == text + begins[a.matched], "both kernels end at byte %td, expected %zu", a.next - text,
                    begins[a.matched]))
         check_same(c, "density", CHECK_I16, density[0], density[1], lines); /* includes the poison after the matches */
 }

@@ -140,12 +140,12 @@ static void compare_tiles(check *c, const ost_vox_tile *expected, const ost_vox_
 {
     const size_t rows = ost_vox_rows(expected), stride = (size_t)expected->nx + 1;
     check_same(c, "planes", CHECK_BITS, expected->planes, got->planes, 2 * plane_words);
-    check_same(c, "odd", CHECK_U8, expected->row_state, got->row_state, rows);
-    check_that(c, expected->any_unproven == got->any_unproven, "any_odd is %d, not %d", got->any_unproven,
+    check_same(c, "row_state", CHECK_U8, expected->row_state, got->row_state, rows);
+    check_that(c, expected->any_unproven == got->any_unproven, "any_unproven is %d, expected %d", got->any_unproven,
                expected->any_unproven);
     for (size_t r = 0; r < rows && c->result == CHECK_GOOD; r++)
         if (expected->row_state[r] & OST_VOX_SPILLED)
-            check_same(c, "spill, of a row", CHECK_I32, expected->spill + r * stride, got->spill + r * stride, stride);
+            check_same(c, "spill of a row", CHECK_I32, expected->spill + r * stride, got->spill + r * stride, stride);
 }
 
 static void test_mark(check *c)
@@ -172,7 +172,7 @@ static void test_mark(check *c)
     tile.minus = 64 * (uint32_t)plane_words;
     void *planes[2], *row_state[2];
     check_outputs(c, "planes", 2 * plane_words, sizeof(uint64_t), 64, planes);
-    check_outputs(c, "odd", rows, 1, 1, row_state);
+    check_outputs(c, "row_state", rows, 1, 1, row_state);
     memset(planes[0], 0, 16 * plane_words);
     if (check_chance(c, 3)) /* These bits represent the marks of earlier triangles. */
         for (size_t w = 0; w < 2 * plane_words; w++)

@@ -37,8 +37,8 @@ static void usage(FILE *to)
     fputs("Usage: checksimd [--seed=N] [--function=NAME] [--isa=NAME] [--case=K] [--times=N]\n"
           "       checksimd --bench [--function=NAME] [--isa=NAME]\n"
           "       checksimd --list\n"
-          "Compares every vector kernel with its scalar one. --times=N: N times as many cases.\n"
-          "Without --seed the environment's OST_TEST_SEED is taken, else the clock.\n",
+          "Compares every vector kernel with the scalar kernel. --times=N runs N times as many cases.\n"
+          "Without --seed, the seed is OST_TEST_SEED of the environment, or else the time.\n",
           to);
 }
 
@@ -212,7 +212,7 @@ int main(int argc, char **argv)
             return 0;
         }
         if (!read_option(argv[i], &o)) {
-            fprintf(stderr, "checksimd: cannot make sense of '%s'\n", argv[i]);
+            fprintf(stderr, "checksimd: invalid option '%s'\n", argv[i]);
             usage(stderr);
             return 2;
         }

@@ -33,7 +33,7 @@ static size_t page_size(void)
 
 static void out_of(const char *what)
 {
-    fprintf(stderr, "checksimd: no more %s\n", what);
+    fprintf(stderr, "checksimd: cannot get more %s\n", what);
     exit(99);
 }
 
@@ -139,13 +139,13 @@ void guard_describe(const void *address, char *text, size_t size)
         if (a < begin)
             snprintf(text, size, "%zu bytes before '%s' (%zu bytes)", (size_t)(begin - a), b->name, b->size);
         else if (a >= end)
-            snprintf(text, size, "%zu bytes behind the end of '%s' (%zu bytes)", (size_t)(a - end), b->name, b->size);
+            snprintf(text, size, "%zu bytes after the end of '%s' (%zu bytes)", (size_t)(a - end), b->name, b->size);
         else
             snprintf(text, size, "byte %zu of '%s' (%zu bytes%s)", (size_t)(a - begin), b->name, b->size,
-                     b->kind == GUARD_INPUT ? "; an input, not to be written" : "");
+                     b->kind == GUARD_INPUT ? ", a read-only input" : "");
         return;
     }
-    snprintf(text, size, "address %p, far from every buffer", address);
+    snprintf(text, size, "address %p, which is not near any buffer", address);
 }
 
 void guard_reset(void)

@@ -87,7 +87,7 @@ static bool call_one(check *c, check_call_fn *call, check_fn *kernel, void *argu
 bool check_both(check *c, check_call_fn *call, void *a, void *b)
 {
     guard_freeze();
-    return call_one(c, call, c->scalar, a, "the scalar kernel ") && call_one(c, call, c->other, b, "");
+    return call_one(c, call, c->scalar, a, "the scalar kernel ") && call_one(c, call, c->other, b, "the kernel ");
 }
 
 /* ---------------------------------------------------- comparing results */
@@ -156,7 +156,7 @@ bool check_same(check *c, const char *what, check_type type, const void *expecte
     if (count == 0 || memcmp(expected, got, count * size_of(type)) == 0)
         return true;
     char text[100];
-    snprintf(text, sizeof text, "'%s' is not as the scalar kernel's", what);
+    snprintf(text, sizeof text, "'%s' differs from the scalar kernel's", what);
     fail(c, CHECK_DIFFERS, "", text);
     if (!c->quiet)
         print_table(type, expected, got, count);

@@ -651,11 +651,11 @@ enum { WRONGS = sizeof wrongs / sizeof wrongs[0] };
 
 int main(void)
 {
-    static const char *const results[] = {[CHECK_GOOD] = "not found",
-                                          [CHECK_DIFFERS] = "found as different",
-                                          [CHECK_BEYOND] = "found as writing beyond",
-                                          [CHECK_FAULT] = "found as a fault",
-                                          [CHECK_STATE] = "found as changing the processor's state"};
+    static const char *const results[] = {[CHECK_GOOD] = "not detected",
+                                          [CHECK_DIFFERS] = "reported as a difference",
+                                          [CHECK_BEYOND] = "reported as a write beyond the output",
+                                          [CHECK_FAULT] = "reported as a fault",
+                                          [CHECK_STATE] = "reported as a change of the processor's state"};
     const uint64_t seed = 20261121;
     int failed = 0;
     if (call_under_valgrind())
