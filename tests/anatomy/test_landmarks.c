@@ -61,9 +61,10 @@ static void measure(uint64_t seed, const scene *s, double value[VALUES])
         ost_scapula_landmarks_find(&(ost_anatomy_bone){&s->ct, SCENE_THRESHOLD, 32767}, NULL, &l, &err);
     value[7] = (double)(clock() - begin) / CLOCKS_PER_SEC;
     if (status != OST_OK)
-        fail_msg("seed %llu: %s", (unsigned long long)seed, err.text);
+        fail_msg("seed %llu: no landmarks were found: %s", (unsigned long long)seed, err.text);
     if (l.left != s->left)
-        fail_msg("seed %llu: found the %s side", (unsigned long long)seed, l.left ? "left" : "right");
+        fail_msg("seed %llu: the side of the scapula is %s; the other side was expected", (unsigned long long)seed,
+                 l.left ? "left" : "right");
     double along = 0, square = 0, cosine = 0, found[2], truth[2];
     const double at[3] = {ost_pm_to_mm(l.glenoid.x), ost_pm_to_mm(l.glenoid.y), ost_pm_to_mm(l.glenoid.z)};
     for (int a = 0; a < 3; a++) {
@@ -130,7 +131,7 @@ static void expect_refusal(const ost_volume *v, const char *text)
 {
     ost_error err = {0};
     if (find(v, &err) != OST_ERR_INPUT || !strstr(err.text, text))
-        fail_msg("'%s'; expected '%s'", err.text, text);
+        fail_msg("the error '%s' does not contain '%s', or the bone was accepted", err.text, text);
 }
 
 /* Landmarks must be refused on a glenoid without the blade, a scapula without its medial half, a scapula without its

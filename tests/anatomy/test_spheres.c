@@ -99,7 +99,8 @@ static void finds_a_ball_on_a_shaft(void **state)
         assert_ok(ost_spheres_find(&(ost_anatomy_bone){&v, 300, 32767}, NULL, found, 4, &count, &err));
         const double off = off_centre(&found[0], s.centre), wider = ost_pm_to_mm(found[0].radius) - s.radius;
         if (off > 0.6 || fabs(wider) > 0.4)
-            fail_msg("seed %llu: centre off by %.2f mm, radius by %.2f mm", (unsigned long long)seed, off, wider);
+            fail_msg("seed %llu: error of the centre %.2f mm, of the radius %.2f mm", (unsigned long long)seed, off,
+                     wider);
         assert_true(found[0].residual_mm < 0.7);
         assert_true(found[0].coverage > 0.5 && found[0].coverage < 1);
         /* The detected part of the sphere is the side opposite the shaft. */
@@ -130,7 +131,8 @@ static void finds_a_dish(void **state)
         assert_ok(ost_spheres_find(&(ost_anatomy_bone){&v, 300, 32767}, &concave, found, 2, &count, &err));
         const double off = off_centre(&found[0], s.centre), wider = ost_pm_to_mm(found[0].radius) - s.radius;
         if (off > 3 || fabs(wider) > 3)
-            fail_msg("seed %llu: centre off by %.2f mm, radius by %.2f mm", (unsigned long long)seed, off, wider);
+            fail_msg("seed %llu: error of the centre %.2f mm, of the radius %.2f mm", (unsigned long long)seed, off,
+                     wider);
         assert_true(found[0].facing[2] < -0.98);
         ost_volume_free(&v);
     }

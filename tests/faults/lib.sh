@@ -10,7 +10,7 @@ needs ASSIMP NIFTI PNG
 library=$build/.libs/fault_inject.so
 walk=$build/tests/faults/walk
 [ -r "$library" ] || skip "built without shared libraries"
-[ -z "${OST_SAN_CFLAGS:-}" ] || skip "a sanitizer's runtime must be the first library"
+[ -z "${OST_SAN_CFLAGS:-}" ] || skip "the run-time library of a sanitizer must be loaded first"
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 echo "# seed $seed"
 excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto:libexpat:libomp:libgomp
@@ -36,7 +36,7 @@ walk_over() {
     case "$*" in *"${OST_TEST_ONLY:-}"*) ;; *) return ;; esac
     checks=$((checks + 1))
     echo "# osteon $*$options"
-    "$walk" --runs $runs --seed "$seed" $options "$library" "$osteon" "$@" || fail "osteon $*$options"
+    "$walk" --runs $runs --seed "$seed" $options "$library" "$osteon" "$@" || fail "a fault was not handled: osteon $*$options"
 }
 
 # make_inputs: makes a CT, a bone, tools and a session in folder $in

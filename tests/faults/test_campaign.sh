@@ -27,7 +27,7 @@ walk_campaign() {
 # Makes each allocation for the lists of software fail. No list may lack a library or have a
 # different digest.
 checks=$((checks + 1))
-"$walk" --runs 0 "$library" "$build/tests/faults/write_software" || fail "the lists of software"
+"$walk" --runs 0 "$library" "$build/tests/faults/write_software" || fail "a failed allocation was not handled by write_software"
 
 # A worker's first allocations fail before its options are read; its exit status must still
 # report that.
@@ -35,12 +35,12 @@ for k in 1 2 3; do
     checks=$((checks + 1))
     LD_PRELOAD=$library OST_FAIL_ALLOC=$k OST_FAIL_FROM=1 "$osteon" validate --worker "$one" --trace trace --only import/0 2>err
     status=$?
-    [ $status -eq 4 ] || [ $status -eq 127 ] || fail "a worker without memory from allocation $k on: status $status"
+    [ $status -eq 4 ] || [ $status -eq 127 ] || fail "a worker whose allocations fail from number $k on: status $status, expected 4 or 127"
 done
 checks=$((checks + 1))
 LD_PRELOAD=$library OST_FAIL_PATH=trace OST_FAIL_OPEN=1 "$osteon" validate --worker "$one" --trace trace --only import/0 2>err
 status=$?
-[ $status -eq 4 ] || fail "a worker that can open no trace: status $status: $(cat err)"
+[ $status -eq 4 ] || fail "a worker that cannot open its trace: status $status, expected 4: $(cat err)"
 
 sample 2
 for worker in ref "$one"; do

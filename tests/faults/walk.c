@@ -222,12 +222,12 @@ static const char *compare(const folder_state *expected, bool complete, char tex
         const int order = n >= now.count ? 1 : e >= expected->count ? -1 : by_name(&now.file[n], &expected->file[e]);
         const file_state *a = &now.file[n], *b = &expected->file[e];
         if (order < 0)
-            snprintf(text, TEXT, "%.1000s is there and should not be", a->name);
+            snprintf(text, TEXT, "%.1000s exists, but must not exist", a->name);
         else if (order > 0 && complete)
             snprintf(text, TEXT, "%.1000s is missing", b->name);
         else if (order == 0 && !is_loose(a->name) && (a->sum != b->sum || a->size != b->size))
-            snprintf(text, TEXT, "%.1000s has other bytes (%" PRIu64 ", expected %" PRIu64 ")", a->name, a->size,
-                     b->size);
+            snprintf(text, TEXT, "%.1000s differs from the expected file (%" PRIu64 " bytes, expected %" PRIu64 ")",
+                     a->name, a->size, b->size);
         n += order <= 0;
         e += order >= 0;
     }
@@ -275,7 +275,7 @@ static const char *judge(int status, int expected_status, const folder_state *ex
         output now;
         take_output(&now);
         if (now.lines != printed->lines || memcmp(now.last, printed->last, sizeof now.last) != 0) {
-            snprintf(text, TEXT, "status %d, but standard output is another (%ld lines, expected %ld)", code, now.lines,
+            snprintf(text, TEXT, "status %d, but standard output differs (%ld lines, expected %ld)", code, now.lines,
                      printed->lines);
             return text;
         }
@@ -353,7 +353,7 @@ int main(int argc, char **argv)
     const long calls = counted();
     if (!WIFEXITED(clean) || WEXITSTATUS(clean) > 1 || calls < 1) {
         message(text);
-        fprintf(stderr, "walk: without a fault: wait status %d, %ld calls: %s\n", clean, calls, text);
+        fprintf(stderr, "walk: the run without a fault has the wait status %d and %ld calls: %s\n", clean, calls, text);
         return 2;
     }
     output printed;
@@ -386,6 +386,6 @@ int main(int argc, char **argv)
         empty_folder(work);
     }
     forget(&expected);
-    printf("# %ld of %ld %ss failed in turn, %d failures\n", count, calls, kind, failures);
+    printf("# runs with a failed call (%s): %ld of %ld calls, %d failures\n", kind, count, calls, failures);
     return failures > 0;
 }

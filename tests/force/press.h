@@ -43,9 +43,9 @@ static inline ost_force *force_of(const ost_bone *bone, const ost_force_params *
 
 static inline void assert_near(const char *what, double got, double expected, double share)
 {
-    print_message("%s: %.6g, %.6g expected\n", what, got, expected);
+    print_message("%s: %.6g, expected %.6g\n", what, got, expected);
     if (!(fabs(got - expected) <= share * fabs(expected)))
-        fail_msg("%s is %.6g, expected %.6g to %.1f %%", what, got, expected, share * 100);
+        fail_msg("%s: %.6g, expected %.6g to within %.1f %%", what, got, expected, share * 100);
 }
 
 #endif

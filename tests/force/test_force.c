@@ -208,11 +208,11 @@ static void tool_that_does_not_cut_stops_and_slides(void **state)
             assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
             assert_true((double)r.tool.t.z * 1e-9 > surface_mm - 0.1);
         }
-        assert_near("felt 4 mm deep, N", r.force_n[2],
+        assert_near("force at a depth of 4 mm, N", r.force_n[2],
                     params.stiffness * ((double)r.tool.t.z * 1e-12 - (surface_mm - 4) * 1e-3), 0.02);
         assert_true(r.force_n[2] > 0.9);
         /* The steps between voxels slow a blunt tool by up to 0.4 mm. */
-        assert_near("slid by, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);
+        assert_near("sliding distance, mm", (double)r.tool.t.x * 1e-9 - 12, 0.02 * 199, 0.4);
         assert_true(r.power_w == 0);
         ost_force_free(force);
     }
@@ -265,7 +265,7 @@ static void contact_force_is_bounded(void **state)
                 assert_ok(ost_force_step(force, 0, &pose, 1e-3, &r, &err));
                 most = fmax(most, sqrt(r.axial_n * r.axial_n + r.off_axis_n * r.off_axis_n));
             }
-            print_message("mode %d, kind %d: %.1f N\n", mode, kind, most);
+            print_message("mode %d, parameters %d: contact force at most %.1f N\n", mode, kind, most);
             assert_true(most > 0 && most < 400);
             ost_force_free(force);
         }

@@ -205,8 +205,8 @@ static void force_loop_is_stable(void **state)
             ost_path path = plan(lowest_mm(tool), drag);
             operate(*state, tool, device, &path, &params, NULL, name, &r);
             const double along = speed_deviation(r.x), down = speed_deviation(r.z);
-            print_message("%-42s %5.2f mm/s along, %5.2f down, felt %5.2f N at the end\n", name, along, down,
-                          r.force[TICKS - 1]);
+            print_message("%-42s speed deviation %5.2f mm/s along x, %5.2f mm/s along z; force %5.2f N at the end\n",
+                          name, along, down, r.force[TICKS - 1]);
             worst = fmax(worst, fmax(along, down));
             unstable += along >= 10 || down >= 10;
             assert_true(r.force[TICKS - 1] > -0.5 && r.force[TICKS - 1] <= 3);
@@ -214,11 +214,11 @@ static void force_loop_is_stable(void **state)
         }
         ost_tool_free(tool);
     }
-    print_message("worst: %.2f mm/s\n", worst);
+    print_message("greatest speed deviation: %.2f mm/s\n", worst);
     assert_int_equal(unstable, 0);
 }
 
-/* Checks that swing() and its bound of 10 mm/s detect an oscillation. */
+/* Checks that speed_deviation() and its bound of 10 mm/s detect an oscillation. */
 static void excessive_stiffness_oscillates(void **state)
 {
     static run r;
@@ -231,7 +231,8 @@ static void excessive_stiffness_oscillates(void **state)
     ost_safety_params bare = ost_safety_defaults();
     bare.max_damping = 0;
     operate(*state, tool, "sim:grip=light,friction=0", &path, &params, &bare, "too-stiff", &r);
-    print_message("eight times as stiff, without damping and passivity: %.1f mm/s\n", speed_deviation(r.z));
+    print_message("speed deviation with eight times the stiffness, without damping and passivity control: %.1f mm/s\n",
+                  speed_deviation(r.z));
     assert_true(speed_deviation(r.z) > 10);
     ost_path_free(&path);
     ost_tool_free(tool);
@@ -247,7 +248,7 @@ static void force_reduces_the_removal(void **state)
     const uint64_t free_hand = operate(*state, tool, "sim", &path, NULL, NULL, "free", &r);
     assert_true(r.force[TICKS - 1] == 0);
     const uint64_t resisted = operate(*state, tool, "sim", &path, &params, NULL, "resisted", &r);
-    print_message("removed: %llu voxels by a free hand, %llu against the force\n", (unsigned long long)free_hand,
+    print_message("voxels removed: %llu without force, %llu with force\n", (unsigned long long)free_hand,
                   (unsigned long long)resisted);
     assert_true(resisted > 0 && resisted < free_hand * 9 / 10);
     assert_true(r.force[TICKS - 1] > 0.1);

@@ -131,7 +131,8 @@ static void rotating_handle_comes_to_rest(void **state)
             torque = out.torque_nm[1];
             swing = i >= 2000 ? fmax(swing, fabs(speed)) : 0;
         }
-        print_message("grip %d: %.3f rad of %.1f, %.4f N m, speed at most %.4f rad/s\n", grip, at, wish, torque, swing);
+        print_message("grip %d: angle %.3f rad, target %.1f rad, torque %.4f N m, speed at most %.4f rad/s\n", grip, at,
+                      wish, torque, swing);
         assert_true(swing < 0.05 && torque < -0.002 && at > 0.01 && at < wish);
         ost_force_free(force);
     }
@@ -224,7 +225,7 @@ static void vibration_equals_its_formula(void **state)
                         1e-6 * (1 + amplitude));
             most = fmax(most, amplitude);
         }
-        print_message("%d HU: what it is a share of, %.3f N at most\n", hu, most);
+        print_message("%d HU: the vibration is a share of at most %.3f N\n", hu, most);
         assert_true(most > (soft ? 0.005 : 0.1));
         ost_force_free(a);
         ost_force_free(b);
@@ -326,7 +327,7 @@ static void parameter_file_is_read_and_written(void **state)
         const ost_status status = ost_force_params_read(path, &g, &t, &err);
         if (status != wrong[i].status || !strstr(err.text, wrong[i].message) ||
             strncmp(err.text, path, strlen(path)) != 0)
-            fail_msg("'%s': %s", wrong[i].text, err.text);
+            fail_msg("'%s': the error '%s' does not contain '%s'", wrong[i].text, err.text, wrong[i].message);
         assert_true(g.stiffness == 300 && g.scale == 0.08 && g.vibration == 0);
     }
     unlink(path);

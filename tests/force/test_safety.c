@@ -211,7 +211,8 @@ static void passivity_controller_damps_an_oscillation(void **state)
     const double free_swing = oscillation_amplitude(0, &damped);
     assert_int_equal(damped, 0);
     const double held = oscillation_amplitude(2, &damped);
-    print_message("swing of a lagging spring: %.3g m without, %.3g m with the controller\n", free_swing, held);
+    print_message("amplitude of a delayed spring: %.3g m without, %.3g m with the passivity controller\n", free_swing,
+                  held);
     assert_true(free_swing > 20e-3 && held < 4e-3 && damped > 10);
 }
 

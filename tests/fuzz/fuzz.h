@@ -47,7 +47,7 @@ const char *fuzz_folder(void);
 #define fuzz_require(condition)                                                                              \
     do {                                                                                                     \
         if (!(condition)) {                                                                                  \
-            fprintf(stderr, "%s:%d: does not hold: %s\n", __FILE__, __LINE__, #condition);                   \
+            fprintf(stderr, "%s:%d: the condition does not hold: %s\n", __FILE__, __LINE__, #condition);     \
             abort();                                                                                         \
         }                                                                                                    \
     } while (0)

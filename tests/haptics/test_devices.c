@@ -75,7 +75,7 @@ static void wrong_specs_are_refused(void **state)
         assert_int_equal(ost_haptic_open(cases[i].spec, &setup, &device, &err), OST_ERR_USAGE);
         assert_null(device);
         if (!strstr(err.text, cases[i].message))
-            fail_msg("'%s' gives: %s", cases[i].spec, err.text);
+            fail_msg("'%s': the error '%s' does not contain '%s'", cases[i].spec, err.text, cases[i].message);
     }
     ost_error err = {0};
     ost_haptic *device;
@@ -252,9 +252,9 @@ static void closed_loop_is_stable_up_to_a_stiffness(void **state)
     (void)state;
     static const double stiffness[] = {150, 300, 600, 1200, 2400, 5000, 20000};
     for (int i = 0; i < 7; i++)
-        printf("# wall of %5.0f N/m, without friction: light %6.3f, normal %6.3f, firm %6.3f mm\n", stiffness[i],
-               wall_range_mm("sim:grip=light,friction=0", stiffness[i]), wall_range_mm("sim:friction=0", stiffness[i]),
-               wall_range_mm("sim:grip=firm,friction=0", stiffness[i]));
+        printf("# wall of %5.0f N/m, no friction, range of motion: light %6.3f, normal %6.3f, firm %6.3f mm\n",
+               stiffness[i], wall_range_mm("sim:grip=light,friction=0", stiffness[i]),
+               wall_range_mm("sim:friction=0", stiffness[i]), wall_range_mm("sim:grip=firm,friction=0", stiffness[i]));
     /*
      * For a device without friction, the literature recommends a stiffness of 300 N/m for a light grip and
      * 400 N/m for a normal grip.

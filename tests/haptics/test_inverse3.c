@@ -256,7 +256,8 @@ static void await(ost_haptic *device, ost_haptic_answer wanted, ost_pm x, ost_ha
             break;
         nanosleep(&pause, NULL);
     }
-    fail_msg("never answered %d, but %d, x %lld", wanted, got, (long long)state->pose.t.x);
+    fail_msg("the device did not answer %d at x = %lld; the last answer is %d at x = %lld", wanted, (long long)x, got,
+             (long long)state->pose.t.x);
 }
 
 /*
@@ -309,7 +310,7 @@ static void await_message(service *s, const char *text)
         nanosleep(&pause, NULL);
     }
     if (!found)
-        fail_msg("the service never heard %s, but %s", text, s->last);
+        fail_msg("the service did not receive '%s'; the last message is '%s'", text, s->last);
 }
 
 static void poses_and_forces(void **state)
@@ -413,7 +414,7 @@ static void failing_service_is_reported(void **state)
         assert_int_equal(open_at(s, "", &device, &err), OST_ERR_UNAVAILABLE);
         assert_null(device);
         if (!strstr(err.text, cases[i].message))
-            fail_msg("fault %d: says %s", cases[i].what, err.text);
+            fail_msg("fault %d: the error '%s' does not contain '%s'", cases[i].what, err.text, cases[i].message);
         end_service(s);
         /* If a later answer is faulty, the device is lost. */
         s = begin_service(cases[i].what, 5, false);

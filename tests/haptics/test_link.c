@@ -264,12 +264,12 @@ static void delayed_loop_comes_to_rest(void **state)
     (void)state;
     for (int delay = 0; delay <= 50; delay += 5) {
         const double with = range_with_delay(delay, true);
-        printf("# %d ms late: it swings over %.3f mm\n", delay, with * 1e3);
+        printf("# delay %d ms: range of motion %.3f mm\n", delay, with * 1e3);
         assert_true(with < 0.2e-3); /* The range is less than four encoder steps. */
     }
     /* If the delayed force is used directly, without the plane, the device must oscillate. */
     const double without = range_with_delay(20, false);
-    printf("# 20 ms late, a force as it comes: %.1f mm\n", without * 1e3);
+    printf("# delay 20 ms, without the plane: range of motion %.1f mm\n", without * 1e3);
     assert_true(without > 2e-3);
 }
 

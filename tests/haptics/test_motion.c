@@ -286,7 +286,7 @@ static void refuses_invalid_motions(void **state)
         assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), cases[i].status);
         assert_null(device);
         if (!strstr(err.text, cases[i].message))
-            fail_msg("%s: says %s", cases[i].text, err.text);
+            fail_msg("'%s': the error '%s' does not contain '%s'", cases[i].text, err.text, cases[i].message);
     }
     static char long_line[10000];
     memset(long_line, '1', sizeof long_line - 1);

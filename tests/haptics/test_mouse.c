@@ -204,8 +204,8 @@ static void no_partial_state_is_read(void **state)
         seen++;
         const ost_haptic_state complete = at(now.tool, -now.tool, 2 * now.tool, now.tool);
         if (now.tool > 3 && distance_mm(&now.pose, &complete.pose) > 0.001)
-            fail_msg("tool %d is at %g, %g, %g mm", (int)now.tool, (double)now.pose.t.x * 1e-9,
-                     (double)now.pose.t.y * 1e-9, (double)now.pose.t.z * 1e-9);
+            fail_msg("partial state: tool %d with the position (%g, %g, %g) mm", (int)now.tool,
+                     (double)now.pose.t.x * 1e-9, (double)now.pose.t.y * 1e-9, (double)now.pose.t.z * 1e-9);
     }
     atomic_store(&p.stop, true);
     pthread_join(thread, NULL);

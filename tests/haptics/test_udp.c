@@ -71,7 +71,7 @@ static uint64_t counter_of(const ost_haptic *device, const char *name)
     for (int i = 0; i < count; i++)
         if (strcmp(tally[i].name, name) == 0)
             return tally[i].value;
-    fail_msg("nothing is called %s", name);
+    fail_msg("the device has no counter '%s'", name);
     return 0;
 }
 
@@ -359,7 +359,7 @@ static void invalid_specs_are_refused(void **state)
         assert_int_equal(ost_haptic_open(cases[i].options, NULL, &device, &err), cases[i].status);
         assert_null(device);
         if (!strstr(err.text, cases[i].message))
-            fail_msg("%s: says %s", cases[i].options, err.text);
+            fail_msg("%s: the error '%s' does not contain '%s'", cases[i].options, err.text, cases[i].message);
     }
     snprintf(spec, sizeof spec, "udp:bind=somewhere,key=%s", key_file);
     assert_int_equal(ost_haptic_open(spec, NULL, &device, &err), OST_ERR_USAGE);

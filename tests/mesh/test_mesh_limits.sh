@@ -4,9 +4,9 @@
 # allocated for them. The test limits the address space to 1 GB; the files would need 3 GB or more.
 # Covers: REQ-MESH-LIMITS
 . "${srcdir:-.}/tests/app/lib.sh"
-need_part assimp "no meshes without assimp"
+need_part assimp "built without assimp"
 [ -z "${OST_SAN_CFLAGS:-}" ] || {
-    echo "skipped: a sanitizer needs terabytes of addresses"
+    echo "skipped: a sanitizer needs terabytes of address space"
     exit 77
 }
 
@@ -36,7 +36,7 @@ fi
     printf '\000\264\304\004'
     head -c 100000 /dev/zero
 } >short.stl
-check "80 million triangles that are not there" "$(within_limit short.stl)" \
+check "80 million triangles in a file that is too short" "$(within_limit short.stl)" \
     "2 osteon info: short.stl: byte 80: the header states 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
 
 # Makes an OBJ of 19 MB. Its polygons have 900 corners, with two bytes per corner, and give

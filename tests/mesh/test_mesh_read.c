@@ -259,7 +259,7 @@ static void damaged_files_give_an_error_or_a_valid_mesh(void **state)
              * A truncated file must be refused. Only a file in a text format may be truncated after all necessary data.
              */
             if (cut && status == OST_OK && which != 4 && which != 3 && which != 5 && which != 9)
-                fail_msg("%s cut at %zu of %zu was read", names[which], broken.size, b.size);
+                fail_msg("%s truncated to %zu of %zu bytes was accepted", names[which], broken.size, b.size);
         }
     }
 }
@@ -312,7 +312,7 @@ static void units_are_given_or_inferred(void **state)
         } else {
             assert_int_equal(ost_status_exit(status), 2);
             if (!strstr(err.text, rows[i].message))
-                fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
+                fail_msg("row %zu: the error '%s' does not contain '%s'", i, err.text, rows[i].message);
         }
     }
 }
@@ -385,7 +385,7 @@ static void text_errors_contain_the_line(void **state)
         ost_status status = ost_mesh_read(path, OST_UNIT_MM, &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
         if (strstr(err.text, path) != err.text || !strstr(err.text, rows[i].message))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
+            fail_msg("row %zu: the error '%s' does not contain '%s'", i, err.text, rows[i].message);
     }
 }
 
@@ -418,7 +418,7 @@ static void binary_errors_contain_the_byte(void **state)
                                           &mesh, NULL, &err);
         assert_int_equal(status, OST_ERR_INPUT);
         if (!strstr(err.text, rows[i].message))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
+            fail_msg("row %zu: the error '%s' does not contain '%s'", i, err.text, rows[i].message);
     }
     ost_error err = {0};
     ost_mesh mesh;

@@ -91,7 +91,7 @@ static void values_beyond_the_limits_are_refused(void **state)
             mm(rows[i].voxel), &g, &err);
         assert_int_equal(ost_status_exit(status), 2);
         if (!strstr(err.text, rows[i].message))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
+            fail_msg("row %zu: the error '%s' does not contain '%s'", i, err.text, rows[i].message);
     }
     ost_error err = {0};
     ost_tool_geometry g;

@@ -243,7 +243,7 @@ static void sizes_scale_and_are_limited(void **state)
         ost_error err = {0};
         assert_int_equal(ost_tool_make(rows[i].kind, &rows[i].options, &mesh, &err), OST_ERR_USAGE);
         if (!strstr(err.text, rows[i].message))
-            fail_msg("row %zu says '%s', not '%s'", i, err.text, rows[i].message);
+            fail_msg("row %zu: the error '%s' does not contain '%s'", i, err.text, rows[i].message);
     }
     assert_string_equal(ost_tool_kind_name(OST_TOOL_BURR), "burr");
     assert_string_equal(ost_tool_kind_name(OST_TOOL_KIND_COUNT), "unknown");

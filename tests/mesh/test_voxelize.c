@@ -105,7 +105,7 @@ static void compare_with_oracle(const ost_snapped_mesh *mesh, ost_fill_rule rule
     uint64_t solid = 0;
     for (size_t i = 0; i < count; i++) {
         if (got[i] != expected[i])
-            fail_msg("%s %d: voxel %zu is %d, the oracle says %d", what, round, i, got[i], expected[i]);
+            fail_msg("%s, round %d: voxel %zu is %d, in the oracle %d", what, round, i, got[i], expected[i]);
         solid += got[i] != 0;
     }
     assert_int_equal(report.leaking_rows, leaks);
@@ -305,8 +305,8 @@ static void symmetries_transform_the_grid(void **state)
                         if (here != there) {
                             on++;
                             if (!on_surface(&mesh, p))
-                                fail_msg("round %d, placing %zu: voxel %d %d %d differs off the surface", round, n, i,
-                                         j, k);
+                                fail_msg("round %d, placing %zu: voxel (%d, %d, %d) differs, but is not on the surface",
+                                         round, n, i, j, k);
                         }
                     }
             free(moved);

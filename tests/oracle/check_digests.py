@@ -34,7 +34,7 @@ def main():
     for name, digest in made.items():
         print(f"{name} {digest}")
         if stated.get(name) != digest:
-            print(f"golden.c states {stated.get(name)} for the {name}")
+            print(f"golden.c contains {stated.get(name)} for the {name}")
             return 1
     return 0
 

@@ -220,7 +220,7 @@ class Checker:
                 self.worst = max(self.worst, off)
                 self.counts["exact border"] += exact % UNIT == 0
                 if off > 23:
-                    raise AssertionError(f"voxel {voxel}: used {used}, exactly {exact}")
+                    raise AssertionError(f"voxel {voxel}: osteon uses {used}, the exact value is {exact}")
 
     def far_block_is_outside(self, m, block):
         for d in ((0, 0, 0), (15, 15, 15), (15, 0, 0), (0, 15, 15)):
@@ -263,7 +263,7 @@ class Checker:
     @staticmethod
     def expect(what, found, expected):
         if found != expected:
-            raise AssertionError(f"{what}: osteon has {found}, fractions give {expected}")
+            raise AssertionError(f"{what}: osteon has {found}, the exact fractions give {expected}")
 
     def line(self, text):
         kind, *pairs = text.split()
@@ -300,7 +300,7 @@ def main(arguments):
         if other != dump:
             pairs = enumerate(zip(dump.splitlines(), other.splitlines()), 1)
             number, pair = next(((n, p) for n, p in pairs if p[0] != p[1]), (0, ("one has", "fewer lines")))
-            print(f"case {number}: {backend} has another result than {backends[0]}\n{pair[1][:1000]}\n{pair[0][:1000]}")
+            print(f"case {number}: the result of {backend} differs from that of {backends[0]}\n{pair[1][:1000]}\n{pair[0][:1000]}")
             return 1
     checker = Checker()
     for number, text in enumerate(dump.splitlines(), 1):
@@ -312,7 +312,7 @@ def main(arguments):
     for name, value in checker.counts.items():
         print(f"{name}: {value}")
         if value == 0:
-            print(f"no case was about '{name}': the dump does not test what it should")
+            print(f"no case tested '{name}'")
             return 1
     print(f"worst deviation of a coordinate: {float(checker.worst):.4f} of at most 23 units of 2^-20 tool voxels")
     return 0

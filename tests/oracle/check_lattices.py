@@ -152,7 +152,7 @@ def expected(text, names):
                 raise oracle.Refused("no spacing")
     steps = given or tuple(names["ar_ct_7"](found))
     if given is None and steps != oracle.infer_spacing(text):
-        raise AssertionError(f"the text finds {steps}, the oracle {oracle.infer_spacing(text)}")
+        raise AssertionError(f"the pseudo-code finds {steps}, the oracle finds {oracle.infer_spacing(text)}")
     rect = oracle.rect_geometry(text, steps)
     return rect.dims, rect.spacing, rect.origin
 

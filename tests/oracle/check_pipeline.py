@@ -505,7 +505,7 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
         whole = content
     runner.reams += 1
     if session.removed == 0:
-        raise Different(f"{name}: nothing was removed, so nothing was shown")
+        raise Different(f"{name}: no voxel was removed, so the case tests nothing")
 
 
 def check_off(runner, bone, bone_file, tool_file):

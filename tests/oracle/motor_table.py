@@ -79,7 +79,7 @@ def main():
     if written != expected:
         wrong = [k for k, (a, b) in enumerate(zip(written, expected)) if a != b]
         sys.exit(f"{name}: {len(written)} numbers for {len(expected)}, {len(wrong)} of them wrong, the first at {wrong[:1]}")
-    print(f"{name}: {len(written)} sines are right")
+    print(f"{name}: {len(written)} sines are correct")
 
 
 if __name__ == "__main__":
