@@ -23,10 +23,10 @@ slice_file() {
 }
 
 # Lists the values that make_series writes into the attributes that may identify a person
-printf '%s\n' PLANTED 19010203 19730405 053107 098Y 2.25.777776 2.25.777771 2.25.777772 2.25.777773 >planted
+printf '%s\n' PLANTED 19010203 19730405 053107 098Y 2.25.777776 2.25.777771 2.25.777772 2.25.777773 >identifying
 
-# searched FILE...: checks that none of the listed values is in the files (unpacked if compressed) or in their names
-searched() {
+# search_files FILE...: checks that none of the listed values is in the files (unpacked if compressed) or in their names
+search_files() {
     for file in "$@"; do
         checks=$((checks + 1))
         case $file in
@@ -34,23 +34,23 @@ searched() {
         *) cat "$file" ;;
         esac >content
         echo "$file" >>content
-        if grep -qaFf planted content; then
-            fail "$file contains a planted value: $(grep -aFf planted content | head -c 300)"
+        if grep -qaFf identifying content; then
+            fail "$file contains an identifying value: $(grep -aFf identifying content | head -c 300)"
         fi
     done
 }
 
-# says ARGUMENT...: runs a command with any status and checks its output as in `searched`
-says() {
+# run_searched ARGUMENT...: runs a command with any status and checks its output as in `search_files`
+run_searched() {
     "$osteon" "$@" >out 2>err </dev/null
-    searched out err
+    search_files out err
 }
 
-# lists ARGUMENT...: the same as `says` for a list of series, which may contain the UIDs of the series
-lists() {
+# list_searched ARGUMENT...: the same as `run_searched` for a list of series, which may contain the UIDs of the series
+list_searched() {
     "$osteon" info "$@" >list.out 2>err </dev/null
     sed -E 's/(UID |"uid": ")2\.25\.777772[0-9]+/\1/' list.out >out
-    searched out err
+    search_files out err
 }
 
 # formula WORD...: prints "x y z density" for each voxel of a series written with these words, sorted by z, y, x. It is
@@ -142,5 +142,5 @@ documented() {
         return
     }
     grep -o '`[^`]*`' row | tr -d '`' | plain | sed 's/[][\*^$.]/\\&/g; s/\\\.\\\.\\\./.*/g' >messages
-    [ ! -s messages ] || plain <err | grep -qxf messages || fail "$1: '$(cat err)' is not '$(cat row)'"
+    [ ! -s messages ] || plain <err | grep -qxf messages || fail "$1: the message '$(cat err)' differs from the documented message '$(cat row)'"
 }

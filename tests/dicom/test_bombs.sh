@@ -13,7 +13,7 @@ refuses() {
     shift 2
     rm -rf ct
     series ct "$@" || return
-    [ "$(cat ct/* | wc -c)" -lt 5000000 ] || fail "$*: the files are large"
+    [ "$(cat ct/* | wc -c)" -lt 5000000 ] || fail "$*: the files of the series have 5 MB or more"
     checks=$((checks + 3))
     timeout 60 "$osteon" import ct --out bone.nrrd >out 2>err </dev/null
     check "$*: status" $? 2

@@ -11,8 +11,8 @@ runs=6
 [ -z "${OST_TEST_LONG:-}" ] || runs=200
 echo "seed $seed"
 
-# imports WORD...: imports a broken series
-imports() {
+# import_broken WORD...: imports a broken series
+import_broken() {
     rm -rf ct bone.nrrd
     series ct dims=16,12,3 "$@" || return
     timeout 60 "$osteon" import ct --out bone.nrrd >out 2>err </dev/null
@@ -21,13 +21,13 @@ imports() {
     case $status in
     0) ;;
     2)
-        [ "$(wc -l <err)" -eq 1 ] || fail "$*: not one line: $(cat err)"
+        [ "$(wc -l <err)" -eq 1 ] || fail "$*: standard error does not have one line: $(cat err)"
         [ ! -e bone.nrrd ] || fail "$*: a refused series left a bone"
         ;;
     *) fail "$*: status $status: $(head -c 300 err)" ;;
     esac
     if grep -qaE 'PLANTED|19010203|19730405' out err; then
-        fail "$*: the message contains a planted value: $(cat err)"
+        fail "$*: the output contains an identifying value: $(cat err)"
     fi
 }
 
@@ -36,9 +36,9 @@ for kind in implicit explicit big deflated rle jpeg-sv1 jpeg-ls jpeg2000 'explic
     while [ $run -lt $runs ]; do
         seed=$((seed + 1))
         # shellcheck disable=SC2086 # words
-        imports syntax=$kind "flip=*:$seed*$((1 + run % 8 * 3))"
+        import_broken syntax=$kind "flip=*:$seed*$((1 + run % 8 * 3))"
         # shellcheck disable=SC2086 # words
-        [ $((run % 3)) -ne 0 ] || imports syntax=$kind "cut=*:$((seed * 7919 % 2500))"
+        [ $((run % 3)) -ne 0 ] || import_broken syntax=$kind "cut=*:$((seed * 7919 % 2500))"
         run=$((run + 1))
     done
 done

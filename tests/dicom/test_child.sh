@@ -10,9 +10,9 @@ mkdir lib
 OSTEON_LIBEXECDIR=$scratch/lib
 child=lib/osteon-dicom
 
-# fails TEXT COMMAND: replaces the process by a shell command and checks that the series is refused with a message
+# expect_failure TEXT COMMAND: replaces the process by a shell command and checks that the series is refused with a message
 # that contains TEXT
-fails() {
+expect_failure() {
     printf '#!/bin/sh\necho $$ >%s/pid\n%s\n' "$scratch" "$2" >$child
     chmod +x $child
     rm -f pid
@@ -28,27 +28,27 @@ fails() {
 refuse 3 'osteon-dicom' import ct --out bone.nrrd
 : >$child
 refuse 3 'osteon-dicom' import ct --out bone.nrrd
-fails . 'exit 0'
-fails . 'exit 1'
-fails . 'kill -SEGV $$'
-fails . 'kill -KILL $$'
-fails . 'exec >&-; sleep 1'
-fails . 'echo hello'
-fails . 'cat /dev/zero'
-fails . 'cat /dev/urandom'
-fails . 'yes'
-fails . 'while :; do printf "\3\0\0\0\0\0\0\0\0\0\0\0"; done'           # END without an end
-fails . 'while :; do printf "\1\0\0\0\0\0\0\0\4\0\0\0\1\0\0\0"; done'    # FILE of the first path again and again
-fails . 'printf "\1\0\0\0\377\377\377\177\4\0\0\0\0\0\0\0"'              # FILE of a path that does not exist
-fails . 'printf "\1\0\0\0\0\0\0\0\4\0\0\0\377\377\377\377"'              # FILE with a result that does not exist
-fails . 'printf "\0\0\0\0\0\0\0\0\377\377\377\377"; cat /dev/zero'       # FRAME of 4 GB
-fails . 'printf "\2\0\0\0\0\0\0\0\377\377\377\177"; cat /dev/zero'       # PIXELS during a scan
-fails . 'printf "\1\0\0\0\0\0"'                                          # half a message
-fails . 'head -c 4000000000 /dev/zero >"$0.large"; exit 1'
+expect_failure . 'exit 0'
+expect_failure . 'exit 1'
+expect_failure . 'kill -SEGV $$'
+expect_failure . 'kill -KILL $$'
+expect_failure . 'exec >&-; sleep 1'
+expect_failure . 'echo hello'
+expect_failure . 'cat /dev/zero'
+expect_failure . 'cat /dev/urandom'
+expect_failure . 'yes'
+expect_failure . 'while :; do printf "\3\0\0\0\0\0\0\0\0\0\0\0"; done'           # END without an end
+expect_failure . 'while :; do printf "\1\0\0\0\0\0\0\0\4\0\0\0\1\0\0\0"; done'    # FILE of the first path again and again
+expect_failure . 'printf "\1\0\0\0\377\377\377\177\4\0\0\0\0\0\0\0"'              # FILE of a path that does not exist
+expect_failure . 'printf "\1\0\0\0\0\0\0\0\4\0\0\0\377\377\377\377"'              # FILE with a result that does not exist
+expect_failure . 'printf "\0\0\0\0\0\0\0\0\377\377\377\377"; cat /dev/zero'       # FRAME of 4 GB
+expect_failure . 'printf "\2\0\0\0\0\0\0\0\377\377\377\177"; cat /dev/zero'       # PIXELS during a scan
+expect_failure . 'printf "\1\0\0\0\0\0"'                                          # half a message
+expect_failure . 'head -c 4000000000 /dev/zero >"$0.large"; exit 1'
 checks=$((checks + 1))
 [ ! -s $child.large ] || fail "the process wrote a file"
 if [ -n "${OST_TEST_LONG:-}" ]; then
-    fails . 'sleep 1000'
-    fails . 'while :; do :; done'
+    expect_failure . 'sleep 1000'
+    expect_failure . 'while :; do :; done'
 fi
 finish

@@ -13,8 +13,8 @@ words() {
     printf '%s\n' "$1" | sed 's/^ *//; s/ *$//'
 }
 
-# makes FAULT SERIES OPTIONS SLICE STATUS: makes a fault and checks the result
-makes() {
+# make_fault FAULT SERIES OPTIONS SLICE STATUS: makes a fault and checks the result
+make_fault() {
     rm -rf ct bone.nrrd
     printf '%s\n' "$2" | sed 's/ + /\n/' >parts
     while read -r part; do
@@ -27,16 +27,16 @@ makes() {
     documented "$1"
     checks=$((checks + 2))
     if [ "$5" -eq 0 ]; then
-        [ -s bone.nrrd ] || fail "$1 ($2): no bone"
+        [ -s bone.nrrd ] || fail "$1 ($2): no bone was written"
     else
         [ ! -e bone.nrrd ] || fail "$1 ($2): a refused series left a bone"
-        [ "$(wc -l <err)" -eq 1 ] || fail "$1 ($2): not one line: $(cat err)"
+        [ "$(wc -l <err)" -eq 1 ] || fail "$1 ($2): standard error does not have one line: $(cat err)"
     fi
     [ -z "$4" ] || grep -q "^osteon import: ct/$(slice_file "$4")B\?: " err ||
         fail "$1 ($2): '$(cat err)' does not begin with $(slice_file "$4")"
-    searched out err
-    [ ! -e bone.nrrd ] || searched bone.nrrd
-    lists ct --json
+    search_files out err
+    [ ! -e bone.nrrd ] || search_files bone.nrrd
+    list_searched ct --json
 }
 
 syntaxes='explicit implicit big deflated rle jpeg jpeg-sv1 jpeg-ls jpeg2000'
@@ -52,7 +52,7 @@ while IFS='|' read -r fault series options slice status; do
     for syntax in ${some:-as-listed}; do
         [ "$syntax" = as-listed ] || set -- "$(printf '%s\n' "$series " | sed "s/^/ syntax=$syntax /; s/ + / + syntax=$syntax /")"
         [ "$syntax" != as-listed ] || set -- "$series"
-        makes "$(words "$fault")" "$1" "$options" "$(words "$slice")" "$(words "$status")"
+        make_fault "$(words "$fault")" "$1" "$options" "$(words "$slice")" "$(words "$status")"
     done
 done <list
 

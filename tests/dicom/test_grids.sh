@@ -33,7 +33,7 @@ formula smooth=10 intercept=1,11,21,31,41 >expected
 awk '{ if ($3 == -29) { i = ($1 + 10.25) / 0.5; j = ($2 - 20.5) / 0.5; before = 10 * (i + j + 1) + 11; after = 10 * (i + j + 2) + 24
     v = (before * 0.15 + after * 0.5) / 0.65; low = int(v); if (v - low > 0.5) low++; $4 = low } print }' expected >moved
 mv moved expected
-same_bone "a slice that lies elsewhere" bone.nrrd
+same_bone "a slice that is displaced along z" bone.nrrd
 
 # Tests a tilted gantry: slice k is displaced by k * tilt along the columns. Voxel Y of the straight grid is
 # pixel Y - k * tilt / 0.5 of slice k, and the density 10 (i + j + k) + 1 becomes 10 (i + Y + k - k * tilt /
@@ -63,7 +63,7 @@ awk 'BEGIN {
     for (k = 0; k < 5; k++) for (j = 0; j < 6; j++) for (i = 0; i < 8; i++)
         print -10.25 + 0.5 * (i + (k == 2)), 20.5 + 0.5 * (j - 2 * (k == 2)), -30 + 0.5 * k, 10 * (i + j + k) + 1
 }' | sort -k3,3g -k2,2g -k1,1g >expected
-same_bone "a slice that lies beside the others" bone.nrrd
+same_bone "a slice that is displaced in its plane" bone.nrrd
 
 # Ignored data must not change any voxel.
 formula intercept=1 >expected
