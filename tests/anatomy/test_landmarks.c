@@ -134,8 +134,8 @@ static void expect_refusal(const ost_volume *v, const char *text)
         fail_msg("the error '%s' does not contain '%s', or the bone was accepted", err.text, text);
 }
 
-/* Landmarks must be refused on a glenoid without the blade, a scapula without its medial half, a scapula without its
-   glenoid, and a volume without bone. */
+/* The search for landmarks must refuse a glenoid without the blade, a scapula without its medial half, a scapula
+   without its glenoid, and a volume without bone. */
 static void refuses_incomplete_bones(void **state)
 {
     (void)state;

@@ -20,7 +20,7 @@
 enum { SKIPPED = 77 };
 
 /*
- * Drivers keep memory until the program ends, and some leak a little, so leaks in drivers are
+ * Drivers free a part of their memory only when the program ends, or never, so leaks in drivers are
  * suppressed. The suppression also hides OpenCL objects that osteon does not release; tests/cl/shim.c
  * counts these objects.
  */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A device fails at a random OpenCL call, once or permanently, while a world steps on it. The
- * cpu backend or the reference then continues from the last completed tick. The final grid and
- * totals must equal those of a reference that never failed, and every OpenCL object must be
- * released.
+ * Tests the failover of a world whose device fails. The failure occurs at a random OpenCL call and
+ * is temporary or permanent. The cpu backend or the reference then continues from the last completed
+ * tick. The final grid and totals must equal those of a reference that never failed, and every
+ * OpenCL object must be released.
  * Covers: REQ-FAILOVER
  */
 #include "cl/on_device.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the import of the cpu backend with that of ref, byte by byte, for random grids, spacings, thresholds and
- * chunk sizes, with every instruction set of this machine and with 1, 2, 3 and 7 threads.
+ * Compares the results of importing on the backends cpu and ref, byte by byte. Grids, spacings, thresholds and chunk
+ * sizes are random. The tests use every instruction set of this machine, and 1, 2, 3 and 7 threads.
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-DIG-2
  */
 #include "harness.h"

@@ -53,8 +53,8 @@ const char *fuzz_folder(void);
     } while (0)
 
 /*
- * Checks the error after a call that failed: it must have the status of the call, which must not be
- * OST_ERR_INTERNAL, and its text must be one line that contains the path.
+ * Checks the error after a call that failed. The error must have the status that the call returned, which
+ * must not be OST_ERR_INTERNAL. The error's text must be one line that contains the path.
  */
 #define fuzz_require_error(status, err, path)                                                                \
     do {                                                                                                     \

@@ -167,7 +167,7 @@ static void force_is_balanced_by_the_grip(void **state)
             assert_true(sign * x > 0);
             /* Friction keeps the device at rest. */
             assert_true(read_x_mm(device) == x);
-            /* A force beyond the limit of the motors is clamped. A force that is not finite counts as zero. */
+            /* A force beyond the limit of the motors is clamped. A force that is not finite is treated as zero. */
             for (int i = 0; i < 2000; i++) {
                 ost_haptic_write(device, &(ost_wrench){{sign * 1e9, 0, 0}, {0}});
                 x = read_x_mm(device);

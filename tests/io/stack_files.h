@@ -45,7 +45,7 @@ static inline void put_entry(bytes *b, bool big, unsigned tag, unsigned type, ui
 
 /*
  * Appends a TIFF file with these pages. The layout of each page is: strip, resolution, description,
- * directory. Therefore every offset except that of the next directory can be written immediately.
+ * directory. Therefore every offset except the offset of the next directory can be written immediately.
  */
 static inline void put_tiff(bytes *b, bool big, const tiff_page *pages, size_t count)
 {

@@ -135,7 +135,7 @@ static void refuses_series_without_a_volume(void **state)
 
 /* -------------------------------------------------------------------- order */
 
-/* Tests files whose order differs from that of the slices. The positions are decimals of different lengths. */
+/* The order of the files differs from the order of the slices. The positions are decimals of different lengths. */
 static void order_and_geometry(void **state)
 {
     (void)state;
@@ -496,7 +496,7 @@ static void interpolation_between_slices(void **state)
     assert_memory_equal(out, quarter, sizeof out);
     ost_dicom_mix(before, after, 4, 0, 4, out);
     assert_memory_equal(out, before, sizeof out);
-    /* The fraction 2^60 / (2^61 - 1) cannot be reduced and is computed in 128 bits. Its results equal those of 1/2. */
+    /* The fraction 2^60 / (2^61 - 1) cannot be reduced and is computed in 128 bits. The results equal those for 1/2. */
     ost_dicom_mix(before, after, 2, INT64_C(1) << 60, (INT64_C(1) << 61) - 1, out);
     assert_int_equal(out[0], 5);
     assert_int_equal(out[1], 5);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the search for the lattice on which the positions of a CT text lie, for common spacings that are written with
- * few and with many digits. A property test compares the result with that of a simple search.
+ * Tests the search for the lattice on which the positions of a CT text lie. The tests use common spacings, written with
+ * few digits and with many. A property test compares the result with the result of a simple search.
  *
  * Covers: AR-CT-3, AR-CT-7
  */
@@ -260,8 +260,8 @@ static void refuses_undetermined_spacings(void **state)
 }
 
 /*
- * Finds the spacing by a simple search, which is independent of the bisection in the library: determines the range of
- * feasible spacings from all pairs of layers, and then selects a spacing with as few digits as possible.
+ * Finds the spacing by a simple search, which is independent of the bisection in the library. The range of feasible
+ * spacings follows from all pairs of layers. The result is a spacing in this range with as few digits as possible.
  */
 static ost_pm plain_search(const axis_text *a, int64_t u)
 {

@@ -283,7 +283,7 @@ static void without_sform_and_qform(void **state)
 
 /*
  * Reads quaternions of quarter turns, with exact components and with sqrt(1/2) rounded to float32. The
- * spacing must be that of pixdim.
+ * spacing must equal pixdim.
  */
 static void quarter_turns(void **state)
 {

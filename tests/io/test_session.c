@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests session files: records must be read back as written, any damage of the bytes must be
- * handled, and the recorder must never block its caller.
+ * Tests session files: records must be read back as written, damaged bytes must be handled,
+ * and the recorder must never block its caller.
  *
  * Every byte of a session is damaged in turn, and the file is truncated at every length. The
  * positions of the blocks determine which records must remain.

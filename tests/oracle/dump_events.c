@@ -125,8 +125,8 @@ typedef struct sizes {
 } sizes;
 
 /*
- * Returns the voxel sizes of bone and tool. They include the thesis' sizes, ratios such as 1, 2 and 16, and decimal and
- * binary sizes.
+ * Chooses the voxel sizes of bone and tool from a list. The list contains the thesis' sizes, ratios such as 1, 2 and
+ * 16, powers of two, and sizes with many digits.
  */
 static sizes make_sizes(void)
 {

@@ -331,7 +331,7 @@ static void events_commute_and_add_no_voxels(void **state)
     for (int round = 0; round < test_rounds(20); round++) {
         scene s = make_scene(*state, &rng);
         ost_pose p = random_pose(&rng, s.lo, s.hi), q = random_pose(&rng, s.lo, s.hi);
-        /* The second bone has fewer active voxels. Its remaining voxels must be a subset of those of the first bone. */
+        /* The second bone has fewer active voxels. Its remaining voxels must also remain in the first bone. */
         int16_t *fewer = malloc(voxel_count(&s.g) * sizeof *fewer);
         for (size_t i = 0; i < voxel_count(&s.g); i++)
             fewer[i] = rng_range(&rng, 0, 1) ? s.voxels[i] : 0;
