@@ -84,7 +84,7 @@ class Runner:
                 raise NotHere(done.stderr.decode().strip())
             if done.returncode != 0:
                 raise Different(f"{words}: status {done.returncode}: {done.stderr.decode().strip()}")
-            objects.append(timeless(json.loads(done.stdout)))
+            objects.append(without_times(json.loads(done.stdout)))
             if objects[-1] != objects[0]:
                 keys = [key for key in objects[0] if objects[0][key] != objects[-1].get(key)]
                 raise Different(f"{words}: {', '.join(keys) or 'a key'} differs from backend {BACKENDS[0]}")
@@ -95,17 +95,17 @@ class NotHere(Exception):
     pass
 
 
-def timeless(value):
+def without_times(value):
     """Returns the parts of an object that must not differ between runs."""
     if isinstance(value, dict):
-        return {key: timeless(item) for key, item in value.items() if key not in TIMES}
-    return [timeless(item) for item in value] if isinstance(value, list) else value
+        return {key: without_times(item) for key, item in value.items() if key not in TIMES}
+    return [without_times(item) for item in value] if isinstance(value, list) else value
 
 
 # ----------------------------------------------------------------- CT texts
 
 
-def blob(rng, dims):
+def noisy_ellipsoid(rng, dims):
     """Returns the densities of a noisy ellipsoid: all classes occur, and some densities are inactive or negative."""
     nx, ny, nz = dims
     out = []
@@ -130,7 +130,7 @@ def written(value, decimals, strip):
 def ct_text(rng, dims, spacing, start, decimals, strip=False, shuffle=False, absent=0.0, repeated=0, separator=" ", head=""):
     """Returns a CT text of an ellipsoid. The number of decimals may be greater or smaller than the spacing requires."""
     lines = []
-    voxels = iter(blob(rng, dims))
+    voxels = iter(noisy_ellipsoid(rng, dims))
     axes = [[written(Fraction(o) + n * Fraction(s), decimals, strip) for n in range(count)]
             for o, s, count in zip(start, spacing, dims)]
     for k in range(dims[2]):
@@ -264,7 +264,7 @@ def floats(runner):
     rng, dims = runner.rng, (7, 6, 5)
     for name, spacing, origin in (("shoulder", ("0.841796875", "0.841796875", "5"), ("-198.912109375", "-117.8", "-159.03")),
                                   ("seventh-digit", ("0.4882812", "0.4882813", "0.625"), ("12.3", "-0.1", "431.217"))):
-        densities = blob(rng, dims)
+        densities = noisy_ellipsoid(rng, dims)
         exact = oracle.Grid(dims, tuple(oracle.length(Fraction(s)) for s in spacing), tuple(oracle.length(Fraction(o)) for o in origin), densities)
         read = oracle.Grid(dims, tuple(oracle.length(oracle.shortest_decimal(float32(float(s)), 32)) for s in spacing),
                            tuple(oracle.length(oracle.shortest_decimal(float32(float(o)), 32)) for o in origin), densities)
@@ -508,7 +508,7 @@ def check_ream(runner, name, bone, bone_file, shapes, ticks, options=(), content
         raise Different(f"{name}: no voxel was removed, so the case tests nothing")
 
 
-def check_off(runner, bone, bone_file, tool_file):
+def check_motor_off(runner, bone, bone_file, tool_file):
     """Checks that a path through the bone's centre removes nothing with --rpm 0 (AR-MOTOR-5)."""
     content = path(runner.rng, bone, 20, Fraction(6, 10), 1, True)
     got = runner.run("ream", "--bone", bone_file, "--tool", tool_file, "--path", runner.write("off.csv", content), "--rpm", "0",
@@ -534,7 +534,7 @@ def reams(runner):
     check_ream(runner, "tracked-given", bone, bone_file, [second], 0, ("--max-gap", "5,0.3"), contents=tracked, max_gap=(5 * 10**6, 3 * 10**8))
     check_ream(runner, "coarse", bone, bone_file, [second], 2, rpm=rng.randrange(190, 240), every_ms=45)
     check_ream(runner, "fast", bone, bone_file, [second], 6, rpm=3000)
-    check_off(runner, bone, bone_file, second[1])
+    check_motor_off(runner, bone, bone_file, second[1])
 
 
 def main():

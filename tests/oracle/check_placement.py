@@ -157,7 +157,7 @@ def lattice(rng, least=0.4):
     return [x, x if rng.random() < 0.7 else rng.uniform(least, 0.9), rng.uniform(least, 5)], rng.choice((x, rng.uniform(0.5, 0.9)))
 
 
-def beats(spacing, cubic):
+def sizes_nearly_equal(spacing, cubic):
     """Returns True if the cubic voxel has nearly, but not exactly, the size of the CT's voxel. The same fraction f then
     occurs on the entire face."""
     return any(s != cubic and abs(s / cubic - 1) < 0.15 for s in spacing)
@@ -213,7 +213,7 @@ def main():
         for number in range(4):
             centre, radii = body(rng, number % 2 == 0)
             spacing, cubic = lattice(rng, 0.6)
-            while beats(spacing, cubic):
+            while sizes_nearly_equal(spacing, cubic):
                 spacing, cubic = lattice(rng, 0.6)
             placement.check("ball" if number % 2 == 0 else "ellipsoid", centre, radii, spacing, cubic)
         return 1 if placement.failed else 0

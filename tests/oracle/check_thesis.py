@@ -60,7 +60,7 @@ def alg_2_5(z, cubic, rect):
     return current if Fraction(z * cubic - before * rect, cubic) >= Fraction(1, 2) else before
 
 
-def vacuous_choice():
+def choice_without_effect():
     for cubic, rect in itertools.product(range(1, 60), repeat=2):
         for z in range(40):
             assert alg_2_5(z, cubic, rect) == floor(Fraction(z * cubic, rect))
@@ -116,6 +116,6 @@ def pose_centre():
 
 
 if __name__ == "__main__":
-    for check in (lost_layers, vacuous_choice, intersection_box, tables, pose_centre):
+    for check in (lost_layers, choice_without_effect, intersection_box, tables, pose_centre):
         check()
         print(f"ok {check.__name__}")

@@ -54,7 +54,7 @@ def table():
     return [rhe(ONE * sine(PI * k / STEPS)) for k in range(STEPS // 2 + 1)]
 
 
-def spins(quarter):
+def rotations(quarter):
     """Computes (C_k, S_k) for every k of a revolution from the sines of the first quarter."""
     half = STEPS // 2
     return [(quarter[half - k], quarter[k]) if k <= half else (-quarter[k - half], quarter[STEPS - k]) for k in range(STEPS)]

@@ -316,11 +316,11 @@ def infer_spacing(text):
     axes = [Axis([s[a] for s in text.samples], text.units[a], text.rounded[a]) for a in range(3)]
     spacing = [axis.spacing for axis in axes]
 
-    def alike(a, b):
+    def nearly_equal(a, b):
         return 100 * abs(spacing[a] - spacing[b]) <= min(spacing[a], spacing[b])
 
     for group in ((0, 1, 2), (0, 1), (0, 2), (1, 2)):
-        common = spacing_from_steps([axes[a] for a in group]) if all(alike(group[0], a) for a in group) else None
+        common = spacing_from_steps([axes[a] for a in group]) if all(nearly_equal(group[0], a) for a in group) else None
         if common is not None:
             for a in group:
                 spacing[a] = common

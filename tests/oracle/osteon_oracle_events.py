@@ -70,7 +70,7 @@ def sweep_pose(a, b, k, n):
 
 
 TURN = 6 * 10**10
-SPINS = motor_table.spins(motor_table.table())
+ROTATIONS = motor_table.rotations(motor_table.table())
 UNKNOWN = None  # AR-MOTOR-1: an unknown speed
 
 
@@ -87,7 +87,7 @@ class Motor:
         self.time = t_ns
         if rpm is UNKNOWN:
             return hand
-        (w, x, y, z), (c, s) = hand.q, SPINS[4096 * self.phase // TURN]
+        (w, x, y, z), (c, s) = hand.q, ROTATIONS[4096 * self.phase // TURN]
         return Pose(hand.t, [rhe(Fraction(n, Q)) for n in (w * c + z * s, x * c - y * s, y * c + x * s, z * c - w * s)])
 
 
