@@ -264,7 +264,7 @@ static int stride_of(const session *s)
     return stride;
 }
 
-/* Returns true for calls after whose failure the session may succeed. After a failed query, the backend chooses
+/* Returns true if the session may succeed although this call fails. After a failed query, the backend chooses
    another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
 static bool failure_may_be_overcome(enum shim_call call)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares floor, ceiling and rounding half to even (RHE) with their definitions in 64 and 128
- * bits, and the divider, which is set up once for many divisions, with these functions.
+ * Compares the functions for floor, ceiling and rounding half to even (RHE) with their definitions,
+ * in 64 and 128 bits. The divider, which is set up once for many divisions, is compared with these
+ * functions.
  * Covers: AR-INT-1, AR-INT-2
  */
 #include "harness.h"

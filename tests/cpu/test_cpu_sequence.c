@@ -14,22 +14,22 @@
 enum { BONES = 2, TOOLS = 3 };
 
 /* The bones and tools of a sequence, created on one backend. */
-typedef struct bench {
+typedef struct setup {
     ost_bone *bone[BONES];
     ost_tool *tool[TOOLS];
-} bench;
+} setup;
 
-typedef struct plot {
+typedef struct inputs {
     ost_geometry geometry[BONES];
     int16_t *voxels[BONES];
     int chunk_size[BONES];
     ost_tool_volume volume[TOOLS];
-} plot;
+} inputs;
 
-static plot make_plot(test_rng *rng)
+static inputs make_inputs(test_rng *rng)
 {
     const ost_pm s = 470 * UM;
-    plot p;
+    inputs p;
     for (int b = 0; b < BONES; b++) {
         p.geometry[b] = cubic_geometry((int32_t)rng_range(rng, 20, 45), (int32_t)rng_range(rng, 20, 45),
                                        (int32_t)rng_range(rng, 20, 45), s,
@@ -48,10 +48,10 @@ static plot make_plot(test_rng *rng)
     return p;
 }
 
-static bench open_bench(ost_backend *backend, const plot *p)
+static setup open_setup(ost_backend *backend, const inputs *p)
 {
     ost_error err = {0};
-    bench b;
+    setup b;
     for (int i = 0; i < BONES; i++)
         b.bone[i] = bone_of(backend, &p->geometry[i], p->chunk_size[i], p->voxels[i]);
     for (int i = 0; i < TOOLS; i++)
@@ -59,7 +59,7 @@ static bench open_bench(ost_backend *backend, const plot *p)
     return b;
 }
 
-static void close_bench(bench *b)
+static void close_setup(setup *b)
 {
     for (int i = 0; i < BONES; i++)
         ost_bone_free(b->bone[i]);
@@ -117,7 +117,7 @@ typedef struct tick {
     int32_t z0, slices;
 } tick;
 
-static void do_tick(const plot *p, const bench *b, const tick *k, ost_removal_report *report)
+static void do_tick(const inputs *p, const setup *b, const tick *k, ost_removal_report *report)
 {
     ost_error err = {0};
     const ost_geometry *g = &p->geometry[k->bone];
@@ -138,11 +138,11 @@ static void do_tick(const plot *p, const bench *b, const tick *k, ost_removal_re
 
 static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
 {
-    plot p = make_plot(rng);
-    bench expected = open_bench(t->ref, &p), own[BACKENDS_MAX];
+    inputs p = make_inputs(rng);
+    setup expected = open_setup(t->ref, &p), own[BACKENDS_MAX];
     for (int i = 0; i < t->count; i++)
         if (has_turn(i, turn))
-            own[i] = open_bench(t->cpu[i], &p);
+            own[i] = open_setup(t->cpu[i], &p);
     tick k = {0};
     ost_pose at = random_pose_near_bone(rng, &p.geometry[0]);
     motion m = some_motion(rng);
@@ -200,8 +200,8 @@ static void one_sequence(const team *t, test_rng *rng, int ticks, int turn)
     ost_removal_report_free(&found);
     for (int i = 0; i < t->count; i++)
         if (has_turn(i, turn))
-            close_bench(&own[i]);
-    close_bench(&expected);
+            close_setup(&own[i]);
+    close_setup(&expected);
     for (int i = 0; i < BONES; i++)
         free(p.voxels[i]);
     for (int i = 0; i < TOOLS; i++)

@@ -110,7 +110,7 @@ static void rotating_handle_comes_to_rest(void **state)
                                  {.at = {-8e-3, 0, 0}, .inward = {0, 0, 1}, .area = 1e-6}};
     for (int grip = 0; grip < 3; grip++) {
         const double inertia = 1.5e-4, hand_k = (double[]){0.2, 0.3, 0.8}[grip],
-                     hand_d = (double[]){1e-3, 3e-3, 8e-3}[grip], wish = 0.2;
+                     hand_d = (double[]){1e-3, 3e-3, 8e-3}[grip], final_target = 0.2;
         ost_force_params params = ost_force_defaults();
         params.turn_stiffness = 0.5;
         ost_force *force = force_of(bone, &params, points, 2);
@@ -120,7 +120,7 @@ static void rotating_handle_comes_to_rest(void **state)
         double at = 0, speed = 0, torque = 0, swing = 0;
         for (int i = 0; i < 3000; i++) {
             for (int part = 0; part < 10; part++) {
-                const double target = i < 400 ? wish * i / 400 : wish;
+                const double target = i < 400 ? final_target * i / 400 : final_target;
                 speed += (hand_k * (target - at) - hand_d * speed + torque) / inertia * 1e-4;
                 at += speed * 1e-4;
             }
@@ -132,8 +132,8 @@ static void rotating_handle_comes_to_rest(void **state)
             swing = i >= 2000 ? fmax(swing, fabs(speed)) : 0;
         }
         print_message("grip %d: angle %.3f rad, target %.1f rad, torque %.4f N m, speed at most %.4f rad/s\n", grip, at,
-                      wish, torque, swing);
-        assert_true(swing < 0.05 && torque < -0.002 && at > 0.01 && at < wish);
+                      final_target, torque, swing);
+        assert_true(swing < 0.05 && torque < -0.002 && at > 0.01 && at < final_target);
         ost_force_free(force);
     }
     ost_bone_free(bone);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Reads arbitrary bytes as CT text. The result must be a geometry within its bounds, or an
- * error of one line that names the file. The grid itself is not created, so that the number of
- * samples limits the memory.
+ * error of one line that names the file. The grid itself is not created, so the memory does not
+ * depend on its size.
  */
 #include "fuzz.h"
 

@@ -460,15 +460,15 @@ static const haptic_driver blinker = {.name = "blinker",
                                       .read = interrupted_read,
                                       .write = interrupted_write};
 
-typedef struct felt {
+typedef struct force_record {
     ost_operation *operation;
     double n[TICKS];
     int count;
-} felt;
+} force_record;
 
 static bool record_force(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
-    felt *f = user;
+    force_record *f = user;
     const bool more = ost_operation_tick(f->operation, sample, wrench);
     f->n[f->count++] = -wrench->force_n[0];
     return more;
@@ -489,8 +489,8 @@ static void force_stops_at_dropouts_and_returns_gradually(void **state)
     ost_world *world;
     ost_force *force;
     ost_haptic *device;
-    static felt f;
-    f = (felt){0};
+    static force_record f;
+    f = (force_record){0};
     ost_force_params params = ost_force_defaults();
     params.speed = 0;
     ost_safety_params safety = ost_safety_defaults();

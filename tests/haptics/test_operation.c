@@ -173,15 +173,15 @@ static void jump_removes_nothing_on_its_way(void **state)
  * Pressing a tool of rigid points into bone must give a force. A jump of the pose is a fault. After the fault, the
  * force must become zero and then increase gradually.
  */
-typedef struct felt {
+typedef struct force_record {
     ost_operation *operation;
     double n[400];
     size_t count;
-} felt;
+} force_record;
 
 static bool record_force(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 {
-    felt *f = user;
+    force_record *f = user;
     const bool more = ost_operation_tick(f->operation, sample, wrench);
     f->n[f->count++] = wrench->force_n[0];
     return more;
@@ -196,10 +196,10 @@ static void fault_sets_the_force_to_zero(void **state)
     ost_safety_params safety = ost_safety_defaults();
     ost_force *force;
     ost_haptic *device;
-    static felt f;
+    static force_record f;
     params.speed = 0;
     safety.ramp_s = 0.05;
-    f = (felt){0};
+    f = (force_record){0};
     ost_path path = into_bone(400);
     for (size_t i = 0; i < path.count; i++) /* The peg moves by 2 mm along x, into the bone's side. */
         path.ticks[i].pose.t.x = -2 * MM + (ost_pm)(i < 200 ? i : 200) * MM / 100;

@@ -379,10 +379,10 @@ typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int silent_from, silent_to; /* poses with numbers in this range are not answered; a hello ends the range */
+    int unanswered_from, unanswered_to; /* poses with numbers in this range are not answered; a hello ends the range */
     int end_at;                 /* number of the pose at which the simulation reports its end */
     _Atomic bool stop;
-    int poses, seen, let_go, jumps, hellos;
+    int poses, seen, not_held, jumps, hellos;
 } stand_in;
 
 static void *run_stand_in(void *user)
@@ -409,8 +409,8 @@ static void *run_stand_in(void *user)
              * of poses therefore does not increase until a hello is answered.
              */
             s->hellos++;
-            if (s->poses >= s->silent_from)
-                s->silent_to = s->poses;
+            if (s->poses >= s->unanswered_from)
+                s->unanswered_to = s->poses;
         } else if (p.type == LINK_POSE) {
             s->poses++;
             answers = p.sequence;
@@ -425,11 +425,11 @@ static void *run_stand_in(void *user)
                 s->seen++;
                 tool = last = p.pose;
             } else {
-                s->let_go++;
+                s->not_held++;
             }
             tracked = p.flags & LINK_SEEN;
         }
-        if (s->silent_from && s->poses >= s->silent_from && s->poses < s->silent_to)
+        if (s->unanswered_from && s->poses >= s->unanswered_from && s->poses < s->unanswered_to)
             continue;
         const bool over = s->end_at && s->poses >= s->end_at;
         link_packet state = {.type = LINK_STATE,
@@ -535,8 +535,8 @@ static void missing_states_release_the_tool(void **state)
     (void)state;
     ost_error err = {0};
     stand_in *s = make_stand_in();
-    s->silent_from = 200;
-    s->silent_to = 600;
+    s->unanswered_from = 200;
+    s->unanswered_to = 600;
     s->end_at = 1000;
     start_stand_in(s);
     assert_ok(run_bridge(s->to, key_file, PATH_TICKS, &err));
@@ -548,7 +548,7 @@ static void missing_states_release_the_tool(void **state)
      * While the bridge receives no states, it reports that the tool is not held. Afterwards the tool
      * continues from its position, although the device has moved 40 mm.
      */
-    assert_true(s->let_go >= 100);
+    assert_true(s->not_held >= 100);
     assert_int_equal(s->jumps, 0);
     free_stand_in(s);
 }
@@ -558,8 +558,8 @@ static void bridge_sends_hello_after_a_second_without_states(void **state)
     (void)state;
     ost_error err = {0};
     stand_in *s = make_stand_in();
-    s->silent_from = 200;
-    s->silent_to = PATH_TICKS;
+    s->unanswered_from = 200;
+    s->unanswered_to = PATH_TICKS;
     s->end_at = 2000;
     start_stand_in(s);
     assert_ok(run_bridge(s->to, key_file, PATH_TICKS, &err));

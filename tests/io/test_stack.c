@@ -25,7 +25,7 @@ enum { HAS_PNG = 1 };
 /* columns are 0.5 mm apart, rows 0.25 mm, and slices 2 mm */
 static const ost_volume_options spaced = {.stack_spacing = {500000000, 250000000, 2000000000}};
 
-/* Returns the value of a pixel, which is different in each voxel and in the range of every type. */
+/* Returns the value of a pixel. It is different for each voxel and within the range of every type. */
 static int value(int x, int y, int z)
 {
     return 1 + x + NX * (y + NY * z);

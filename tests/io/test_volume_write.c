@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests writing and reading back volumes as NRRD and NIfTI, plain and compressed, at spacings
- * that floats cannot represent. Also tests the bytes of the files, and tools and bones as files.
+ * Tests writing volumes as NRRD and NIfTI, with and without compression, and reading them back. Floats cannot represent
+ * the spacings exactly. Further tests check the bytes of the files, and files with tools and bones.
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the parametric tools. Their meshes must be closed, and have outward normals and the right size.
+ * Tests the parametric tools. Their meshes must be closed and have outward normals and the expected sizes.
  * They must give the grids of the thesis, even after their coordinates are rounded to float32 as in an STL
- * file. A rotating reamer must sweep the right shape.
+ * file. A rotating reamer must sweep the expected shape.
  *
  * Covers: REQ-VOLUME, AR-TOOL-2
  */

@@ -208,7 +208,7 @@ static void dump_sweep(void)
     case 0: /* These are two random poses; the rotation between them is often too large. */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
-    case 1: /* The motion is a multiple of half a bone voxel along one axis, so that n is at a border. */
+    case 1: /* The motion is near a multiple of half a bone voxel, where the number of poses changes. */
         b = a;
         b.t.y += s.bone / 2 * pick(-5000, 5000) + pick(-1, 1);
         break;

@@ -157,7 +157,7 @@ static void test_blocks(check *c)
                    OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
     }
     check_same(c, "blocks->number", CHECK_I32, p->number, q->number, p->count);
-    check_same(c, "blocks->number behind eight", CHECK_I32, p->number + 8, q->number + 8,
+    check_same(c, "blocks->number from element 8 on", CHECK_I32, p->number + 8, q->number + 8,
                OST_UNIT_BRICKS + OST_CUBES_SLACK - 8);
 }
 
@@ -297,18 +297,18 @@ static void test_split(check *c)
         listed(m[i], mixed_before, list[i]);
         qsort(n[i]->number + inside_before, n[i]->count - inside_before, sizeof(int32_t), by_value);
     }
-    check_same(c, "mixed, as number, u[0], u[1], u[2] of each", CHECK_I32, list[0], list[1], 4 * m[0]->count);
+    check_same(c, "mixed cubes, each as number, u[0], u[1], u[2]", CHECK_I32, list[0], list[1], 4 * m[0]->count);
     check_same(c, "inside->number", CHECK_I32, n[0]->number, n[1]->number, n[0]->count);
-    /* Both buffers contain poison beyond the capacity that the contract requires, even if the lists end earlier. */
+    /* A kernel may write up to the capacity that the contract requires. Beyond it, both buffers must contain poison. */
     const size_t mixed_capacity = mixed_before + 8 * cubes->count + OST_CUBES_SLACK,
                  inside_capacity = inside_before + 8 * cubes->count + OST_CUBES_SLACK;
     const size_t all = OST_UNIT_BRICKS + OST_CUBES_SLACK;
     for (int b = 0; b < 3; b++)
-        check_same(c, "mixed->u behind the room", CHECK_I32, m[0]->u[b] + mixed_capacity, m[1]->u[b] + mixed_capacity,
-                   all - mixed_capacity);
-    check_same(c, "mixed->number behind the room", CHECK_I32, m[0]->number + mixed_capacity,
+        check_same(c, "mixed->u beyond the capacity", CHECK_I32, m[0]->u[b] + mixed_capacity,
+                   m[1]->u[b] + mixed_capacity, all - mixed_capacity);
+    check_same(c, "mixed->number beyond the capacity", CHECK_I32, m[0]->number + mixed_capacity,
                m[1]->number + mixed_capacity, all - mixed_capacity);
-    check_same(c, "inside->number behind the room", CHECK_I32, n[0]->number + inside_capacity,
+    check_same(c, "inside->number beyond the capacity", CHECK_I32, n[0]->number + inside_capacity,
                n[1]->number + inside_capacity, all - inside_capacity);
 }
 
@@ -385,7 +385,7 @@ static size_t place_mixed(check *c, const ost_match *match, const ost_split *spl
     return mixed > 0 ? count : 0;
 }
 
-/* Places bricks at any position for which the coordinates of their voxels fit int32. Most of them are near the tool. */
+/* Places bricks at positions for which the coordinates of their voxels fit in int32. Most bricks are near the tool. */
 static void place_anywhere(check *c, const ost_match *match, ost_cubes *bricks, size_t count)
 {
     for (int a = 0; a < 3; a++) {
@@ -521,7 +521,7 @@ static void test_match(check *c)
     plain = *match;
     plain.windows = plain.wide = false;
     ost_match_scalar(&plain, bricks, voxels);
-    check_same(c, "hits, by the tool's voxels instead of its windows", CHECK_BITS, voxels, hits[1], bricks->count);
+    check_same(c, "hits from the tool's voxels instead of the windows", CHECK_BITS, voxels, hits[1], bricks->count);
 }
 
 /* --------------------------------------------------------------------- take */

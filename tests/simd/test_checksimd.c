@@ -324,8 +324,8 @@ static void match_wrong_voxel(const ost_match *match, const ost_cubes *bricks, u
 }
 
 /*
- * Simulates a kernel with an error in the tie that remove.h describes: it truncates coordinates and offsets before it
- * adds them.
+ * Simulates a kernel that truncates coordinates and offsets before it adds them. Its results are wrong only for the
+ * ties that remove.h describes.
  */
 static void match_without_carries(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {

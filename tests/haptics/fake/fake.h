@@ -31,8 +31,8 @@ typedef struct fake_note {
 } fake_note;
 
 /*
- * Events that a test provides to a stand-in, in the library's format: an event consists of its type and its
- * numbers.
+ * Events that a test provides to a stand-in. In the format of the library, an event consists of a type and
+ * several numbers.
  */
 typedef struct fake_feed {
     int event[FAKE_EVENTS][8];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Replaces the compiler's header in the portable kernels: NEON intrinsics in portable C, from SIMDe.
- * See immintrin.h.
+ * Replaces the compiler's header in the portable kernels. The NEON intrinsics are portable C from SIMDe. See
+ * immintrin.h.
  */
 #ifndef OST_TESTS_SIMD_PORTABLE_ARM_NEON_H
 #define OST_TESTS_SIMD_PORTABLE_ARM_NEON_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Replaces the compiler's header in the portable kernels: x86 intrinsics in portable C, from SIMDe.
+ * Replaces the compiler's header in the portable kernels. The x86 intrinsics are portable C, most of them from SIMDe.
  *
  * SIMDe 0.7.4 (Debian 12) lacks some of the intrinsics that the kernels use. This file defines them lane by lane,
  * according to Intel's manual, and test_intrinsics compares each of them with the results of a processor. A masked load
