@@ -2,7 +2,7 @@
 /*
  * Tests the pictures and videos that are written while a loop runs. Frames follow the clock; if there is no
  * new frame at a frame time, the last frame is repeated. If the writer is slow, frames are omitted and
- * counted. A file is either complete, under a name that was free, or absent.
+ * counted. A file is either complete or absent, and it never replaces an existing file.
  * Covers: REQ-FILM, REQ-PART-FILES
  */
 #include <dirent.h>

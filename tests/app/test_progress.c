@@ -61,7 +61,7 @@ static void start(child *c, bool terminal, char *const argv[])
     c->fd = ends[0];
 }
 
-/* Reads the output until it contains the pattern, until the time limit, or until its end. pattern may be NULL. */
+/* Reads the output until it contains the pattern, the time limit is reached or the output ends. pattern may be NULL. */
 static bool read_until(child *c, const char *pattern, int limit_ms)
 {
     regex_t regex;
@@ -78,7 +78,7 @@ static bool read_until(child *c, const char *pattern, int limit_ms)
         if (poll(&poll_fd, 1, limit_ms - spent) <= 0)
             continue;
         const ssize_t n = read(c->fd, c->text + c->size, OUTPUT - 1 - c->size);
-        open = n > 0; /* a pseudo-terminal reports its end by the error EIO */
+        open = n > 0; /* at the end of a pseudo-terminal's output, read() fails with EIO */
         c->size += n > 0 ? (size_t)n : 0;
         c->text[c->size] = '\0';
         found = pattern && regexec(&regex, c->text, 0, NULL, 0) == 0;

@@ -43,7 +43,7 @@ static void nothing_of_a_disk_that_is_well(void **state)
     static const moment m[] = {{100, 0, 0, 0, false, NULL},
                                {200, 100, 75, 0, false, NULL},
                                {5000, 4900, 4875, 0, false, NULL},
-                               /* The disk pauses. After the pause there is nothing to write for a long time. */
+                               /* The disk is blocked for a short time. Then nothing is written for a long time. */
                                {6900, 6800, 4875, 0, false, NULL},
                                {7000, 6900, 6900, 0, false, NULL},
                                {60000, 6900, 6900, 0, false, NULL}};

@@ -227,7 +227,7 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
 }
 
 /*
- * Blending a pixel, including its opacity, must give the same result for any number of pixels in one call and for any
+ * The blended colour and opacity of a pixel must depend neither on the number of pixels in one call nor on the
  * alignment of the first pixel. No other pixel may change.
  */
 static void every_pixel_is_mixed_alone(void **state)

@@ -59,8 +59,8 @@ static void counts_and_class(void **state)
 }
 
 /*
- * Tests the comparison of bones after an event, with the bone before the event. A chunk in which nothing was removed is
- * a stale chunk, or a lost chunk if the reports also differ.
+ * Compares two bones after an event; the bone before the event is also given. If the event removed nothing in a chunk
+ * of one bone, the class is stale-chunk. If the reports also differ, the class is lost-chunk.
  */
 static void before_is_used(void **state)
 {

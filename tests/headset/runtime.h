@@ -22,7 +22,7 @@ typedef struct fake_xr_state {
     uint32_t buttons;        /* bit i is set while the button of the i-th boolean action is pressed */
     bool waits;              /* true if waiting for a frame takes one period of the display */
     int skip;                /* number of additional display periods by which the next frame is late */
-    int slow;                /* number of display periods per frame period that the runtime announces; 0 means 1 */
+    int slow;                /* frame period that the runtime announces, in display periods; 0 means 1 */
     int lose_after;          /* number of frames after which the session is lost; 0 means never */
     bool no_egl;             /* true if the runtime does not offer XR_MNDX_egl_enable */
     bool no_headset;

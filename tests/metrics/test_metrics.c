@@ -2,8 +2,8 @@
 /*
  * Tests the metrics of a bone with known cuts. The bone is a block with a flat face. A sphere is reamed
  * into the face along a tilted axis, and a hole is drilled along another axis. The input includes the poses
- * of the tools. Further tests compare the results for landmarks, a rim and a tool's path with closed forms, and the
- * properties of tools that consist of boxes with the sizes of the boxes.
+ * of the tools. Further tests compare the results for landmarks, a rim and a tool's path with closed forms. The
+ * properties of tools made of boxes are compared with the sizes of these boxes.
  * Covers: REQ-METRICS
  */
 #include "harness.h"
@@ -155,7 +155,7 @@ static void a_straight_one(void **state)
 }
 
 /* The measured tilt and the measured entry position must be those of the cut. A displacement must not affect the
-   measured tilt, nor a tilt the measured position. */
+   measured tilt, and a tilt must not affect the measured position. */
 static void tilted_and_displaced_ones(void **state)
 {
     (void)state;
@@ -425,8 +425,8 @@ static void the_technique(void **state)
     assert_int_equal(t.plunges, 1);
     NEAR(t.plunge_mm, 2, 0.05);
     /*
-     * The built-in paths advance at 20 mm/s in contact. The axis here is oblique, so that the steps are
-     * rounded. Such an approach must not count as a plunge.
+     * The built-in paths advance at 20 mm/s in contact. An advance at this speed must not count as a plunge.
+     * The axis here is oblique, so that the steps are rounded.
      */
     const ost_metrics_plan oblique = {.axis = {0.817462, 0.406924, -0.407639}};
     for (int i = 0; i <= ALL; i++) {
@@ -438,7 +438,7 @@ static void the_technique(void **state)
     NEAR(t.inward_max_mm_s, 20, 0.01);
     assert_int_equal(t.plunges, 0);
     /*
-     * For one second the approach is faster, with a speed that varies around the limit. This
+     * For one second the advance is faster, with a speed that varies around the limit. This
      * must count as one plunge.
      */
     for (int i = 0; i <= ALL; i++)

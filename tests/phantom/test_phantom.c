@@ -158,7 +158,7 @@ static void test_seeds_keep_the_bone_whole(void **state)
 
 /*
  * A block is skipped if its centre is far enough from the bone (ct.c). Skipping is correct only
- * if distances are overestimated by at most half.
+ * if a computed distance exceeds the true distance by at most half of the true distance.
  */
 static void test_distances_can_be_relied_on(void **state)
 {

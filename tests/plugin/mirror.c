@@ -221,7 +221,7 @@ static int32_t m_voxelize(ost_plugin_instance *self, const ost_plugin_tool_geome
     const ost_snapped_mesh first = mesh_of(g, cutting),
                            second = noncutting ? mesh_of(g, noncutting) : (ost_snapped_mesh){.vertices = NULL};
     if (broken("voxelize"))
-        return OST_PLUGIN_OK; /* This is success without an object. */
+        return OST_PLUGIN_OK; /* reports success but creates no tool */
     const ost_status status = ost_voxelize(self->ref, &first, noncutting ? &second : NULL,
                                            parity ? OST_FILL_PARITY : OST_FILL_WINDING, &own, (ost_tool **)out, &err);
     r->solid_voxels = own.solid_voxels;

@@ -44,8 +44,7 @@ void mesh_snap(void)
 }
 
 /*
- * Proves that has_area does not overflow for edges up to 2^20. The products are at most 2^40, so the spare
- * bit that the source documents exists.
+ * Proves that has_area does not overflow for edges up to 2^20, and that its products are at most 2^40.
  */
 void mesh_area(void)
 {

@@ -2,11 +2,12 @@
 /*
  * Compares the pictures of the renderer mesh (ost_gl_mesh) with those of the points, for bodies and for phantoms.
  *
- * OpenGL rounds the corners of a triangle to 1/256 pixel, whereas a point computes a ray for each pixel. Pixels may
- * therefore differ where a ray passes an edge closely. For each pixel that differs in colour, face or depth, the
- * processor must draw the same colour and face as the mesh if the ray is moved by at most 1/128 pixel, and the same
- * depth to half a voxel. A face that is seen almost along its plane can be narrower than this distance. A few pixels
- * may therefore instead show a face whose outline is at most 1/128 pixel away. Any other difference is an error.
+ * OpenGL rounds the corners of a triangle to 1/256 pixel, whereas points are drawn with an exact ray for each pixel.
+ * Pixels may therefore differ where a ray passes an edge closely. For each pixel that differs in colour, face or
+ * depth, the processor must draw the same colour and face as the mesh if the ray is moved by at most 1/128 pixel, and
+ * the same depth to half a voxel. A face that is seen almost along its plane can be narrower than 1/128 pixel.
+ * Therefore, a few pixels of the mesh may show a different face if the outline of that face is at most 1/128 pixel
+ * away. Any other difference is an error.
  *
  * The test is skipped if OpenGL without a display is not available.
  * Covers: REQ-MESH-SAME

@@ -489,7 +489,7 @@ static void what_went_just_now_is_shown(void **state)
         for_points(&v.bone, count_contact, &c);
         assert_true(aged < 2 ? c.painted > 400 : c.painted == 0);
         ost_surface_age(&v.bone);
-        /* A block's list must not be made again because of voxels that remain highlighted. */
+        /* While voxels remain highlighted, the lists of their blocks must not be made again. */
         for (int32_t b = 0; b < v.bone.used && aged == 0; b++)
             assert_false(v.bone.slot[b]->dirty);
     }
@@ -632,8 +632,8 @@ static void see_through_and_lines(void **state)
     memcpy(plain, v.frame.planes.colour, count * sizeof *plain);
     memcpy(face, v.frame.planes.face, count);
     /*
-     * The ghost must be faint behind the bone and stronger in front of it. It is 4 mm wide, at a
-     * focal length of 180 pixels.
+     * The ghost must be faint behind the bone and stronger in front of it. The ghost is 4 mm wide, and
+     * the focal length is 180 pixels.
      */
     double change[2] = {0, 0};
     for (int near = 0; near < 2; near++) {
@@ -799,8 +799,8 @@ static int differing(const uint32_t *a, const uint32_t *b, int width, int height
 /* OpenGL must draw the same colours, planes and ghosts. Returns false if OpenGL is not available. */
 static bool compare_opengl(bool antialiased)
 {
-    /* MOST is the number of pixels that may differ: 30 of 921,600 pixels, and one for each object drawn. Antialiasing
-       may spread each of them to the pixels within reach. */
+    /* MOST is the number of pixels that may differ: 30 of 921,600 pixels, and one for each object drawn. With
+       antialiasing, each of them may also change the pixels within OST_ANTIALIAS_REACH. */
     enum { W = 160, H = 120, MOST = 2, SPREAD = 4 * OST_ANTIALIAS_REACH };
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");

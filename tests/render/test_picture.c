@@ -430,7 +430,7 @@ static void test_view_marks(void **state)
     (void)state;
     ost_error err = {0};
     ost_volume ball = cubes(false), cut = cubes(true);
-    /* k = 0 is a bone, 1 a bone of unknown orientation, 2 a tool, 3 a cut bone with the uncut bone */
+    /* k = 0 shows a bone, 1 a bone of unknown orientation, 2 a tool, and 3 a cut bone with its uncut bone */
     for (int k = 0; k < 4; k++) {
         ost_view_options o = {.width = 600, .height = 600, .extent_mm = 60, .unoriented = k == 1, .tool = k == 2};
         ost_picture p;

@@ -583,7 +583,7 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
     k->finer(both, odd, rows, &w->field[0]);
     for (int y = 0; y < OST_FIELD_ROWS; y++)
         for (int x = 0; x < OST_FIELD_ROWS; x++) {
-            int value[2][2][2]; /* indices x, y, z; the nearer cell is first */
+            int value[2][2][2]; /* indices x, y, z; 0 is the nearer cell, 1 the farther cell */
             for (int i = 0; i < 8; i++)
                 value[i & 1][i >> 1 & 1][i >> 2] =
                     ((*both[(i >> 2) ^ odd])[y / 2 + ((i >> 1 & 1) ^ (y & 1))][x / 2 + ((i & 1) ^ (x & 1))] + 2) / 4;
@@ -707,7 +707,8 @@ static void test_rows(void **state)
                 assert_int_equal(behind[row], 0);
             }
             assert_int_equal(faces.begin[OST_BLOCK_ROWS], count);
-            /* If all faces are marked as bordering on air, `behind` contains every voxel with an active neighbour. */
+            /* If all faces are marked as bordering on air, `behind` must contain exactly the voxels with an active
+               neighbour. */
             memset(faces.face, 0xff, sizeof faces.face);
             k.behind(&rim, &faces, behind);
             for (int cell = 0; cell < 32 * OST_BLOCK_ROWS; cell += 5) {

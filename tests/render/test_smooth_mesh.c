@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the smooth mesh of a tool: its normals against those of a sphere and a cylinder, and its picture against a ray
- * for each pixel that is intersected with every triangle. Triangles that share an edge leave no gap, and a sphere is a
- * disc whose brightness changes gradually.
+ * Tests the smooth mesh of a tool. Its normals are compared with those of a sphere and of a cylinder. Its picture is
+ * compared with the intersections of each pixel's ray with every triangle. There must be no gap between triangles that
+ * share an edge, and the picture of a sphere must be a disc whose brightness changes gradually.
  * Covers: REQ-SMOOTH-TOOL
  */
 #include <math.h>
@@ -312,7 +312,7 @@ static void a_pixel_shows_the_nearest_triangle(void **state)
         for (int y = 0; y < HEIGHT; y++)
             for (int x = 0; x < WIDTH; x++) {
                 candidate found[TRIANGLES];
-                double nearest = 1e30; /* upper end of the range of the nearest triangle's depth */
+                double nearest = 1e30; /* upper bound of the depth of the nearest triangle */
                 int candidates = 0;
                 bool clear = true, shown = false;
                 for (int t = 0; t < TRIANGLES; t++) {

@@ -107,13 +107,13 @@ static void what_is_nearer_is_seen(void **state)
      */
     assert_true(is_steel(&v.frame, 150, 100));
     assert_true(fabsf(v.frame.planes.depth[100 * v.frame.planes.stride + 150] - 58) < 0.05f);
-    /* Behind the block and inside it, the tool must not be visible. */
+    /* A tool behind the block must not be visible. */
     put_tool(&v, (ost_pose){.t = {35 * MM, 70 * MM, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
     assert_int_equal(steel_pixels(&v.frame), 0);
     put_tool(&v, (ost_pose){.t = {35 * MM, 30 * MM, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
-    assert_in_range(steel_pixels(&v.frame), 0, before / 4); /* the tool is visible only through the slots */
+    assert_in_range(steel_pixels(&v.frame), 0, before / 4); /* a tool in the block is visible only through the slots */
     /* The tool lies on its side: it is rotated by a quarter turn about the line of sight. */
     put_tool(&v, (ost_pose){.t = {25 * MM, 0, 25 * MM}, .qw = 759250125, .qy = 759250125});
     assert_ok(ost_viewer_draw(&v, &c, &err));

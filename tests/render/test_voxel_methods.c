@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the measurements of bench/voxel_methods.h: the counts against the voxels of the grids, the relations between
- * the figures, and that a model is the same after a measurement of removal. The times themselves are not tested.
+ * Tests the measurements of bench/voxel_methods.h. Measured counts are compared with the voxels of the grids, and
+ * measured values with each other. A measurement of removal must leave the model unchanged. The times themselves are
+ * not tested.
  *
- * OST_TEST_LONG=1 prints the figures behind Tables 3.7 and 3.8 and Figures 3.13 to 3.15 for all models; OST_TEST_SCALE
- * sets the scale of the models (default: 1).
+ * OST_TEST_LONG=1 prints the values of Tables 3.7 and 3.8 and Figures 3.13 to 3.15 for all models; OST_TEST_SCALE sets
+ * the scale of the models (default: 1).
  * Covers: REQ-VOXEL-METHODS
  */
 #include "bench/voxel_model.h"

@@ -157,8 +157,8 @@ static void check_error(const bench_scene *e, const oracle_map *m, const wide ha
     vector(e->bone.origin, o);
     const wide dims[3] = {d.x, d.y, d.z};
     /*
-     * The exact position p of the point, relative to the anchor, follows from 2 p = 2 corner + (dims + e) s_t in the
-     * tool's frame.
+     * The exact position p of the point, relative to the anchor, follows from 2 p = 2 corner + (dims + half) s_t in
+     * the tool's frame.
      */
     wide n = 2 * r.n * (t[b] - o[b]) + r.n * s - m->anchor[b] * divisor;
     for (int a = 0; a < 3; a++)

@@ -107,8 +107,8 @@ static void test_lines(void **state)
     assert_non_null(strstr(svg, "a &lt;b&gt; &amp; &quot;c&quot;"));
     assert_non_null(strstr(svg, "thesis: &lt;GTX&gt;"));
     /*
-     * A logarithmic axis cannot show the value 0, so this series has two markers for values and one in the legend. The
-     * series of the thesis has three and one.
+     * A logarithmic axis cannot show the value 0. The series `ours` contains a 0, so it has two markers for values and
+     * one in the legend. The series of the thesis has three markers for values and one in the legend.
      */
     assert_int_equal(count(svg, "fill=\"#0072B2\" stroke=\"#0072B2\""), 3);
     assert_int_equal(count(svg, "fill=\"#ffffff\" stroke=\"#000000\""), 4);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle tests all
- * other voxels to find the distance of a voxel, and all paths at all heights to find the markers. For the flood it
- * searches one list for the next voxel. Also tests the selection of labels.
+ * other voxels to find the distance of a voxel, and all paths at all heights to find the markers. During the flood, it
+ * finds the next voxel by a linear search. Also tests the selection of labels.
  *
  * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
@@ -158,8 +158,8 @@ static bool comes_before(const oracle *o, size_t a, size_t b)
     return o->height[a] > o->height[b] || (o->height[a] == o->height[b] && a < b);
 }
 
-/* Returns true if a path leads from voxel `from` to a voxel that precedes it in the order of the flood, and if all
-   heights on this path are at least t. */
+/* Returns true if a path on which all heights are at least t leads from voxel `from` to a voxel that precedes `from`
+   in the order of the flood. */
 static bool reaches_higher(const oracle *o, size_t from, int64_t t)
 {
     static size_t list[MOST];

@@ -105,9 +105,9 @@ static void random_poses(void **state)
 static void boxes_that_just_touch(void **state)
 {
     /*
-     * A tool of 2 x 3 x 4 voxels, in several quarter turns, moves past a bone of one voxel along each
-     * axis. It moves in steps of 2^-21 of a tool voxel around the positions where the voxel's
-     * centre meets the tool's faces.
+     * The bone consists of one voxel. A tool of 2 x 3 x 4 voxels, in several quarter turns, moves past
+     * the bone along each axis. The tool moves in steps of 2^-21 of a tool voxel around the positions
+     * where the centre of the bone's voxel meets the tool's faces.
      */
     const ost_pm v = INT64_C(1) << 30, unit = 1024;
     ost_geometry g = cubic_geometry(1, 1, 1, v, (ost_pm3){0, 0, 0});
@@ -221,9 +221,9 @@ static void separating_axes_separate(void **state)
     assert_true(ost_voxel_box_holds(&box)); /* The bounds alone would not exclude this pose. */
 
     /*
-     * The cubes meet with two edges, at the pose q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm. Along
-     * the normals of their faces the boxes overlap by more than 2 mm. The cross product of the first axes
-     * of the boxes is a separating axis for k > 10/11 (computed with fractions).
+     * At the pose q = (2, 0, 1, -2) / 3 and t = k (-4, -11, 11) mm, an edge of one cube meets an edge of
+     * the other. Along the normals of their faces the boxes overlap by more than 2 mm. The cross product of
+     * the first axes of the boxes is a separating axis for k > 10/11 (computed with fractions).
      */
     ost_pose q = {.qw = 715827883, .qy = 357913941, .qz = -715827883};
     q.t = (ost_pm3){-4 * 910 * UM, -11 * 910 * UM, 11 * 910 * UM};

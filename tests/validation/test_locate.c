@@ -188,7 +188,7 @@ static void of_tools(void **state)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
     looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
-    for (int x = 0; x < N; x++) /* tests the parity rule, by which voxels that are solid in both rows become empty */
+    for (int x = 0; x < N; x++) /* by the parity rule, a voxel that is solid in both rows becomes empty */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)

@@ -105,8 +105,8 @@ static void small_scenes(void **state)
 }
 
 /*
- * Small bones are downloaded completely. A difference is therefore located in the tick in which it occurs,
- * even if the random voxels are very thin.
+ * Small bones must be small enough to be downloaded completely after each tick, even if their voxels are
+ * very thin. A difference is then located in the tick in which it occurs.
  */
 static void small_bones_are_fetched_whole(void **state)
 {
@@ -355,7 +355,7 @@ static void reach_has_what_it_is_for(void **state)
             assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4);
             assert_int_equal(on_a_line, 4);
             assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */
-            /* The tool is behind the bone at the end of its last sweep. */
+            /* At the end of its last sweep, the tool is beyond the end of the bone along x. */
             assert_true(s.path.ticks[2].pose.t.x + plates->cutting.grid.corner.x >
                         s.rect.origin.x + d.x * s.rect.spacing.x);
             for (int n = 3; n < 5; n++) {

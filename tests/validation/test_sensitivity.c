@@ -125,8 +125,8 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
 }
 
 /*
- * For any seed, the smoke tier must have a case that detects a resampling that is wrong only at exact
- * multiples.
+ * For any seed, the smoke tier must have a case that detects a resampling that is wrong only at positions
+ * exactly on a source layer.
  */
 static void smoke_sees_exact_multiples(void **state)
 {

@@ -281,7 +281,7 @@ static void boxes_are_bounds(void **state)
     is[REACHES] = 1;
     is[REACHES + 1] = 3;
     is[REACHES + 4] = 9;
-    /* the flag may be set although no voxel must be reached */
+    /* the flag may be set although the pose reaches no voxel */
     assert_true(trace_word_holds(TRACE_STEPS, REACHES, a, b));
     least[REACHES] = 1;
     least[REACHES + 1] = 3;

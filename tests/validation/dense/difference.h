@@ -102,8 +102,8 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
-    /* If only the occupancy differs, no density differs. The only effect is on the number of active voxels after the
-       last event. */
+    /* The comparison above finds only different densities. If only the occupancy differs, the numbers of active voxels
+       after the last event differ. */
     f.report = a->info[1].active_voxels != b->info[1].active_voxels;
     is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;

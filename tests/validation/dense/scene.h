@@ -260,7 +260,7 @@ static inline void make_events(scene *s, test_rng *rng)
         s->events[e].collide = rng_range(rng, 0, 5) == 0;
         const ost_tool_geometry *g = s->events[e].given ? &s->given.geometry : &s->cutting.grid;
         ost_pose to = scene_pose(s, rng, g->voxel), from = to;
-        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* the event continues from the last one */
+        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* begins at the last pose of the previous event */
             from = s->events[e - 1].poses[s->events[e - 1].count - 1];
             to = from;
         }

@@ -2,10 +2,11 @@
 /*
  * Tests every kind of deviation in random scenes, at random positions and rates. The test checks that
  *   - a result differs from the reference only if the record states it,
- *   - the first difference is at the position in the record,
+ *   - the first difference is at the position that the record states,
  *   - the mistake took effect before that difference, in the stage of its kind,
- *   - the mistake changes at least one scene; if its kind never survives
- *     according to the table, it changes every scene in which it takes effect.
+ *   - the mistake changes the results of at least one scene. If the table states "never" for the conditions
+ *     in which the mistake survives (that is, changes no result), it must change the results of every
+ *     scene in which it takes effect.
  * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one kind.
  */
 #include "validation/dense/difference.h"

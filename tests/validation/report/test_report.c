@@ -491,8 +491,8 @@ typedef struct written {
 } written;
 
 /*
- * Checks one file that contains the verdict. Neither a file for readers nor a file for programs may state that anything
- * is equal.
+ * Receives a file of a bundle in which nothing was compared. README.md and the page must not contain the word EQUAL.
+ * Stores the texts of junit.xml and results.tap.
  */
 static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
