@@ -10,14 +10,14 @@
 #include "harness.h"
 #include "src/app/common/all_cores.h"
 
-static void count(void *user)
+static void count_cores(void *user)
 {
     cpu_set_t set;
     assert_int_equal(sched_getaffinity(0, sizeof set, &set), 0);
     *(int *)user = CPU_COUNT(&set);
 }
 
-static void all_cores_for_work_alone(void **state)
+static void work_runs_on_all_cores(void **state)
 {
     (void)state;
     cpu_set_t all, one, after;
@@ -31,7 +31,7 @@ static void all_cores_for_work_alone(void **state)
     CPU_ZERO(&one);
     CPU_SET(core, &one);
     assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
-    all_cores_do(count, &cores);
+    all_cores_do(count_cores, &cores);
     assert_int_equal(cores, CPU_COUNT(&all));
     assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
     assert_true(CPU_EQUAL(&after, &one));
@@ -40,7 +40,7 @@ static void all_cores_for_work_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_cores_for_work_alone),
+        cmocka_unit_test(work_runs_on_all_cores),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static const uint32_t *grey(uint32_t level)
 }
 
 /* Skips a test of pictures if libpng is missing. */
-static void need_pictures(void)
+static void skip_without_libpng(void)
 {
     uint8_t rgb[3] = {0}, *bytes = NULL;
     size_t size;
@@ -47,7 +47,7 @@ static void need_pictures(void)
         skip();
 }
 
-static film *made(film_options options)
+static film *open_film(film_options options)
 {
     ost_error err = {0};
     film *f;
@@ -65,7 +65,7 @@ static void pause_ms(int ms)
     nanosleep(&(struct timespec){.tv_nsec = 1000000L * ms}, NULL);
 }
 
-static int files_that_contain(const char *where, const char *text)
+static int count_files(const char *where, const char *text)
 {
     int count = 0;
     DIR *d = opendir(where);
@@ -99,13 +99,13 @@ static int levels(const char *name, int got[], int capacity)
     return count;
 }
 
-static void a_video_goes_by_the_clock(void **state)
+static void video_frames_follow_clock(void **state)
 {
     ost_error err = {0};
     film_report r;
     int got[32];
     (void)state;
-    film *f = made((film_options){.target = "v.y4m", .fps = 10, .wait = true});
+    film *f = open_film((film_options){.target = "v.y4m", .fps = 10, .wait = true});
     assert_true(film_is_due(f, 5000000000));
     show(f, 5.00, 0);
     assert_false(film_is_due(f, 5099000000));
@@ -123,13 +123,13 @@ static void a_video_goes_by_the_clock(void **state)
     assert_int_equal(r.dropped, 0);
     assert_int_equal(r.width, WIDTH);
     /* Without frames, no file is created. */
-    f = made((film_options){.target = "none.y4m", .fps = 10});
+    f = open_film((film_options){.target = "none.y4m", .fps = 10});
     assert_ok(film_close(f, 0, &r, &err));
     assert_int_equal(access("none.y4m", F_OK), -1);
     assert_ok(film_close(NULL, 0, NULL, NULL));
 }
 
-static void another_size_is_fitted_in(void **state)
+static void frames_are_scaled_to_first_size(void **state)
 {
     ost_error err = {0};
     uint32_t wide[40 * 4];
@@ -138,7 +138,7 @@ static void another_size_is_fitted_in(void **state)
     char line[128];
     (void)state;
     memset(wide, 255, sizeof wide);
-    film *f = made((film_options){.target = "fit.y4m", .fps = 10, .wait = true});
+    film *f = open_film((film_options){.target = "fit.y4m", .fps = 10, .wait = true});
     show(f, 0, 255);
     film_frame(f, 100000000, wide, 40, 40, 4);
     film_frame(f, 200000000, wide, 4, 4, 40);
@@ -155,20 +155,20 @@ static void another_size_is_fitted_in(void **state)
     fclose(in);
 }
 
-static void a_folder_of_pictures(void **state)
+static void pictures_are_written_to_folder(void **state)
 {
     ost_error err = {0};
     film_report r;
     struct stat one, two;
     (void)state;
-    need_pictures();
-    film *f = made((film_options){.target = "frames", .fps = 10, .wait = true});
+    skip_without_libpng();
+    film *f = open_film((film_options){.target = "frames", .fps = 10, .wait = true});
     show(f, 0, 10);
     show(f, 0.3, 20);
     assert_ok(film_close(f, 310000000, &r, &err));
     assert_int_equal(r.frames, 4);
-    assert_int_equal(files_that_contain("frames", "frame-00000"), 4);
-    assert_int_equal(files_that_contain("frames", "part"), 0);
+    assert_int_equal(count_files("frames", "frame-00000"), 4);
+    assert_int_equal(count_files("frames", "part"), 0);
     assert_int_equal(stat("frames/frame-000000.png", &one), 0);
     assert_int_equal(stat("frames/frame-000002.png", &two), 0);
     assert_int_equal(one.st_size, two.st_size);
@@ -200,15 +200,15 @@ static void stub_encoder(const char *script)
  * Tests a recording that fails because the name of the first picture is already taken. The
  * failure must be reported and must end the recording.
  */
-static void a_failure_is_said_and_ends_it(void **state)
+static void failure_is_reported_and_ends_recording(void **state)
 {
     ost_error err = {0};
     char text[FILM_TEXT] = "";
     (void)state;
-    need_pictures();
+    skip_without_libpng();
     assert_int_equal(mkdir("taken", 0777), 0);
     assert_int_equal(close(open("taken/frame-000001.png", O_WRONLY | O_CREAT, 0666)), 0);
-    film *f = made((film_options){.target = "taken", .fps = 10, .wait = true});
+    film *f = open_film((film_options){.target = "taken", .fps = 10, .wait = true});
     for (int i = 0; i < 4; i++)
         show(f, 0.1 * i, 10);
     for (int i = 0; i < 500 && !film_message(f, text); i++)
@@ -217,13 +217,13 @@ static void a_failure_is_said_and_ends_it(void **state)
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "frame-000001.png"));
     /* Tests an encoder that ends early, one that fails, and one that does not exist. */
-    f = made((film_options){.pipe = "head -c 10 >/dev/null", .fps = 10, .wait = true});
+    f = open_film((film_options){.pipe = "head -c 10 >/dev/null", .fps = 10, .wait = true});
     pause_ms(50);
     for (int i = 0; i < 2000; i++)
         show(f, 0.1 * i, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "ended before the video did"));
-    f = made((film_options){.pipe = "cat >/dev/null; exit 7", .fps = 10, .wait = true});
+    f = open_film((film_options){.pipe = "cat >/dev/null; exit 7", .fps = 10, .wait = true});
     show(f, 0, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "status 7"));
@@ -244,21 +244,21 @@ static void a_failure_is_said_and_ends_it(void **state)
     /* With a working encoder, the output file gets its name when it is complete. */
     stub_encoder("cat >\"$last\"; printf 'first\\n\\033]0;title\\007/a/path: bad\\n' >&2; exit ${FILM_FAILS:-0}");
     setenv("PATH", folder, 1);
-    f = made(none);
+    f = open_film(none);
     show(f, 0, 10);
     assert_ok(film_close(f, 0, NULL, &err));
     assert_int_equal(access("v.mp4", F_OK), 0);
     setenv("FILM_FAILS", "1", 1);
     none.target = "w.mkv";
-    f = made(none);
+    f = open_film(none);
     show(f, 0, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_int_equal(access("w.mkv", F_OK), -1);
-    assert_int_equal(files_that_contain(".", "part"), 0);
+    assert_int_equal(count_files(".", "part"), 0);
     /* The last line that the encoder printed is part of the message, without its escape sequence. */
     assert_non_null(strstr(err.text, "status 1: ?]0;title?/a/path: bad"));
     stub_encoder("echo 'no such codec' >&2; exit 1");
-    f = made(none);
+    f = open_film(none);
     for (int i = 0; i < 4000; i++)
         show(f, 0.1 * i, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
@@ -272,7 +272,7 @@ static void a_failure_is_said_and_ends_it(void **state)
  * Replaces the unfinished files of this folder by links to the file `victim`, as another user
  * of the folder may do.
  */
-static void plant_links(void)
+static void replace_parts_by_links(void)
 {
     DIR *d = opendir(".");
     assert_non_null(d);
@@ -285,7 +285,7 @@ static void plant_links(void)
 }
 
 /* The encoder writes to the file that was opened for it, not to a link that replaces that file later. */
-static void an_encoder_follows_no_link(void **state)
+static void encoder_does_not_follow_link(void **state)
 {
     ost_error err = {0};
     struct stat victim;
@@ -297,8 +297,8 @@ static void an_encoder_follows_no_link(void **state)
     setenv("PATH", folder, 1);
     for (int named = 0; named < 2; named++) {
         ost_outfile_named_only = named;
-        film *f = made((film_options){.target = "linked.mp4", .fps = 10});
-        plant_links();
+        film *f = open_film((film_options){.target = "linked.mp4", .fps = 10});
+        replace_parts_by_links();
         const int gate = open("open-it", O_WRONLY);
         assert_true(gate >= 0);
         assert_int_equal(write(gate, "go\n", 3), 3);
@@ -321,7 +321,7 @@ static void on_term(int number)
 }
 
 /* A signal must not leave an unfinished file, either immediately or after the encoder has exited. */
-static void a_signal_leaves_no_part(void **state)
+static void signal_removes_unfinished_file(void **state)
 {
     (void)state;
     /*
@@ -354,7 +354,7 @@ static void a_signal_leaves_no_part(void **state)
         assert_int_equal(waitpid(child, &ended, 0), child);
         assert_true(WIFEXITED(ended) && WEXITSTATUS(ended) == 128 + SIGTERM);
         close(tells[0]);
-        assert_int_equal(files_that_contain(".", ".part"), 0);
+        assert_int_equal(count_files(".", ".part"), 0);
         assert_int_equal(access("killed.mp4", F_OK), -1);
     }
     setenv("PATH", path, 1);
@@ -365,14 +365,14 @@ static void a_signal_leaves_no_part(void **state)
  * A slow encoder must not block the caller, and the memory for waiting frames must be bounded.
  * The frames that the encoder receives must still follow the clock.
  */
-static void a_slow_writer_holds_nobody_up(void **state)
+static void slow_encoder_does_not_block_caller(void **state)
 {
     ost_error err = {0};
     film_report r;
     struct stat file;
     (void)state;
     assert_int_equal(mkfifo("gate", 0600), 0); /* the pipe must exist before the encoder starts */
-    film *f = made((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
+    film *f = open_film((film_options){.pipe = "read go <gate; cat >slow.y4m", .fps = 10});
     /* more frames than the pipe and the queue can hold together */
     enum { MANY = 3000 };
     for (int i = 0; i < MANY; i++)
@@ -390,15 +390,15 @@ static void a_slow_writer_holds_nobody_up(void **state)
     assert_int_equal((file.st_size - 55) / (6 + 3 * WIDTH * HEIGHT), MANY);
 }
 
-static void pictures_take_free_names(void **state)
+static void pictures_get_unused_names(void **state)
 {
     char text[FILM_TEXT] = "";
     ost_error err = {0};
     struct stat st;
     (void)state;
-    need_pictures();
+    skip_without_libpng();
     assert_int_equal(close(open("osteon-002.png", O_WRONLY | O_CREAT, 0666)), 0);
-    film *f = made((film_options){.fps = 30, .wait = true});
+    film *f = open_film((film_options){.fps = 30, .wait = true});
     assert_false(film_is_due(f, 0));
     show(f, 0, 10); /* ignored, since no video is recorded */
     for (int i = 0; i < 3; i++)
@@ -409,7 +409,7 @@ static void pictures_take_free_names(void **state)
     assert_int_equal(stat("osteon-004.png", &st), 0);
     assert_true(st.st_size > 60);
     assert_int_equal(access("osteon-005.png", F_OK), -1);
-    f = made((film_options){.fps = 30, .wait = true});
+    f = open_film((film_options){.fps = 30, .wait = true});
     film_still(f, grey(100), WIDTH, WIDTH, HEIGHT);
     for (int i = 0; i < 500 && !film_message(f, text); i++)
         pause_ms(2);
@@ -435,10 +435,14 @@ static int end(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_video_goes_by_the_clock),     cmocka_unit_test(another_size_is_fitted_in),
-        cmocka_unit_test(a_folder_of_pictures),          cmocka_unit_test(a_failure_is_said_and_ends_it),
-        cmocka_unit_test(an_encoder_follows_no_link),    cmocka_unit_test(a_signal_leaves_no_part),
-        cmocka_unit_test(a_slow_writer_holds_nobody_up), cmocka_unit_test(pictures_take_free_names),
+        cmocka_unit_test(video_frames_follow_clock),
+        cmocka_unit_test(frames_are_scaled_to_first_size),
+        cmocka_unit_test(pictures_are_written_to_folder),
+        cmocka_unit_test(failure_is_reported_and_ends_recording),
+        cmocka_unit_test(encoder_does_not_follow_link),
+        cmocka_unit_test(signal_removes_unfinished_file),
+        cmocka_unit_test(slow_encoder_does_not_block_caller),
+        cmocka_unit_test(pictures_get_unused_names),
     };
     signal(SIGPIPE, SIG_IGN); /* the program osteon ignores this signal too */
     return cmocka_run_group_tests(tests, begin, end);

@@ -13,16 +13,16 @@
 
 static volatile sig_atomic_t others;
 
-static void on_other(int number)
+static void count_signal(int number)
 {
     (void)number;
     others = others + 1;
 }
 
-static void a_signal_is_a_wish_once(void **state)
+static void first_signal_requests_end(void **state)
 {
     (void)state;
-    const struct sigaction other = {.sa_handler = on_other};
+    const struct sigaction other = {.sa_handler = count_signal};
     assert_int_equal(sigaction(SIGTERM, &other, NULL), 0);
     interrupt_begin();
     assert_false(interrupt_requested());
@@ -39,7 +39,7 @@ static void a_signal_is_a_wish_once(void **state)
     interrupt_end();
 }
 
-static void *until_asked(void *user)
+static void *wait_for_request(void *user)
 {
     (void)user;
     while (!interrupt_requested())
@@ -47,12 +47,12 @@ static void *until_asked(void *user)
     return NULL;
 }
 
-static void a_thread_hears_another_ones_wish(void **state)
+static void request_is_visible_to_other_thread(void **state)
 {
     pthread_t thread;
     (void)state;
     interrupt_begin();
-    assert_int_equal(pthread_create(&thread, NULL, until_asked, NULL), 0);
+    assert_int_equal(pthread_create(&thread, NULL, wait_for_request, NULL), 0);
     interrupt_request();
     assert_int_equal(pthread_join(thread, NULL), 0);
     interrupt_end();
@@ -61,8 +61,8 @@ static void a_thread_hears_another_ones_wish(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_signal_is_a_wish_once),
-        cmocka_unit_test(a_thread_hears_another_ones_wish),
+        cmocka_unit_test(first_signal_requests_end),
+        cmocka_unit_test(request_is_visible_to_other_thread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

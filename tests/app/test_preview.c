@@ -73,7 +73,7 @@ static ost_picture draw(const scene *s)
     return p;
 }
 
-static bool is(const ost_picture *p, int x, int y, int colour)
+static bool has_colour(const ost_picture *p, int x, int y, int colour)
 {
     const uint8_t *at = p->rgb + 3 * ((size_t)y * (size_t)p->width + (size_t)x);
     return at[0] == colour >> 16 && at[1] == (colour >> 8 & 255) && at[2] == (colour & 255);
@@ -84,7 +84,7 @@ static int count(const ost_picture *p, int x, int y, int width, int height, int 
     int n = 0;
     for (int j = y; j < y + height; j++)
         for (int i = x; i < x + width; i++)
-            n += is(p, i, j, colour);
+            n += has_colour(p, i, j, colour);
     return n;
 }
 
@@ -292,10 +292,14 @@ static void test_warnings(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_outline),     cmocka_unit_test(test_planes_through_the_glenoid),
-        cmocka_unit_test(test_left_out),    cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_densities),   cmocka_unit_test(test_no_part),
-        cmocka_unit_test(test_table),       cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_outline),
+        cmocka_unit_test(test_planes_through_the_glenoid),
+        cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_densities),
+        cmocka_unit_test(test_no_part),
+        cmocka_unit_test(test_table),
+        cmocka_unit_test(test_warnings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,7 +116,7 @@ static void test_on_a_terminal(void **state)
 
 /* Without a terminal, or with --quiet, the line must not be printed. The test waits as long as the line would take to
    appear on a terminal. */
-static void test_silence(void **state)
+static void test_without_progress_line(void **state)
 {
     (void)state;
     static child c;
@@ -150,7 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_on_a_terminal),
-        cmocka_unit_test(test_silence),
+        cmocka_unit_test(test_without_progress_line),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

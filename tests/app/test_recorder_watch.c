@@ -17,7 +17,7 @@ typedef struct moment {
     const char *says; /* expected message; NULL if there must be none */
 } moment;
 
-static void assert_says(const moment *moments, size_t count)
+static void assert_messages(const moment *moments, size_t count)
 {
     recorder_watch watch = {0};
     char text[RECORDER_WATCH_TEXT];
@@ -35,9 +35,9 @@ static void assert_says(const moment *moments, size_t count)
         }
     }
 }
-#define ASSERT_SAYS(m) assert_says(m, sizeof(m) / sizeof(m)[0])
+#define ASSERT_MESSAGES(m) assert_messages(m, sizeof(m) / sizeof(m)[0])
 
-static void nothing_of_a_disk_that_is_well(void **state)
+static void no_message_while_disk_works(void **state)
 {
     (void)state;
     static const moment m[] = {{100, 0, 0, 0, false, NULL},
@@ -47,10 +47,10 @@ static void nothing_of_a_disk_that_is_well(void **state)
                                {6900, 6800, 4875, 0, false, NULL},
                                {7000, 6900, 6900, 0, false, NULL},
                                {60000, 6900, 6900, 0, false, NULL}};
-    ASSERT_SAYS(m);
+    ASSERT_MESSAGES(m);
 }
 
-static void a_full_disk(void **state)
+static void reports_full_disk_and_recovery(void **state)
 {
     (void)state;
     static const moment m[] = {
@@ -61,21 +61,21 @@ static void a_full_disk(void **state)
         {9000, 9000, 75, 0, true, NULL},
         {9100, 9100, 9100, 0, false, "recording goes on; nothing was lost"},
         {9200, 9200, 9175, 0, false, NULL}};
-    ASSERT_SAYS(m);
+    ASSERT_MESSAGES(m);
 }
 
-static void a_disk_that_stays_full(void **state)
+static void reports_lost_ticks_on_full_disk(void **state)
 {
     (void)state;
     static const moment m[] = {{100, 100, 75, 0, true, "the disk is full"},
                                {66000, 65611, 75, 30, true, "there is no room left"},
                                {66100, 65611, 75, 130, true, NULL},
                                {66200, 65611, 65611, 130, false, "recording goes on; 130 ticks were lost"}};
-    ASSERT_SAYS(m);
+    ASSERT_MESSAGES(m);
 }
 
 /* A writer that is blocked in a write call cannot report the problem itself. */
-static void a_recorder_that_stands_still(void **state)
+static void reports_blocked_writer(void **state)
 {
     (void)state;
     static const moment m[] = {
@@ -84,16 +84,16 @@ static void a_recorder_that_stands_still(void **state)
         {2150, 2100, 75, 0, false, "nothing could be written for 2 s: the disk is slow, or the recorder was stopped"},
         {2250, 2200, 75, 0, false, NULL},
         {3000, 3000, 2900, 0, false, "recording goes on; nothing was lost"}};
-    ASSERT_SAYS(m);
+    ASSERT_MESSAGES(m);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_of_a_disk_that_is_well),
-        cmocka_unit_test(a_full_disk),
-        cmocka_unit_test(a_disk_that_stays_full),
-        cmocka_unit_test(a_recorder_that_stands_still),
+        cmocka_unit_test(no_message_while_disk_works),
+        cmocka_unit_test(reports_full_disk_and_recovery),
+        cmocka_unit_test(reports_lost_ticks_on_full_disk),
+        cmocka_unit_test(reports_blocked_writer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

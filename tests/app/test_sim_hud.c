@@ -60,7 +60,7 @@ static bool within(const sim_hud_box *b, int x, int y)
 
 static sim_hud *hud;
 
-static void look(int width, int height, double scale, const sim_hud_facts *f, bool draw)
+static void check_layout(int width, int height, double scale, const sim_hud_facts *f, bool draw)
 {
     ost_error err = {0};
     if (!sim_hud_suits(hud, width, height, scale)) {
@@ -103,7 +103,7 @@ static void look(int width, int height, double scale, const sim_hud_facts *f, bo
     }
 }
 
-static void nothing_overlaps_anywhere(void **state)
+static void panels_do_not_overlap(void **state)
 {
     static const int sides[] = {1, 2, 7, 40, 100, 160, 240, 333, 480, 640, 900, 1280, 2160, 8192};
     static const double scales[] = {0.5, 1, 1.25, 2, 8};
@@ -113,11 +113,11 @@ static void nothing_overlaps_anywhere(void **state)
             for (size_t x = 0; x < sizeof sides / sizeof *sides; x++) {
                 sim_hud_facts f = facts((x + y) % 2);
                 f.help = (x + s) % 3 == 0;
-                look(sides[x], sides[y], scales[s], &f, s == 1 && sides[x] * sides[y] < 100000);
+                check_layout(sides[x], sides[y], scales[s], &f, s == 1 && sides[x] * sides[y] < 100000);
             }
 }
 
-static void all_of_it_at_usual_sizes(void **state)
+static void common_sizes_show_all_panels(void **state)
 {
     static const struct {
         int width, height;
@@ -129,7 +129,7 @@ static void all_of_it_at_usual_sizes(void **state)
         f.fault = NULL;
         f.reached_mm = f.frame_ms = 1.2;
         f.takes_us = 56;
-        look(usual[i].width, usual[i].height, usual[i].scale, &f, true);
+        check_layout(usual[i].width, usual[i].height, usual[i].scale, &f, true);
         sim_hud_layout l = sim_hud_arrange(hud, usual[i].width, usual[i].height, &f);
         for (int b = 0; box_of(&l, b); b++)
             if (box_of(&l, b) != &l.help && !box_of(&l, b)->width && b < 5)
@@ -141,7 +141,7 @@ static void all_of_it_at_usual_sizes(void **state)
 }
 
 /* Draws the HUD with the values *f on a grey frame. */
-static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
+static void draw_hud(const sim_hud_facts *f, uint32_t *pixels, int width, int height)
 {
     for (int i = 0; i < width * height; i++)
         pixels[i] = 0x808080;
@@ -149,7 +149,7 @@ static void drawn(const sim_hud_facts *f, uint32_t *pixels, int width, int heigh
     sim_hud_draw(hud, &sheet, f);
 }
 
-static void what_is_said_of_forces_depth_and_times(void **state)
+static void forces_depth_and_times_are_displayed(void **state)
 {
     enum { W = 640, H = 360 };
     static uint32_t a[W * H], b[W * H];
@@ -166,16 +166,16 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.reached_mm = f.planned_mm = 3;
     /* Zero is displayed without a sign. */
     f.reached_mm = f.back_deg = f.up_deg = f.removed_mm3 = f.contact_n = f.force_n = 0;
-    drawn(&f, a, W, H);
+    draw_hud(&f, a, W, H);
     f.reached_mm = f.removed_mm3 = f.contact_n = f.force_n = -0.04;
     f.back_deg = f.up_deg = -0.04;
-    drawn(&f, b, W, H);
+    draw_hud(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
     /* Contact force, hand force and depth are each displayed. */
     double *const shown[] = {&f.contact_n, &f.force_n, &f.reached_mm};
     for (size_t i = 0; i < sizeof shown / sizeof *shown; i++) {
         *shown[i] = 1.7;
-        drawn(&f, b, W, H);
+        draw_hud(&f, b, W, H);
         assert_memory_not_equal(a, b, sizeof a);
         *shown[i] = 0;
     }
@@ -184,11 +184,11 @@ static void what_is_said_of_forces_depth_and_times(void **state)
     f.timings = false;
     const sim_hud_layout without = sim_hud_arrange(hud, W, H, &f);
     assert_true(without.rates.width > 0 && without.rates.height < with.rates.height);
-    drawn(&f, a, W, H);
+    draw_hud(&f, a, W, H);
     f.missed = 3;
     f.ticks_s = 500;
     f.frame_ms = 99;
-    drawn(&f, b, W, H);
+    draw_hud(&f, b, W, H);
     assert_memory_equal(a, b, sizeof a);
     /* The colour changes when the depth exceeds the plan. */
     const uint32_t within_plan = sim_hud_depth_colour(3, 3), beyond = sim_hud_depth_colour(3.1, 3),
@@ -203,7 +203,7 @@ static void what_is_said_of_forces_depth_and_times(void **state)
 
 /* Letters are larger on larger frames and on displays with a higher pixel density. A change of the size by one pixel
    must not change them. */
-static void letters_grow(void **state)
+static void letter_size_follows_frame_size(void **state)
 {
     ost_error err = {0};
     (void)state;
@@ -230,7 +230,7 @@ static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
  * The blended colour and opacity of a pixel must depend neither on the number of pixels in one call nor on the
  * alignment of the first pixel. No other pixel may change.
  */
-static void every_pixel_is_mixed_alone(void **state)
+static void pixels_are_blended_independently(void **state)
 {
     enum { W = 37, H = 3 };
     uint32_t pixels[W * H];
@@ -253,7 +253,7 @@ static void every_pixel_is_mixed_alone(void **state)
 }
 
 /* A letter must have the same pixels at every position. Its part outside the frame is not drawn. */
-static void letters_are_the_same_anywhere(void **state)
+static void letters_are_equal_at_every_position(void **state)
 {
     enum { W = 120, H = 24 };
     static uint32_t first[W * H], pixels[W * H];
@@ -285,12 +285,12 @@ static void letters_are_the_same_anywhere(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_overlaps_anywhere),
-        cmocka_unit_test(all_of_it_at_usual_sizes),
-        cmocka_unit_test(what_is_said_of_forces_depth_and_times),
-        cmocka_unit_test(letters_grow),
-        cmocka_unit_test(every_pixel_is_mixed_alone),
-        cmocka_unit_test(letters_are_the_same_anywhere),
+        cmocka_unit_test(panels_do_not_overlap),
+        cmocka_unit_test(common_sizes_show_all_panels),
+        cmocka_unit_test(forces_depth_and_times_are_displayed),
+        cmocka_unit_test(letter_size_follows_frame_size),
+        cmocka_unit_test(pixels_are_blended_independently),
+        cmocka_unit_test(letters_are_equal_at_every_position),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static void assert_closed(const ost_volume *volume, int32_t threshold, ost_surfa
 
 /* Tests random voxels with fill densities from 2 to 98 %. All 256 patterns of the eight voxels around a corner occur,
    in many combinations of adjacent corners. */
-static void noise_is_closed(void **state)
+static void surface_of_random_voxels_is_closed(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("surface of noise");
@@ -57,7 +57,7 @@ static void noise_is_closed(void **state)
 }
 
 /* The surface of a ball, given by distances, must enclose the volume of the ball to within one percent. */
-static void ball_has_its_volume(void **state)
+static void surface_of_ball_encloses_volume(void **state)
 {
     (void)state;
     const double radius = 8, pi = 3.14159265358979;
@@ -77,7 +77,7 @@ static void ball_has_its_volume(void **state)
     ost_volume_free(&volume);
 }
 
-static void nothing_is_an_error(void **state)
+static void volume_without_bone_is_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -91,9 +91,9 @@ static void nothing_is_an_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(noise_is_closed),
-        cmocka_unit_test(ball_has_its_volume),
-        cmocka_unit_test(nothing_is_an_error),
+        cmocka_unit_test(surface_of_random_voxels_is_closed),
+        cmocka_unit_test(surface_of_ball_encloses_volume),
+        cmocka_unit_test(volume_without_bone_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

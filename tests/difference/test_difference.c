@@ -62,7 +62,7 @@ static void counts_and_class(void **state)
  * Compares two bones after an event; the bone before the event is also given. If the event removed nothing in a chunk
  * of one bone, the class is stale-chunk. If the reports also differ, the class is lost-chunk.
  */
-static void before_is_used(void **state)
+static void bone_before_event_is_used(void **state)
 {
     (void)state;
     ost_volume before = grid(SIDE, SIDE, SIDE), a = grid(SIDE, SIDE, SIDE), b = grid(SIDE, SIDE, SIDE);
@@ -106,8 +106,8 @@ static void other_dims(void **state)
     ost_volume_free(&c);
 }
 
-static void refused(const ost_volume *a, const ost_volume *b, ost_difference_options o, ost_status status,
-                    const char *text)
+static void assert_refused(const ost_volume *a, const ost_volume *b, ost_difference_options o, ost_status status,
+                           const char *text)
 {
     ost_error err = {0};
     ost_difference d;
@@ -119,13 +119,13 @@ static void wrong_arguments(void **state)
 {
     (void)state;
     ost_volume a = grid(6, 5, 4), b = grid(4, 5, 6), none = {.voxels = NULL};
-    refused(&a, &none, (ost_difference_options){0}, OST_ERR_USAGE, "volume b has no voxels");
-    refused(&none, &a, (ost_difference_options){0}, OST_ERR_USAGE, "volume a has no voxels");
-    refused(&a, &a, (ost_difference_options){.before = &b}, OST_ERR_USAGE, "expected 6 x 5 x 4");
-    refused(&a, &a, (ost_difference_options){.before = &none}, OST_ERR_USAGE, "'before'");
-    refused(&a, &a, (ost_difference_options){.chunk_size = 8}, OST_ERR_USAGE, "chunk size 8");
-    refused(&a, &a, (ost_difference_options){.threshold_a = -1}, OST_ERR_RANGE, "threshold_a -1");
-    refused(&a, &a, (ost_difference_options){.threshold_b = 32768}, OST_ERR_RANGE, "threshold_b 32768");
+    assert_refused(&a, &none, (ost_difference_options){0}, OST_ERR_USAGE, "volume b has no voxels");
+    assert_refused(&none, &a, (ost_difference_options){0}, OST_ERR_USAGE, "volume a has no voxels");
+    assert_refused(&a, &a, (ost_difference_options){.before = &b}, OST_ERR_USAGE, "expected 6 x 5 x 4");
+    assert_refused(&a, &a, (ost_difference_options){.before = &none}, OST_ERR_USAGE, "'before'");
+    assert_refused(&a, &a, (ost_difference_options){.chunk_size = 8}, OST_ERR_USAGE, "chunk size 8");
+    assert_refused(&a, &a, (ost_difference_options){.threshold_a = -1}, OST_ERR_RANGE, "threshold_a -1");
+    assert_refused(&a, &a, (ost_difference_options){.threshold_b = 32768}, OST_ERR_RANGE, "threshold_b 32768");
     ost_volume_free(&a);
     ost_volume_free(&b);
 }
@@ -133,8 +133,11 @@ static void wrong_arguments(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_grids), cmocka_unit_test(counts_and_class), cmocka_unit_test(before_is_used),
-        cmocka_unit_test(other_dims),  cmocka_unit_test(wrong_arguments),
+        cmocka_unit_test(equal_grids),
+        cmocka_unit_test(counts_and_class),
+        cmocka_unit_test(bone_before_event_is_used),
+        cmocka_unit_test(other_dims),
+        cmocka_unit_test(wrong_arguments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

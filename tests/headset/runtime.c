@@ -47,13 +47,13 @@ static bool fails(const char *name)
             return XR_ERROR_RUNTIME_FAILURE; \
     } while (0)
 
-static XrResult order(bool right)
+static XrResult check_order(bool right)
 {
     fake_xr.wrong_order = fake_xr.wrong_order || !right;
     return right ? XR_SUCCESS : XR_ERROR_CALL_ORDER_INVALID;
 }
 
-static void change(XrSessionState state)
+static void queue_state(XrSessionState state)
 {
     now.queue[now.queued++ % 8] = state;
 }
@@ -83,7 +83,7 @@ static XrResult my_DestroyInstance(XrInstance instance)
 {
     (void)instance;
     fake_xr.instances--;
-    return order(fake_xr.sessions == 0);
+    return check_order(fake_xr.sessions == 0);
 }
 
 static XrResult my_GetInstanceProperties(XrInstance instance, XrInstanceProperties *out)
@@ -146,12 +146,12 @@ static XrResult my_CreateSession(XrInstance instance, const XrSessionCreateInfo 
     const XrGraphicsBindingEGLMNDX *egl = what->next;
     (void)instance;
     BEGIN;
-    order(egl->type == XR_TYPE_GRAPHICS_BINDING_EGL_MNDX && egl->context == eglGetCurrentContext() && egl->config &&
-          egl->getProcAddress("glGetString"));
+    check_order(egl->type == XR_TYPE_GRAPHICS_BINDING_EGL_MNDX && egl->context == eglGetCurrentContext() &&
+                egl->config && egl->getProcAddress("glGetString"));
     fake_xr.sessions++;
     now.time = 1000000000;
-    change(XR_SESSION_STATE_IDLE);
-    change(XR_SESSION_STATE_READY);
+    queue_state(XR_SESSION_STATE_IDLE);
+    queue_state(XR_SESSION_STATE_READY);
     *out = HANDLE(XrSession, 2);
     return XR_SUCCESS;
 }
@@ -161,14 +161,14 @@ static XrResult my_DestroySession(XrSession session)
     (void)session;
     fake_xr.sessions--;
     glDeleteTextures(2, now.texture);
-    return order(eglGetCurrentContext() != EGL_NO_CONTEXT);
+    return check_order(eglGetCurrentContext() != EGL_NO_CONTEXT);
 }
 
 static XrResult my_CreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateInfo *what, XrSpace *out)
 {
     (void)session;
     *out = HANDLE(XrSpace, 3);
-    return order(what->referenceSpaceType == XR_REFERENCE_SPACE_TYPE_LOCAL);
+    return check_order(what->referenceSpaceType == XR_REFERENCE_SPACE_TYPE_LOCAL);
 }
 
 static XrResult my_CreateActionSpace(XrSession session, const XrActionSpaceCreateInfo *what, XrSpace *out)
@@ -199,7 +199,7 @@ static XrResult my_CreateSwapchain(XrSession session, const XrSwapchainCreateInf
     glTexImage2D(GL_TEXTURE_2D, 0, (GLint)what->format, (GLsizei)what->width, (GLsizei)what->height, 0, GL_RGBA,
                  GL_UNSIGNED_BYTE, NULL);
     *out = HANDLE(XrSwapchain, 10 + eye);
-    return order(what->format == GL_SRGB8_ALPHA8 && what->width == FAKE_WIDTH && what->height == FAKE_HEIGHT);
+    return check_order(what->format == GL_SRGB8_ALPHA8 && what->width == FAKE_WIDTH && what->height == FAKE_HEIGHT);
 }
 
 static int eye_of(XrSwapchain swapchain)
@@ -221,7 +221,7 @@ static XrResult my_AcquireSwapchainImage(XrSwapchain swapchain, const XrSwapchai
     int *is = &now.acquired[eye_of(swapchain)];
     (void)what;
     BEGIN;
-    const XrResult r = order(*is == 0 && now.in_frame);
+    const XrResult r = check_order(*is == 0 && now.in_frame);
     *is = 1;
     *out = 0;
     return r;
@@ -231,7 +231,7 @@ static XrResult my_WaitSwapchainImage(XrSwapchain swapchain, const XrSwapchainIm
 {
     int *is = &now.acquired[eye_of(swapchain)];
     (void)what;
-    const XrResult r = order(*is == 1);
+    const XrResult r = check_order(*is == 1);
     *is = 2;
     return r;
 }
@@ -240,7 +240,7 @@ static XrResult my_ReleaseSwapchainImage(XrSwapchain swapchain, const XrSwapchai
 {
     const int eye = eye_of(swapchain);
     (void)what;
-    const XrResult r = order(now.acquired[eye] == 2);
+    const XrResult r = check_order(now.acquired[eye] == 2);
     now.acquired[eye] = 0;
     glBindTexture(GL_TEXTURE_2D, now.texture[eye]);
     glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, fake_xr.picture[eye]);
@@ -264,7 +264,7 @@ static XrResult my_BeginSession(XrSession session, const XrSessionBeginInfo *wha
 {
     (void)session;
     (void)what;
-    const XrResult r = order(!now.running);
+    const XrResult r = check_order(!now.running);
     now.running = true;
     return r;
 }
@@ -272,17 +272,17 @@ static XrResult my_BeginSession(XrSession session, const XrSessionBeginInfo *wha
 static XrResult my_EndSession(XrSession session)
 {
     (void)session;
-    const XrResult r = order(now.running && !now.in_frame);
+    const XrResult r = check_order(now.running && !now.in_frame);
     now.running = false;
-    change(XR_SESSION_STATE_EXITING);
+    queue_state(XR_SESSION_STATE_EXITING);
     return r;
 }
 
 static XrResult my_RequestExitSession(XrSession session)
 {
     (void)session;
-    change(XR_SESSION_STATE_STOPPING);
-    return order(now.running);
+    queue_state(XR_SESSION_STATE_STOPPING);
+    return check_order(now.running);
 }
 
 static XrResult my_WaitFrame(XrSession session, const XrFrameWaitInfo *what, XrFrameState *out)
@@ -299,14 +299,14 @@ static XrResult my_WaitFrame(XrSession session, const XrFrameWaitInfo *what, XrF
     out->predictedDisplayTime = now.time;
     out->predictedDisplayPeriod = (XrDuration)PERIOD * slow;
     out->shouldRender = !fake_xr.hidden;
-    return order(now.running);
+    return check_order(now.running);
 }
 
 static XrResult my_BeginFrame(XrSession session, const XrFrameBeginInfo *what)
 {
     (void)session;
     (void)what;
-    const XrResult r = order(now.running && !now.in_frame);
+    const XrResult r = check_order(now.running && !now.in_frame);
     now.in_frame = true;
     return r;
 }
@@ -315,21 +315,21 @@ static XrResult my_EndFrame(XrSession session, const XrFrameEndInfo *what)
 {
     (void)session;
     BEGIN;
-    order(now.in_frame && what->displayTime == now.time && !now.acquired[0] && !now.acquired[1]);
+    check_order(now.in_frame && what->displayTime == now.time && !now.acquired[0] && !now.acquired[1]);
     now.in_frame = false;
     fake_xr.frames++;
     if (fake_xr.lose_after && fake_xr.frames == fake_xr.lose_after)
-        change(XR_SESSION_STATE_LOSS_PENDING);
+        queue_state(XR_SESSION_STATE_LOSS_PENDING);
     if (what->layerCount == 0)
         return XR_SUCCESS;
     const XrCompositionLayerProjection *layer = (const void *)what->layers[0];
     fake_xr.layers++;
-    order(layer->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION && layer->viewCount == 2);
+    check_order(layer->type == XR_TYPE_COMPOSITION_LAYER_PROJECTION && layer->viewCount == 2);
     for (int i = 0; i < 2; i++) {
         const XrFovf *f = &layer->views[i].fov;
         const float fov[4] = {f->angleLeft, f->angleRight, f->angleUp, f->angleDown};
         memcpy(fake_xr.shown_fov[i], fov, sizeof fov);
-        order(eye_of(layer->views[i].subImage.swapchain) == i);
+        check_order(eye_of(layer->views[i].subImage.swapchain) == i);
     }
     return XR_SUCCESS;
 }
@@ -338,7 +338,7 @@ static XrResult my_LocateViews(XrSession session, const XrViewLocateInfo *what, 
                                uint32_t *count, XrView *out)
 {
     (void)session;
-    order(what->displayTime == now.time && what->space == HANDLE(XrSpace, 3) && capacity == 2);
+    check_order(what->displayTime == now.time && what->space == HANDLE(XrSpace, 3) && capacity == 2);
     state->viewStateFlags =
         fake_xr.head_tracked ? XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT : 0;
     *count = 2;
@@ -352,7 +352,7 @@ static XrResult my_LocateViews(XrSession session, const XrViewLocateInfo *what, 
 
 static XrResult my_LocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation *out)
 {
-    order(space == HANDLE(XrSpace, 4) && base == HANDLE(XrSpace, 3) && time == now.time);
+    check_order(space == HANDLE(XrSpace, 4) && base == HANDLE(XrSpace, 3) && time == now.time);
     out->locationFlags =
         fake_xr.hand_tracked ? XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT : 0;
     out->pose = (XrPosef){{0, 0, 0, 1}, {fake_xr.hand[0], fake_xr.hand[1], fake_xr.hand[2]}};
@@ -363,7 +363,7 @@ static XrResult my_StringToPath(XrInstance instance, const char *text, XrPath *o
 {
     (void)instance;
     *out = strlen(text);
-    return order(text[0] == '/');
+    return check_order(text[0] == '/');
 }
 
 static XrResult my_CreateActionSet(XrInstance instance, const XrActionSetCreateInfo *what, XrActionSet *out)

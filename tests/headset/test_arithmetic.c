@@ -27,7 +27,7 @@ static void clip_of(const ost_headset_fov *fov, double x, double y, double out[2
     out[1] = m11 * y - m12;
 }
 
-static void a_point_is_where_the_matrix_puts_it(void **state)
+static void projection_equals_openxr_matrix(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("projections");
@@ -51,7 +51,7 @@ static void a_point_is_where_the_matrix_puts_it(void **state)
     }
 }
 
-static void a_symmetric_view_has_its_axis_in_the_middle(void **state)
+static void symmetric_view_has_centred_axis(void **state)
 {
     (void)state;
     const double a = atan(0.5);
@@ -77,7 +77,7 @@ static void unusable_angles_are_refused(void **state)
 /* The direction of view is -x, and z is up. Therefore right is y, up is z, and back is x. */
 static const double RIGHT[3] = {0, 1, 0}, UP[3] = {0, 0, 1}, BACK[3] = {1, 0, 0}, AT[3] = {10, 20, 30};
 
-static void the_target_is_half_a_metre_ahead(void **state)
+static void target_is_half_a_metre_ahead(void **state)
 {
     (void)state;
     const ost_room room = ost_room_make(AT, RIGHT, UP, BACK);
@@ -95,7 +95,7 @@ static void the_target_is_half_a_metre_ahead(void **state)
 }
 
 /* An orientation is given relative to the room. The axes of the pose must be the room's axes after this rotation. */
-static void orientations_are_turned_with_the_room(void **state)
+static void orientations_are_converted_to_bone_frame(void **state)
 {
     (void)state;
     const ost_room room = ost_room_make(AT, RIGHT, UP, BACK);
@@ -135,7 +135,7 @@ static ost_pose at_mm(int x)
     return pose;
 }
 
-static void the_device_follows_the_hand(void **state)
+static void device_follows_hand(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -173,7 +173,7 @@ static void the_device_follows_the_hand(void **state)
     ost_hand_input_free(input);
 }
 
-static void the_device_refuses_what_it_cannot_do(void **state)
+static void invalid_device_options_are_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -191,14 +191,14 @@ static void the_device_refuses_what_it_cannot_do(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_point_is_where_the_matrix_puts_it),
-        cmocka_unit_test(a_symmetric_view_has_its_axis_in_the_middle),
+        cmocka_unit_test(projection_equals_openxr_matrix),
+        cmocka_unit_test(symmetric_view_has_centred_axis),
         cmocka_unit_test(unusable_angles_are_refused),
-        cmocka_unit_test(the_target_is_half_a_metre_ahead),
-        cmocka_unit_test(orientations_are_turned_with_the_room),
+        cmocka_unit_test(target_is_half_a_metre_ahead),
+        cmocka_unit_test(orientations_are_converted_to_bone_frame),
         cmocka_unit_test(bad_poses_are_refused),
-        cmocka_unit_test(the_device_follows_the_hand),
-        cmocka_unit_test(the_device_refuses_what_it_cannot_do),
+        cmocka_unit_test(device_follows_hand),
+        cmocka_unit_test(invalid_device_options_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

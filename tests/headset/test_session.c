@@ -90,13 +90,13 @@ static ost_status draw(void *user, const ost_headset_view *view, ost_error *err)
     return status == OST_OK ? ost_viewer_draw_gl(&viewer, &camera, view->projection.middle, err) : status;
 }
 
-static void take_hand(void *user, const ost_headset_hand *now)
+static void store_hand(void *user, const ost_headset_hand *now)
 {
     (void)user;
     hand = *now;
 }
 
-static const ost_headset_calls calls = {.draw = draw, .hand = take_hand};
+static const ost_headset_calls calls = {.draw = draw, .hand = store_hand};
 
 static ost_headset *session(void)
 {
@@ -160,7 +160,7 @@ static int differing(int eye, const ost_headset_projection *p)
     return count;
 }
 
-static void each_eye_sees_its_part_of_the_scene(void **state)
+static void eye_pictures_equal_symmetric_picture(void **state)
 {
     (void)state;
     ost_headset *h = session();
@@ -186,7 +186,7 @@ static void each_eye_sees_its_part_of_the_scene(void **state)
     close_session(h);
 }
 
-static void the_hand_and_its_buttons_arrive(void **state)
+static void hand_and_buttons_are_passed_on(void **state)
 {
     (void)state;
     ost_headset *h = session();
@@ -228,7 +228,7 @@ static void missed_periods_are_counted(void **state)
  * If the head is not tracked or an eye is too far away, or if the runtime hides the picture, frames must end without a
  * layer.
  */
-static void frames_without_a_picture_end_properly(void **state)
+static void frames_without_picture_have_no_layer(void **state)
 {
     (void)state;
     ost_headset *h = session();
@@ -249,7 +249,7 @@ static void frames_without_a_picture_end_properly(void **state)
     close_session(h);
 }
 
-static void the_end_of_the_runtime_ends_the_session(void **state)
+static void lost_session_ends(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -265,7 +265,7 @@ static void the_end_of_the_runtime_ends_the_session(void **state)
     close_session(h);
 }
 
-static void every_failure_is_one_error(void **state)
+static void each_failure_causes_one_error(void **state)
 {
     (void)state;
     static const char *const at_begin[] = {"CreateSession", "CreateSwapchain", "AttachSessionActionSets"},
@@ -329,12 +329,12 @@ static bool find_runtime(void)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(each_eye_sees_its_part_of_the_scene, reset),
-        cmocka_unit_test_setup(the_hand_and_its_buttons_arrive, reset),
+        cmocka_unit_test_setup(eye_pictures_equal_symmetric_picture, reset),
+        cmocka_unit_test_setup(hand_and_buttons_are_passed_on, reset),
         cmocka_unit_test_setup(missed_periods_are_counted, reset),
-        cmocka_unit_test_setup(frames_without_a_picture_end_properly, reset),
-        cmocka_unit_test_setup(the_end_of_the_runtime_ends_the_session, reset),
-        cmocka_unit_test_setup(every_failure_is_one_error, reset),
+        cmocka_unit_test_setup(frames_without_picture_have_no_layer, reset),
+        cmocka_unit_test_setup(lost_session_ends, reset),
+        cmocka_unit_test_setup(each_failure_causes_one_error, reset),
     };
     if (getenv("OST_UNDER_VALGRIND")) {
         printf("# skipped: valgrind does not know the code of a driver for OpenGL\n");

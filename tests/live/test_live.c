@@ -24,7 +24,7 @@ static ost_status into_surface(void *user, const int32_t at[3], const uint32_t *
     return ost_surface_set_chunk(surface, at, surface->geometry.dims.x, words, err);
 }
 
-static int by_place(const void *a, const void *b)
+static int compare_positions(const void *a, const void *b)
 {
     const ost_surface_block *x = *(ost_surface_block *const *)a, *y = *(ost_surface_block *const *)b;
     return memcmp(x->at, y->at, sizeof x->at);
@@ -33,7 +33,7 @@ static int by_place(const void *a, const void *b)
 /* Sorts the blocks by position. */
 static void sort_blocks(ost_surface *s)
 {
-    qsort(s->slot, (size_t)s->used, sizeof *s->slot, by_place);
+    qsort(s->slot, (size_t)s->used, sizeof *s->slot, compare_positions);
 }
 
 /* Compares two surfaces. A block that has become empty may be present in one of them only. */
@@ -74,7 +74,7 @@ static void surface_of_bone(const ost_bone *bone, const ost_geometry *g, ost_sur
 
 /* ----------------------------------------------------------- occupancy */
 
-static void occupancy_is_what_is_active(void **state)
+static void occupancy_equals_active_voxels(void **state)
 {
     test_rng rng = rng_seeded("occupancy");
     const ost_geometry g = cubic_geometry(70, 45, 67, MM, (ost_pm3){0, 0, 0});
@@ -153,7 +153,7 @@ static void view(viewer_thread *l)
     l->takes++;
 }
 
-static void *work(void *user)
+static void *view_until_stopped(void *user)
 {
     viewer_thread *l = user;
     while (!atomic_load(&l->stop)) {
@@ -166,7 +166,7 @@ static void *work(void *user)
 }
 
 /* Each grid is as wide as its chunks, so that into_surface can derive the chunk size. */
-static void a_viewer_ends_with_the_bone(void **state)
+static void viewer_surface_equals_bone(void **state)
 {
     test_rng rng = rng_seeded("live");
     for (int n = 16; n <= 64; n *= 2) {
@@ -186,7 +186,7 @@ static void a_viewer_ends_with_the_bone(void **state)
         assert_int_equal(ost_live_chunk_size(l.live), n);
         assert_true(ost_geometry_equal(ost_live_geometry(l.live), &g));
         pthread_t thread;
-        assert_int_equal(pthread_create(&thread, NULL, work, &l), 0);
+        assert_int_equal(pthread_create(&thread, NULL, view_until_stopped, &l), 0);
         /* The reference is slow, so it runs fewer rounds. The other backends are fast enough to overtake the viewer. */
         const int rounds = strcmp(test_backend, "ref") == 0 ? 60 : 400;
         for (int i = 1; i <= rounds; i++) {
@@ -228,7 +228,7 @@ typedef struct limited {
     ost_surface *surface;
 } limited;
 
-static ost_status a_few(void *user, const int32_t at[3], const uint32_t *words, ost_error *err)
+static ost_status set_limited_chunks(void *user, const int32_t at[3], const uint32_t *words, ost_error *err)
 {
     limited *l = user;
     if (l->left-- == 0)
@@ -236,7 +236,7 @@ static ost_status a_few(void *user, const int32_t at[3], const uint32_t *words, 
     return ost_surface_set_chunk(l->surface, at, 32, words, err);
 }
 
-static void an_ended_take_loses_nothing(void **state)
+static void interrupted_take_loses_no_changes(void **state)
 {
     test_rng rng = rng_seeded("ended take");
     ost_error err = {0};
@@ -251,7 +251,7 @@ static void an_ended_take_loses_nothing(void **state)
     assert_false(ost_live_state_get(live, &none));
     int ended = 0;
     limited l = {.left = 5, .surface = &seen};
-    while (ost_live_take(live, a_few, &l, &err) != OST_OK) {
+    while (ost_live_take(live, set_limited_chunks, &l, &err) != OST_OK) {
         l.left = 5;
         ended++;
     }
@@ -266,7 +266,7 @@ static void an_ended_take_loses_nothing(void **state)
     free(voxels);
 }
 
-static void an_empty_bone_can_be_looked_at(void **state)
+static void empty_bone_can_be_viewed(void **state)
 {
     ost_error err = {0};
     const ost_geometry g = cubic_geometry(40, 40, 40, MM, (ost_pm3){0, 0, 0});
@@ -277,7 +277,7 @@ static void an_empty_bone_can_be_looked_at(void **state)
     assert_ok(ost_live_create(bone, &live, &err));
     assert_ok(ost_surface_init(&seen, &g, &err));
     limited l = {.left = 0, .surface = &seen};
-    assert_ok(ost_live_take(live, a_few, &l, &err));
+    assert_ok(ost_live_take(live, set_limited_chunks, &l, &err));
     assert_ok(ost_live_flush(live, &err));
     ost_surface_free(&seen);
     ost_live_free(live);
@@ -286,7 +286,7 @@ static void an_empty_bone_can_be_looked_at(void **state)
 }
 
 /* An operation must publish its own ticks. */
-static void an_operation_shows_itself(void **state)
+static void operation_publishes_its_ticks(void **state)
 {
     ost_error err = {0};
     const ost_geometry g = cubic_geometry(60, 60, 60, MM, (ost_pm3){0, 0, 0});
@@ -324,7 +324,7 @@ static void an_operation_shows_itself(void **state)
     assert_ok(ost_live_flush(live, &err));
     assert_ok(ost_surface_init(&seen, &g, &err));
     limited l = {.left = -1, .surface = &seen};
-    assert_ok(ost_live_take(live, a_few, &l, &err));
+    assert_ok(ost_live_take(live, set_limited_chunks, &l, &err));
     assert_ok(ost_surface_update(&seen, &err));
     surface_of_bone(bone, &g, &expected);
     assert_same_surface(&seen, &expected);
@@ -343,11 +343,11 @@ static void an_operation_shows_itself(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(occupancy_is_what_is_active),
-        cmocka_unit_test(a_viewer_ends_with_the_bone),
-        cmocka_unit_test(an_ended_take_loses_nothing),
-        cmocka_unit_test(an_empty_bone_can_be_looked_at),
-        cmocka_unit_test(an_operation_shows_itself),
+        cmocka_unit_test(occupancy_equals_active_voxels),
+        cmocka_unit_test(viewer_surface_equals_bone),
+        cmocka_unit_test(interrupted_take_loses_no_changes),
+        cmocka_unit_test(empty_bone_can_be_viewed),
+        cmocka_unit_test(operation_publishes_its_ticks),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -121,7 +121,7 @@ static ost_metrics measure(const cuts *c, ost_status expected)
 
 /* Tests a spherical cap below a plane. Its volume is pi h^2 (R - h / 3), and its mean depth is nearly half of its
    maximum depth. */
-static void a_straight_one(void **state)
+static void straight_cut(void **state)
 {
     (void)state;
     const cuts c = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 22};
@@ -156,7 +156,7 @@ static void a_straight_one(void **state)
 
 /* The measured tilt and the measured entry position must be those of the cut. A displacement must not affect the
    measured tilt, and a tilt must not affect the measured position. */
-static void tilted_and_displaced_ones(void **state)
+static void tilted_and_displaced_cuts(void **state)
 {
     (void)state;
     static const struct {
@@ -181,7 +181,7 @@ static void tilted_and_displaced_ones(void **state)
     }
 }
 
-static void a_crooked_hole(void **state)
+static void hole_at_an_angle(void **state)
 {
     (void)state;
     const cuts c = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 4, .hole_up_deg = 10};
@@ -197,7 +197,7 @@ static void a_crooked_hole(void **state)
     assert_true(measure(&through, OST_OK).hole_breach);
 }
 
-static void too_deep(void **state)
+static void over_reaming(void **state)
 {
     (void)state;
     const cuts deep = {.radius = 27, .depth = 5.5};
@@ -223,7 +223,7 @@ static void too_deep(void **state)
  * depth plus the margin is a cap of height h - 4 mm, and the volume of a cap is pi h^2 (R - h / 3). The cap
  * must not count as a hole at any depth, and a drilled hole must not increase the over-reaming.
  */
-static void the_deeper_the_worse(void **state)
+static void over_reaming_grows_with_depth(void **state)
 {
     (void)state;
     double last = 0;
@@ -253,7 +253,7 @@ static void the_deeper_the_worse(void **state)
  * The landmarks define a lateral axis of the scapula that is rotated by a given angle. The version or
  * inclination of the planned face must be this angle.
  */
-static void in_the_scapulas_frame(void **state)
+static void angles_in_scapula_frame(void **state)
 {
     (void)state;
     const double turn = 5 * PI / 180, c = 100 * cos(turn), s = 100 * sin(turn);
@@ -306,7 +306,7 @@ static void in_the_scapulas_frame(void **state)
  * Tests a tapering stump with an oval face of 26 x 34 mm. The half axes of its cross-section decrease by
  * 0.4 mm per millimetre of depth. A sphere whose centre is not on the stump's axis cuts into the stump.
  */
-static void the_rim(void **state)
+static void rim_of_oval_face(void **state)
 {
     (void)state;
     enum { SIZE = 96 };
@@ -374,7 +374,7 @@ static void the_rim(void **state)
  * The tool moves 8 mm through air and 3 mm into bone at 1.5 mm/s, makes two turns of 5 mm radius
  * about the axis, plunges 2 mm at 40 mm/s, and leaves.
  */
-static void the_technique(void **state)
+static void path_and_contact_of_tool(void **state)
 {
     (void)state;
     enum {
@@ -472,7 +472,7 @@ static void the_technique(void **state)
  * The cutting part of each tool is a box of voxels of 1 mm; a shaft of voxels that do not cut surrounds it and extends
  * above and below it.
  */
-static void the_properties_of_tools(void **state)
+static void properties_of_tools(void **state)
 {
     (void)state;
     enum { SIDE = 40 };
@@ -525,7 +525,7 @@ static void the_properties_of_tools(void **state)
 }
 
 /* A turn by 90 degrees about x maps y to z, and z to -y. The pose's quaternion need not have the length 1. */
-static void the_tip_at_a_pose(void **state)
+static void tip_at_pose(void **state)
 {
     (void)state;
     const ost_metrics_tool tool = {.tip_mm = {1, 2, 3}};
@@ -549,16 +549,16 @@ static void the_tip_at_a_pose(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_straight_one),
-        cmocka_unit_test(tilted_and_displaced_ones),
-        cmocka_unit_test(a_crooked_hole),
-        cmocka_unit_test(too_deep),
-        cmocka_unit_test(the_deeper_the_worse),
-        cmocka_unit_test(in_the_scapulas_frame),
-        cmocka_unit_test(the_rim),
-        cmocka_unit_test(the_technique),
-        cmocka_unit_test(the_properties_of_tools),
-        cmocka_unit_test(the_tip_at_a_pose),
+        cmocka_unit_test(straight_cut),
+        cmocka_unit_test(tilted_and_displaced_cuts),
+        cmocka_unit_test(hole_at_an_angle),
+        cmocka_unit_test(over_reaming),
+        cmocka_unit_test(over_reaming_grows_with_depth),
+        cmocka_unit_test(angles_in_scapula_frame),
+        cmocka_unit_test(rim_of_oval_face),
+        cmocka_unit_test(path_and_contact_of_tool),
+        cmocka_unit_test(properties_of_tools),
+        cmocka_unit_test(tip_at_pose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ static void test_names(void **state)
 
 /* Expected sizes of the scapula: 256 * 0.47 = 120.32 mm, 234 * 0.47 = 109.98 mm, and 201 mm. Expected sizes of a
    core: 314, 316 and 360 voxels of 0.032 mm, which are 10.048, 10.112 and 11.52 mm. */
-static void test_spacing_and_scale_make_the_dims(void **state)
+static void test_dims_follow_spacing_and_scale(void **state)
 {
     (void)state;
     ost_volume v = make(OST_PHANTOM_SCAPULA, (ost_phantom_options){.spacing = {2 * MM, 3 * MM, 4 * MM}});
@@ -58,7 +58,7 @@ static void test_spacing_and_scale_make_the_dims(void **state)
     ost_volume_free(&v);
 }
 
-static void test_a_seed_makes_one_grid(void **state)
+static void test_seed_determines_grid(void **state)
 {
     (void)state;
     for (int kind = 0; kind < OST_PHANTOM_COUNT; kind++) {
@@ -82,7 +82,7 @@ static void test_a_seed_makes_one_grid(void **state)
     }
 }
 
-static void test_left_is_the_mirror_of_right(void **state)
+static void test_left_is_mirror_of_right(void **state)
 {
     (void)state;
     ost_phantom_options o = {.spacing = {2 * MM, 2 * MM, 3 * MM}, .seed = 7};
@@ -114,7 +114,7 @@ static void test_left_is_the_mirror_of_right(void **state)
  * In LPS+ a right glenoid lies at negative x. The glenoid faces the patient's right and slightly forward,
  * so its inward axis points to +x and +y.
  */
-static void test_the_glenoid_looks_outward(void **state)
+static void test_glenoid_faces_outward(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 3; seed++) {
@@ -135,7 +135,7 @@ static void test_the_glenoid_looks_outward(void **state)
 }
 
 /* For every seed the bone must be one connected piece that does not touch the sides of the box. */
-static void test_seeds_keep_the_bone_whole(void **state)
+static void test_bone_is_connected_for_all_seeds(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("whole bone");
@@ -160,7 +160,7 @@ static void test_seeds_keep_the_bone_whole(void **state)
  * A block is skipped if its centre is far enough from the bone (ct.c). Skipping is correct only
  * if a computed distance exceeds the true distance by at most half of the true distance.
  */
-static void test_distances_can_be_relied_on(void **state)
+static void test_error_of_distances(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -195,7 +195,7 @@ static double thousandths(test_rng *rng, int lo, int hi)
  * from all segments. The tested bars are up to 40 times as wide as thick; in such bars, the nearest segment is not
  * always in reach.
  */
-static void test_a_part_gives_the_distance_of_the_bar(void **state)
+static void test_selected_segments_give_exact_distance(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("parts of bars");
@@ -291,13 +291,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_names),
-        cmocka_unit_test(test_spacing_and_scale_make_the_dims),
-        cmocka_unit_test(test_a_seed_makes_one_grid),
-        cmocka_unit_test(test_left_is_the_mirror_of_right),
-        cmocka_unit_test(test_the_glenoid_looks_outward),
-        cmocka_unit_test(test_seeds_keep_the_bone_whole),
-        cmocka_unit_test(test_distances_can_be_relied_on),
-        cmocka_unit_test(test_a_part_gives_the_distance_of_the_bar),
+        cmocka_unit_test(test_dims_follow_spacing_and_scale),
+        cmocka_unit_test(test_seed_determines_grid),
+        cmocka_unit_test(test_left_is_mirror_of_right),
+        cmocka_unit_test(test_glenoid_faces_outward),
+        cmocka_unit_test(test_bone_is_connected_for_all_seeds),
+        cmocka_unit_test(test_error_of_distances),
+        cmocka_unit_test(test_selected_segments_give_exact_distance),
         cmocka_unit_test(test_bad_options),
         cmocka_unit_test(test_progress),
     };

@@ -57,7 +57,7 @@ static void test_tables_3_1_and_3_2(void **state)
     assert_int_equal(g.active, 18);
 }
 
-static void test_no_crumbs(void **state)
+static void test_bone_is_connected(void **state)
 {
     (void)state;
     int64_t greatest, all;
@@ -67,7 +67,7 @@ static void test_no_crumbs(void **state)
 }
 
 /* The smaller phantom must be a crop of the larger one, voxel for voxel. */
-static void test_the_glenoid_is_a_crop(void **state)
+static void test_glenoid_is_crop_of_scapula(void **state)
 {
     (void)state;
     const ost_geometry *g = &glenoid.geometry, *s = &scapula.geometry;
@@ -169,9 +169,12 @@ static void test_denser_posteriorly(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables_3_1_and_3_2), cmocka_unit_test(test_no_crumbs),
-        cmocka_unit_test(test_the_glenoid_is_a_crop), cmocka_unit_test(test_layers_along_the_axis),
-        cmocka_unit_test(test_densities),           cmocka_unit_test(test_denser_posteriorly),
+        cmocka_unit_test(test_tables_3_1_and_3_2),
+        cmocka_unit_test(test_bone_is_connected),
+        cmocka_unit_test(test_glenoid_is_crop_of_scapula),
+        cmocka_unit_test(test_layers_along_the_axis),
+        cmocka_unit_test(test_densities),
+        cmocka_unit_test(test_denser_posteriorly),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

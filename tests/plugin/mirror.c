@@ -318,7 +318,7 @@ static int32_t run_event(ost_bone *bone, const ost_tool *tool, const ost_plugin_
 }
 
 /* Makes voxel (1, 2, 3) active without reporting it. */
-static void slip(ost_bone *bone)
+static void activate_unreported_voxel(ost_bone *bone)
 {
     ost_bone_info info;
     if (ost_bone_info_get(bone, &info, NULL) != OST_OK)
@@ -349,7 +349,7 @@ static int32_t m_remove(ost_plugin_bone *bone, const ost_plugin_tool *tool, cons
         return OST_PLUGIN_OK; /* This event removes nothing and reports nothing. */
     const int32_t status = run_event((ost_bone *)bone, (const ost_tool *)tool, event, 1, report, error);
     if (number == 20 && broken("slips"))
-        slip((ost_bone *)bone);
+        activate_unreported_voxel((ost_bone *)bone);
     return status;
 }
 

@@ -13,7 +13,7 @@ typedef struct buffers {
     uint8_t *visible;
 } buffers;
 
-static void *room(size_t bytes)
+static void *allocate(size_t bytes)
 {
     void *p = malloc(bytes ? bytes : 1);
     assert_non_null(p);
@@ -82,14 +82,14 @@ void face_mesh_as_c(const ost_face_cluster *clusters, uint32_t count, uint64_t s
     test_rng rng = {seed};
     const size_t n = count, word = sizeof(uint32_t);
     buffers b = {
-        .clusters = room(n * CLUSTER_WORDS * word),
-        .rows = room(n * ROWS * 2 * word),
-        .slices = room(n * SIDE * 2 * word),
-        .active = room(n * VOXELS * 2 * word),
-        .sums = room(n * 2 * word),
-        .first = room(n * word),
-        .padded = room(n * PADDED_VOXELS * sizeof(int16_t)),
-        .visible = room(n * VOXELS),
+        .clusters = allocate(n * CLUSTER_WORDS * word),
+        .rows = allocate(n * ROWS * 2 * word),
+        .slices = allocate(n * SIDE * 2 * word),
+        .active = allocate(n * VOXELS * 2 * word),
+        .sums = allocate(n * 2 * word),
+        .first = allocate(n * word),
+        .padded = allocate(n * PADDED_VOXELS * sizeof(int16_t)),
+        .visible = allocate(n * VOXELS),
     };
     uint32_t most = 0;
     for (size_t i = 0; i < n; i++)
@@ -107,7 +107,7 @@ void face_mesh_as_c(const ost_face_cluster *clusters, uint32_t count, uint64_t s
         mesh->first[i + 1] = mesh->first[i] + b.sums[2 * i + 1];
         most = b.sums[2 * i] > most ? b.sums[2 * i] : most;
     }
-    b.vertices = room(mesh->first[n] * 4 * word);
+    b.vertices = allocate(mesh->first[n] * 4 * word);
     if (most)
         run(K_QUADS, most, count, &rng, &b);
     assert_ok(ost_face_mesh_reserve(mesh, n, mesh->first[n] + 1, &err));

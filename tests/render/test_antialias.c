@@ -26,7 +26,7 @@ static uint32_t *pixel(picture *p, int x, int y)
     return &p->colour[y * STRIDE + x];
 }
 
-static uint32_t any_colour(test_rng *rng)
+static uint32_t random_colour(test_rng *rng)
 {
     return (uint32_t)rng_range(rng, 0, 0xffffff);
 }
@@ -38,15 +38,15 @@ static picture *make_picture(test_rng *rng)
     assert_non_null(p);
     p->width = (int)rng_range(rng, 1, WIDTH_MAX);
     p->height = (int)rng_range(rng, 1, HEIGHT_MAX);
-    const uint32_t ground = any_colour(rng);
+    const uint32_t ground = random_colour(rng);
     for (int i = 0; i < PIXELS + 1; i++)
-        p->colour[i] = i % STRIDE < p->width && i < p->height * STRIDE ? ground : any_colour(rng);
+        p->colour[i] = i % STRIDE < p->width && i < p->height * STRIDE ? ground : random_colour(rng);
     for (int64_t n = rng_range(rng, 0, 6); n > 0; n--) {
         const int64_t a = rng_range(rng, -20, 20), b = rng_range(rng, -20, 20),
                       c = a * rng_range(rng, 0, p->width) + b * rng_range(rng, 0, p->height);
         const int x0 = (int)rng_range(rng, -10, p->width), y0 = (int)rng_range(rng, -10, p->height),
                   w = (int)rng_range(rng, 1, 40), h = (int)rng_range(rng, 1, 40);
-        const uint32_t colour = any_colour(rng);
+        const uint32_t colour = random_colour(rng);
         const bool box = rng_range(rng, 0, 1);
         for (int y = 0; y < p->height; y++)
             for (int x = 0; x < p->width; x++)
@@ -54,7 +54,7 @@ static picture *make_picture(test_rng *rng)
                     *pixel(p, x, y) = colour;
     }
     for (int64_t n = rng_range(rng, 0, 40); n > 0; n--)
-        *pixel(p, (int)rng_range(rng, 0, p->width - 1), (int)rng_range(rng, 0, p->height - 1)) = any_colour(rng);
+        *pixel(p, (int)rng_range(rng, 0, p->width - 1), (int)rng_range(rng, 0, p->height - 1)) = random_colour(rng);
     return p;
 }
 
@@ -88,7 +88,7 @@ static double area_under(int k, int length)
  * Returns the weight of the neighbour at (x + u, y + v) in the smoothed pixel (x, y), in 256ths. The edge between the
  * two pixels runs along (|v|, |u|).
  */
-static int share_of(const picture *p, int x, int y, int u, int v)
+static int weight_of(const picture *p, int x, int y, int u, int v)
 {
     const int along_x = v != 0, along_y = u != 0;
     int steps[2] = {0, 0}, share = 0;
@@ -114,8 +114,8 @@ static int share_of(const picture *p, int x, int y, int u, int v)
 
 static uint32_t expected(const picture *p, int x, int y)
 {
-    const int up = share_of(p, x, y, 0, -1), down = share_of(p, x, y, 0, 1), left = share_of(p, x, y, -1, 0),
-              right = share_of(p, x, y, 1, 0);
+    const int up = weight_of(p, x, y, 0, -1), down = weight_of(p, x, y, 0, 1), left = weight_of(p, x, y, -1, 0),
+              right = weight_of(p, x, y, 1, 0);
     const bool rows = (up > down ? up : down) >= (left > right ? left : right);
     const int at = y * STRIDE + x, first = rows ? up : left, second = rows ? down : right,
               step = rows ? STRIDE : 1;
@@ -150,7 +150,7 @@ static void assert_smooth(const picture *p, const uint32_t *got)
 }
 
 /* Draws a picture, changes a part of it, and computes only the changed cells and their surroundings again. */
-static void pictures_are_as_expected(void **state)
+static void pictures_equal_second_implementation(void **state)
 {
     (void)state;
     static const ost_isa isas[] = {OST_ISA_SCALAR, OST_ISA_AVX2, OST_ISA_AVX512};
@@ -217,7 +217,7 @@ static void smooth_all(const picture *p, uint32_t *got)
 }
 
 /* Antialiasing must change neither straight edges along rows and columns nor edges between similar colours. */
-static void boxes_remain(void **state)
+static void axis_parallel_edges_are_unchanged(void **state)
 {
     (void)state;
     picture *p = blank(WIDTH_MAX, HEIGHT_MAX, 0x202020);
@@ -297,7 +297,7 @@ static void assert_better(const char *what, const errors *e, double most, double
  * area. Discs may keep larger errors: at the four sides of a small disc, the ends of the runs bend inwards, so that the
  * disc becomes slightly smaller.
  */
-static void lines_and_discs_are_closer(void **state)
+static void errors_of_lines_and_discs_are_reduced(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("lines");
@@ -320,9 +320,9 @@ static void lines_and_discs_are_closer(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_are_as_expected),
-        cmocka_unit_test(boxes_remain),
-        cmocka_unit_test(lines_and_discs_are_closer),
+        cmocka_unit_test(pictures_equal_second_implementation),
+        cmocka_unit_test(axis_parallel_edges_are_unchanged),
+        cmocka_unit_test(errors_of_lines_and_discs_are_reduced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

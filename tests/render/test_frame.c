@@ -246,7 +246,7 @@ static void draw(ost_viewer *v, const ost_camera *camera, uint32_t *previous, bo
     v->frame = stored;
 }
 
-static void kept_frames_are_as_fresh_ones(void **state)
+static void partial_frames_equal_complete_frames(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("kept");
@@ -280,6 +280,6 @@ static void kept_frames_are_as_fresh_ones(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(kept_frames_are_as_fresh_ones)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(partial_frames_equal_complete_frames)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

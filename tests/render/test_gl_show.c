@@ -57,7 +57,7 @@ static scene scene_of(const char *seed, int width, int height)
 }
 
 /* Sets the pointers to the surfaces of the scene. Must be called again after the scene was copied. */
-static void place(scene *s)
+static void set_surfaces(scene *s)
 {
     s->thing[0].surface = &s->bone;
     s->thing[1].surface = &s->tool;
@@ -183,7 +183,7 @@ static void test_smoothed_colours(void **state)
         scene s = scene_of("smoothed colours", sizes[i][0], sizes[i][1]);
         layer empty = layer_of(s.width, s.height);
         ost_frame frame, rough;
-        place(&s);
+        set_surfaces(&s);
         assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
         read_frame(&frame, &s, true);
         read_frame(&rough, &s, false);
@@ -203,7 +203,7 @@ static void test_smoothed_colours(void **state)
 }
 
 /* Draws letters and boxes, as a HUD does. */
-static void write_on(const ost_sheet *sheet, const ost_lettering *letters, int step)
+static void draw_letters(const ost_sheet *sheet, const ost_lettering *letters, int step)
 {
     ost_sheet_box(sheet, 20 + 7 * step, 30, 200, 60, 0x0e0c0a, 200);
     ost_lettering_draw(letters, sheet, 30 + 7 * step, 60, "Reamer 12.5 N", 0xf4f1ee);
@@ -218,7 +218,7 @@ static void test_sheet(void **state)
     ost_error err = {0};
     scene s = scene_of("sheet", 333, 187);
     ost_lettering *letters;
-    place(&s);
+    set_surfaces(&s);
     assert_ok(ost_lettering_create(14, &letters, &err));
     assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
     layer l = layer_of(s.width, s.height);
@@ -226,21 +226,21 @@ static void test_sheet(void **state)
     for (int step = 0; step < 4; step++) {
         /* The changed cells are those of the previous sheet and those of the new one. */
         memset(l.pixels, 0, (size_t)s.width * (size_t)s.height * sizeof *l.pixels);
-        write_on(&l.sheet, letters, step);
+        draw_letters(&l.sheet, letters, step);
         uint32_t *partly = shown(gl, true, &l, step > 0), *completely = shown(gl, true, &l, false);
         assert_memory_equal(partly, completely, (size_t)s.width * (size_t)s.height * sizeof *partly);
         ost_frame frame;
         read_frame(&frame, &s, true);
         const ost_sheet over = ost_frame_sheet(&frame);
         const int bare = differences(&frame, partly, 3);
-        write_on(&over, letters, step);
+        draw_letters(&over, letters, step);
         assert_true(bare > 10000);
         assert_int_equal(differences(&frame, partly, 3), 0); /* blending rounds down once for each of two layers */
         ost_frame_free(&frame);
         free(partly);
         free(completely);
         ost_cells_clear(&l.cells);
-        write_on(&l.sheet, letters, step);
+        draw_letters(&l.sheet, letters, step);
     }
     layer_free(&l);
     ost_lettering_free(letters);
@@ -253,7 +253,7 @@ typedef struct guest {
     ost_gl_info info;
 } guest;
 
-static ost_status draw_as_guest(void *user, ost_error *out)
+static ost_status draw_in_current_context(void *user, ost_error *out)
 {
     guest *g = user;
     ost_error err = {0};
@@ -283,10 +283,10 @@ static void test_current_context(void **state)
     scene s = scene_of("current context", 200, 120);
     layer empty = layer_of(s.width, s.height);
     guest g = {.s = &s};
-    place(&s);
+    set_surfaces(&s);
     assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
     uint32_t *before = shown(gl, true, &empty, false);
-    assert_ok(ost_gl_do(gl, draw_as_guest, &g, &err));
+    assert_ok(ost_gl_do(gl, draw_in_current_context, &g, &err));
     assert_string_equal(g.info.way, "the window's context");
     assert_string_equal(g.info.driver, ost_gl_info_get(gl).driver);
     assert_memory_equal(before, g.pixels, (size_t)s.width * (size_t)s.height * sizeof *before);
@@ -322,8 +322,11 @@ static int end(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_smoothed_colours), cmocka_unit_test(test_sheet),
-                                       cmocka_unit_test(test_current_context)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_smoothed_colours),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_current_context),
+    };
     const int failed = cmocka_run_group_tests(tests, begin, end);
     return failed ? failed : *reason ? 77 : 0;
 }

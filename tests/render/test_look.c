@@ -140,7 +140,7 @@ static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shad
     c->painted += cap;
 }
 
-static void a_plane_shows_the_ct(void **state)
+static void clip_plane_shows_ct_densities(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -220,7 +220,7 @@ static void a_plane_shows_the_ct(void **state)
 
 /* ----------------------------------------------------------------- colours */
 
-static bool bared(const check *c, const int v[3])
+static bool borders_on_removed_voxel(const check *c, const int v[3])
 {
     for (int f = 0; f < 6; f++) {
         int n[3] = {v[0], v[1], v[2]};
@@ -238,8 +238,8 @@ static void check_density(void *user, const int v[3], uint32_t point, uint32_t s
     (void)block;
     const double share = (at(c->before, v[0], v[1], v[2]) + 100) / 1400.0;
     const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
-    assert_int_equal(paint_of(shade), bared(c, v) ? 1 + 126 - step : 0);
-    c->painted += bared(c, v);
+    assert_int_equal(paint_of(shade), borders_on_removed_voxel(c, v) ? 1 + 126 - step : 0);
+    c->painted += borders_on_removed_voxel(c, v);
 }
 
 /*
@@ -264,7 +264,7 @@ static int distance(const ost_volume *v, const int from[3])
 static void check_depth(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
     check *c = user;
-    if (!bared(c, v)) {
+    if (!borders_on_removed_voxel(c, v)) {
         assert_int_equal(paint_of(shade), 0);
         return;
     }
@@ -279,7 +279,7 @@ static void check_depth(void *user, const int v[3], uint32_t point, uint32_t sha
     assert_int_equal(paint_of(shade), 1 + (int)floor((sqrt(got) - 0.5) * 0.5 / 10 * 126 + 0.5));
 }
 
-static void colours_are_what_the_ct_says(void **state)
+static void density_and_depth_colours_equal_ct(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -324,7 +324,7 @@ static void fill_box(ost_volume *v, const int from[3], const int to[3], int16_t 
  * A tunnel into a solid bone must count as outside of the bone, even if the tunnel has bends. A closed cavity must not.
  * The tunnel is six voxels wide, enters at x = 0, and has a segment in each of the six directions.
  */
-static void a_tunnel_is_outside(void **state)
+static void tunnel_is_outside_of_bone(void **state)
 {
     (void)state;
     enum { WIDTH = 6, CORNERS = 8 };
@@ -383,7 +383,7 @@ static void a_tunnel_is_outside(void **state)
  * In the bone of this test, 2 mm of cartilage, 2 mm of hard bone and then cancellous bone lie below
  * a face. There is also hard bone far from the face.
  */
-static void tissues_by_class_and_place(void **state)
+static void tissues_follow_density_and_depth(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -427,7 +427,7 @@ static double luminance(uint32_t colour)
  * Each colour of the scale must be darker than the previous colour. Tissues must differ in lightness or in
  * hue.
  */
-static void colours_can_be_told_apart(void **state)
+static void colours_are_distinguishable(void **state)
 {
     (void)state;
     for (int i = 1; i < OST_SCALE; i++)
@@ -468,11 +468,11 @@ static void count_contact(void *user, const int v[3], uint32_t point, uint32_t s
     (void)block;
     const bool hot = shade & OST_SHADE_CONTACT;
     if (c->before)
-        assert_int_equal(hot, bared(c, v));
+        assert_int_equal(hot, borders_on_removed_voxel(c, v));
     c->painted += hot;
 }
 
-static void what_went_just_now_is_shown(void **state)
+static void new_surface_is_highlighted(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -501,7 +501,7 @@ static void what_went_just_now_is_shown(void **state)
 /* ----------------------------------------------------------- recomputation */
 
 /* Removes a ball of bone, or restores the complete bone. */
-static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
+static void remove_or_restore_ball(test_rng *rng, const ost_volume *before, ost_volume *now)
 {
     const int c[3] = {(int)rng_range(rng, -2, NX), (int)rng_range(rng, -2, NY), (int)rng_range(rng, -2, NZ)},
               r = (int)rng_range(rng, 0, 6);
@@ -517,7 +517,7 @@ static void bite(test_rng *rng, const ost_volume *before, ost_volume *now)
 }
 
 /* With every instruction set, an updated block must equal a block computed from scratch. */
-static void only_what_changed_is_made_anew(void **state)
+static void updated_blocks_equal_new_blocks(void **state)
 {
     (void)state;
     enum { ROUNDS = 40, SLOTS = 64 };
@@ -546,7 +546,7 @@ static void only_what_changed_is_made_anew(void **state)
                 const int what = (int)rng_range(&rng, 0, 11), colour = (int)rng_range(&rng, 0, OST_COLOUR_COUNT - 1);
                 uint64_t version[SLOTS] = {0};
                 for (int more = (int)rng_range(&rng, 1, 3); more > 0 && what > 1; more--)
-                    bite(&rng, &before, &now);
+                    remove_or_restore_ball(&rng, &before, &now);
                 for (int32_t b = 0; b < v[0].bone.used; b++)
                     version[b] = v[0].bone.slot[b]->version;
                 for (int i = 0; i < 2; i++) {
@@ -610,7 +610,7 @@ static ost_tool_volume rod(void)
     return t;
 }
 
-static void see_through_and_lines(void **state)
+static void ghosts_and_lines_are_blended(void **state)
 {
     (void)state;
     enum { W = 160, H = 120 };
@@ -733,7 +733,7 @@ static void see_through_and_lines(void **state)
 }
 
 /* Tests all features of a picture together. Every instruction set and number of threads must give the same picture. */
-static void all_sets_show_the_same(void **state)
+static void all_sets_give_same_picture(void **state)
 {
     (void)state;
     enum { W = 150, H = 110 };
@@ -850,7 +850,7 @@ static bool compare_opengl(bool antialiased)
     return have;
 }
 
-static void opengl_shows_the_same(void **state)
+static void opengl_gives_same_picture(void **state)
 {
     (void)state;
     if (!compare_opengl(false) || !compare_opengl(true))
@@ -860,12 +860,16 @@ static void opengl_shows_the_same(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plane_shows_the_ct),        cmocka_unit_test(colours_are_what_the_ct_says),
-        cmocka_unit_test(a_tunnel_is_outside),
-        cmocka_unit_test(tissues_by_class_and_place),  cmocka_unit_test(colours_can_be_told_apart),
-        cmocka_unit_test(what_went_just_now_is_shown), cmocka_unit_test(only_what_changed_is_made_anew),
-        cmocka_unit_test(see_through_and_lines),       cmocka_unit_test(all_sets_show_the_same),
-        cmocka_unit_test(opengl_shows_the_same),
+        cmocka_unit_test(clip_plane_shows_ct_densities),
+        cmocka_unit_test(density_and_depth_colours_equal_ct),
+        cmocka_unit_test(tunnel_is_outside_of_bone),
+        cmocka_unit_test(tissues_follow_density_and_depth),
+        cmocka_unit_test(colours_are_distinguishable),
+        cmocka_unit_test(new_surface_is_highlighted),
+        cmocka_unit_test(updated_blocks_equal_new_blocks),
+        cmocka_unit_test(ghosts_and_lines_are_blended),
+        cmocka_unit_test(all_sets_give_same_picture),
+        cmocka_unit_test(opengl_gives_same_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -479,7 +479,7 @@ static void test_active_box(void **state)
 }
 
 /* If no voxel is active, the picture must contain only background, in every direction of view. */
-static void test_view_of_nothing(void **state)
+static void test_view_without_active_voxels(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -567,7 +567,7 @@ int main(void)
         cmocka_unit_test(test_view_silhouette),
         cmocka_unit_test(test_view),
         cmocka_unit_test(test_view_marks),
-        cmocka_unit_test(test_view_of_nothing),
+        cmocka_unit_test(test_view_without_active_voxels),
         cmocka_unit_test(test_active_box),
         cmocka_unit_test(test_png),
     };

@@ -100,7 +100,7 @@ static double dot(const float a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void a_sphere_has_radial_normals(void **state)
+static void sphere_has_radial_normals(void **state)
 {
     (void)state;
     ost_mesh mesh = sphere(4, 40, 80);
@@ -125,7 +125,7 @@ static void a_sphere_has_radial_normals(void **state)
     ost_smooth_mesh_free(&s);
 }
 
-static void a_rim_remains_sharp(void **state)
+static void normals_of_cylinder_change_at_edge(void **state)
 {
     (void)state;
     ost_mesh mesh = cylinder(3, -4, 4, 64);
@@ -142,7 +142,7 @@ static void a_rim_remains_sharp(void **state)
     ost_smooth_mesh_free(&s);
 }
 
-static void odd_meshes(void **state)
+static void unusual_meshes_are_handled(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -226,7 +226,7 @@ static double determinant(const double a[3], const double b[3], const double c[3
  * Intersects the ray at a position in the picture with a triangle. Returns the depth, or 0 if they do not meet. *margin
  * is the smallest barycentric coordinate of the intersection: it is negative outside the triangle and 0 on a side.
  */
-static double meet(const ost_eye *e, const ost_smooth_triangle *t, double x, double y, double *margin)
+static double intersect(const ost_eye *e, const ost_smooth_triangle *t, double x, double y, double *margin)
 {
     const double u = x - e->half_w, v = e->half_h - y;
     double d[3], o[3][3], minus[3];
@@ -263,8 +263,9 @@ typedef struct candidate {
 static candidate candidate_at(const ost_eye *e, const ost_smooth_triangle *t, int x, int y)
 {
     double margin[3] = {-1, -1, -1};
-    const double depth = meet(e, t, x + 0.5, y + 0.5, &margin[0]), right = meet(e, t, x + 0.51, y + 0.5, &margin[1]),
-                 below = meet(e, t, x + 0.5, y + 0.51, &margin[2]);
+    const double depth = intersect(e, t, x + 0.5, y + 0.5, &margin[0]),
+                 right = intersect(e, t, x + 0.51, y + 0.5, &margin[1]),
+                 below = intersect(e, t, x + 0.5, y + 0.51, &margin[2]);
     return (candidate){.depth = depth,
                        .slack = 0.0001 * depth + fabs(right - depth) + fabs(below - depth),
                        .margin = margin[0],
@@ -295,7 +296,7 @@ static ost_smooth_mesh random_mesh(test_rng *rng, size_t triangles)
 }
 
 /* Compares the picture of random triangles with rays. Pixels whose ray passes close to a side are not compared. */
-static void a_pixel_shows_the_nearest_triangle(void **state)
+static void pixels_show_nearest_triangle(void **state)
 {
     (void)state;
     enum { TRIANGLES = 30, ROUNDS = 25 };
@@ -355,7 +356,7 @@ static void assert_same(const picture *a, const picture *b)
 
 /* Draws triangles around the eye. Some corners are so far away that their positions in the picture are clamped. Every
    instruction set and every division into bands must give the same picture. */
-static void far_corners(void **state)
+static void distant_corners_are_clamped(void **state)
 {
     (void)state;
     enum { TRIANGLES = 40, ROUNDS = 40 };
@@ -386,7 +387,7 @@ static void far_corners(void **state)
 
 /* Draws a sphere in a single call with the scalar loop, and in bands of 8 rows with the loop for this processor's
    instruction set. No pixel inside the sphere's outline may be missing. */
-static void a_sphere_is_a_smooth_disc(void **state)
+static void picture_of_sphere_is_smooth(void **state)
 {
     (void)state;
     ost_mesh mesh = sphere(4, 60, 120);
@@ -423,12 +424,12 @@ static void a_sphere_is_a_smooth_disc(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sphere_has_radial_normals),
-        cmocka_unit_test(a_rim_remains_sharp),
-        cmocka_unit_test(odd_meshes),
-        cmocka_unit_test(a_pixel_shows_the_nearest_triangle),
-        cmocka_unit_test(far_corners),
-        cmocka_unit_test(a_sphere_is_a_smooth_disc),
+        cmocka_unit_test(sphere_has_radial_normals),
+        cmocka_unit_test(normals_of_cylinder_change_at_edge),
+        cmocka_unit_test(unusual_meshes_are_handled),
+        cmocka_unit_test(pixels_show_nearest_triangle),
+        cmocka_unit_test(distant_corners_are_clamped),
+        cmocka_unit_test(picture_of_sphere_is_smooth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

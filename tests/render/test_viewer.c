@@ -84,7 +84,7 @@ static size_t steel_pixels(const ost_frame *f)
     return count;
 }
 
-static void what_is_nearer_is_seen(void **state)
+static void nearer_object_is_visible(void **state)
 {
     ost_error err = {0};
     ost_viewer v;
@@ -123,7 +123,7 @@ static void what_is_nearer_is_seen(void **state)
     ost_viewer_free(&v);
 }
 
-static void all_sets_draw_the_same(void **state)
+static void all_sets_give_same_picture(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("viewer");
@@ -166,7 +166,7 @@ static void all_sets_draw_the_same(void **state)
     ost_viewer_free(&plain);
 }
 
-static void views_look_where_they_say(void **state)
+static void named_views_look_at_their_object(void **state)
 {
     ost_error err = {0};
     const ost_geometry g = {{100, 80, 120}, {MM, MM, MM}, {-50 * MM, -40 * MM, -60 * MM}};
@@ -224,9 +224,9 @@ static void views_look_where_they_say(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_nearer_is_seen),
-        cmocka_unit_test(all_sets_draw_the_same),
-        cmocka_unit_test(views_look_where_they_say),
+        cmocka_unit_test(nearer_object_is_visible),
+        cmocka_unit_test(all_sets_give_same_picture),
+        cmocka_unit_test(named_views_look_at_their_object),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

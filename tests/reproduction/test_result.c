@@ -52,7 +52,7 @@ static void fill_random(test_rng *rng, result *r)
     assert_false(r->out_of_memory);
 }
 
-static void test_json_is_read_again(void **state)
+static void test_json_round_trip(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("json");
@@ -196,8 +196,12 @@ static void test_values(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_json_is_read_again), cmocka_unit_test(test_broken_json),
-                                       cmocka_unit_test(test_merge), cmocka_unit_test(test_files),
-                                       cmocka_unit_test(test_values)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_json_round_trip),
+        cmocka_unit_test(test_broken_json),
+        cmocka_unit_test(test_merge),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_values),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,7 +23,7 @@ static void rotate(const double q[4], const double v[3], double out[3])
     out[2] = 2 * (x * z - w * y) * v[0] + 2 * (y * z + w * x) * v[1] + (1 - 2 * (x * x + y * y)) * v[2];
 }
 
-static void it_runs_along_the_axis(void **state)
+static void paths_follow_axis(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -81,7 +81,7 @@ static void it_runs_along_the_axis(void **state)
  * by at most 3 degrees. The lateral motion begins gradually and reaches all sides of the axis. A
  * longer path must begin with the same ticks.
  */
-static void a_hand_presses(void **state)
+static void path_of_pressing_hand(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -120,7 +120,7 @@ static void a_hand_presses(void **state)
                      OST_ERR_USAGE);
 }
 
-static void ticks_are_gentle(void **state)
+static void events_have_one_pose(void **state)
 {
     /* No corner moves by more than half of the thesis' voxel size per tick, so every event has one pose. */
     (void)state;
@@ -146,7 +146,7 @@ static void ticks_are_gentle(void **state)
         }
 }
 
-static void a_reamer_leaves_the_spongy_bone(void **state)
+static void built_in_paths_remove_planned_depth(void **state)
 {
     /*
      * The face of the block is at z = 0 and faces +z. Below the face there are 2 mm of cartilage, 1.9 mm of
@@ -218,7 +218,7 @@ static void a_reamer_leaves_the_spongy_bone(void **state)
     free(voxels);
 }
 
-static void what_a_path_refuses(void **state)
+static void invalid_paths_are_refused(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -252,7 +252,7 @@ static ost_meta *meta_of(const char *at, const char *axis, const char *side)
     return meta;
 }
 
-static void the_grid_says_where(void **state)
+static void glenoid_is_read_from_facts(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -294,7 +294,7 @@ static void the_grid_says_where(void **state)
  * A left glenoid faces left, toward +x, so its inward axis has x < 0. If the axis is within 15
  * degrees of the sagittal plane, the side is unknown.
  */
-static void the_axis_determines_the_side(void **state)
+static void side_follows_from_axis(void **state)
 {
     (void)state;
     ost_error err = {0};
@@ -325,9 +325,13 @@ static void the_axis_determines_the_side(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_runs_along_the_axis), cmocka_unit_test(a_hand_presses), cmocka_unit_test(ticks_are_gentle),
-        cmocka_unit_test(a_reamer_leaves_the_spongy_bone), cmocka_unit_test(what_a_path_refuses),
-        cmocka_unit_test(the_grid_says_where), cmocka_unit_test(the_axis_determines_the_side),
+        cmocka_unit_test(paths_follow_axis),
+        cmocka_unit_test(path_of_pressing_hand),
+        cmocka_unit_test(events_have_one_pose),
+        cmocka_unit_test(built_in_paths_remove_planned_depth),
+        cmocka_unit_test(invalid_paths_are_refused),
+        cmocka_unit_test(glenoid_is_read_from_facts),
+        cmocka_unit_test(side_follows_from_axis),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

@@ -95,7 +95,7 @@ static void move(stage *s, ost_backend *to)
     free_voxels(&before);
 }
 
-static void moved_at_any_tick(void **state)
+static void moved_world_equals_unmoved_world(void **state)
 {
     ost_error err = {0};
     test_rng rng = rng_seeded("moved");
@@ -143,7 +143,7 @@ static void moved_at_any_tick(void **state)
     ost_backend_close(other);
 }
 
-static void what_is_refused(void **state)
+static void invalid_failover_is_refused(void **state)
 {
     ost_error err = {0};
     test_rng rng = {3};
@@ -166,6 +166,9 @@ static void what_is_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(moved_at_any_tick), cmocka_unit_test(what_is_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moved_world_equals_unmoved_world),
+        cmocka_unit_test(invalid_failover_is_refused),
+    };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

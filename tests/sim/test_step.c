@@ -60,7 +60,7 @@ static ost_step_result step(lab *l, ost_tick tick)
     return result;
 }
 
-static void a_sweep_leaves_no_gap(void **state)
+static void sweep_leaves_no_gap(void **state)
 {
     /*
      * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes x = 4 to
@@ -99,7 +99,7 @@ static void a_sweep_leaves_no_gap(void **state)
     free_lab(&l);
 }
 
-static void without_the_sweep_there_is_one(void **state)
+static void one_pose_without_sweep(void **state)
 {
     lab l = make_lab(*state, &(ost_world_options){.sweep_off = true});
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
@@ -118,7 +118,7 @@ static void without_the_sweep_there_is_one(void **state)
     free_lab(&l);
 }
 
-static void a_tool_taken_up_does_not_sweep(void **state)
+static void selected_tool_does_not_sweep(void **state)
 {
     lab l = make_lab(*state, NULL);
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
@@ -137,7 +137,7 @@ static void a_tool_taken_up_does_not_sweep(void **state)
  * The tool moves by 20 mm in bone while it is lifted. With and without a removal period, nothing
  * between the two positions may be removed, but the voxels at the new position must be.
  */
-static void a_lifted_tool_does_not_sweep(void **state)
+static void lifted_tool_does_not_sweep(void **state)
 {
     for (int period_ms = 0; period_ms <= 3; period_ms += 3) {
         lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period_ms * 1000000});
@@ -161,7 +161,7 @@ static void a_lifted_tool_does_not_sweep(void **state)
     }
 }
 
-static void the_period_decides_which_ticks_remove(void **state)
+static void removal_period_selects_ticks(void **state)
 {
     /*
      * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms (the first
@@ -187,7 +187,7 @@ static void the_period_decides_which_ticks_remove(void **state)
     free_lab(&l);
 }
 
-static void negative_times_have_periods_too(void **state)
+static void periods_of_negative_times(void **state)
 {
     /*
      * To compute the period of a time, the code rounds down and does not truncate. Therefore -1 ms and 0 ms are in
@@ -212,7 +212,7 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
  * The peg moves through the bone with the motor off, and jumps by metres and half turns. Nothing
  * may be removed, and the limits of sweeps must not apply.
  */
-static void a_motor_that_is_off_removes_nothing(void **state)
+static void motor_off_removes_nothing(void **state)
 {
     lab l = make_lab(*state, NULL);
     const ost_digest before = digest_of(l.bone);
@@ -236,7 +236,7 @@ static void a_motor_that_is_off_removes_nothing(void **state)
  * The motor is on until the tool is at 5 mm, off while the tool moves to 30 mm, and then on
  * again. A motion of 2 mm from there has 4 poses, and nothing between 5 and 30 mm is removed.
  */
-static void a_sweep_begins_where_the_motor_was_off(void **state)
+static void sweep_begins_at_last_pose_with_motor_off(void **state)
 {
     for (int period = 0; period <= 1; period++) {
         lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period * 1000000000});
@@ -266,7 +266,7 @@ static void a_sweep_begins_where_the_motor_was_off(void **state)
 
 /* At 3000 revolutions per minute, a quarter turn takes 5 ms. A sweep over a larger angle could have the wrong
    direction. */
-static void a_motor_turns_a_quarter_at_most(void **state)
+static void motor_turn_over_quarter_is_refused(void **state)
 {
     ost_error err = {0};
     lab l = make_lab(*state, NULL);
@@ -295,7 +295,7 @@ static void a_motor_turns_a_quarter_at_most(void **state)
     free_lab(&l);
 }
 
-static void a_failed_step_changes_nothing(void **state)
+static void failed_step_changes_nothing(void **state)
 {
     ost_error err = {0};
     lab l = make_lab(*state, NULL);
@@ -338,7 +338,7 @@ static void a_failed_step_changes_nothing(void **state)
     free_lab(&l);
 }
 
-static void far_from_the_bone_nothing_is_asked(void **state)
+static void distant_tool_reaches_no_chunk(void **state)
 {
     lab l = make_lab(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 500000, 0, 0));
@@ -350,7 +350,7 @@ static void far_from_the_bone_nothing_is_asked(void **state)
     free_lab(&l);
 }
 
-static void an_event_is_in_its_chunks(void **state)
+static void range_of_chunks_of_event(void **state)
 {
     /*
      * The peg at (15.5, 10, 5) mm covers x = 14.5 to 16.5 mm. Inflated by a voxel of 0.5 mm, it
@@ -364,7 +364,7 @@ static void an_event_is_in_its_chunks(void **state)
     free_lab(&l);
 }
 
-static void what_a_world_refuses(void **state)
+static void invalid_worlds_and_tools_are_refused(void **state)
 {
     ost_error err = {0};
     lab l = make_lab(*state, NULL);
@@ -395,14 +395,19 @@ static void what_a_world_refuses(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sweep_leaves_no_gap),          cmocka_unit_test(without_the_sweep_there_is_one),
-        cmocka_unit_test(a_lifted_tool_does_not_sweep),
-        cmocka_unit_test(a_tool_taken_up_does_not_sweep), cmocka_unit_test(the_period_decides_which_ticks_remove),
-        cmocka_unit_test(negative_times_have_periods_too), cmocka_unit_test(a_failed_step_changes_nothing),
-        cmocka_unit_test(a_motor_that_is_off_removes_nothing), cmocka_unit_test(a_sweep_begins_where_the_motor_was_off),
-        cmocka_unit_test(a_motor_turns_a_quarter_at_most),
-        cmocka_unit_test(far_from_the_bone_nothing_is_asked), cmocka_unit_test(an_event_is_in_its_chunks),
-        cmocka_unit_test(what_a_world_refuses),
+        cmocka_unit_test(sweep_leaves_no_gap),
+        cmocka_unit_test(one_pose_without_sweep),
+        cmocka_unit_test(lifted_tool_does_not_sweep),
+        cmocka_unit_test(selected_tool_does_not_sweep),
+        cmocka_unit_test(removal_period_selects_ticks),
+        cmocka_unit_test(periods_of_negative_times),
+        cmocka_unit_test(failed_step_changes_nothing),
+        cmocka_unit_test(motor_off_removes_nothing),
+        cmocka_unit_test(sweep_begins_at_last_pose_with_motor_off),
+        cmocka_unit_test(motor_turn_over_quarter_is_refused),
+        cmocka_unit_test(distant_tool_reaches_no_chunk),
+        cmocka_unit_test(range_of_chunks_of_event),
+        cmocka_unit_test(invalid_worlds_and_tools_are_refused),
     };
     return run_on_backends(tests, open_test_backend, close_test_backend);
 }

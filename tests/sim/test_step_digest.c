@@ -20,7 +20,7 @@ static void make(void)
     result = (ost_step_result){.removal = true, .boxes_meet = true, .pose_count = 2, .report = &report};
 }
 
-static void numbers_are_as_documented(void **state)
+static void digests_equal_documented_values(void **state)
 {
     (void)state;
     const ost_step_result nothing = {0};
@@ -32,28 +32,28 @@ static void numbers_are_as_documented(void **state)
     assert_true(ost_step_digest(&result, 2) == UINT64_C(0x3e7023035406c72e));
 }
 
-static void whatever_differs_shows(void **state)
+static void every_difference_changes_digest(void **state)
 {
     (void)state;
     make();
     const uint64_t before = ost_step_digest(&result, 2);
-#define SHOWS(change)                                          \
+#define CHANGES_DIGEST(change)                                 \
     do {                                                       \
         make();                                                \
         change;                                                \
         assert_true(ost_step_digest(&result, 2) != before);    \
     } while (0)
-    SHOWS(result.removal = false);
-    SHOWS(result.boxes_meet = false);
-    SHOWS(result.pose_count = 3);
-    SHOWS(report.total_voxels++);
-    SHOWS(report.touched_voxels--);
-    SHOWS(report.count = 1);
-    SHOWS(chunks[0].chunk = 8);
-    SHOWS(chunks[1].voxels[1]--);
-    SHOWS(chunks[1].density[0] = 400);
+    CHANGES_DIGEST(result.removal = false);
+    CHANGES_DIGEST(result.boxes_meet = false);
+    CHANGES_DIGEST(result.pose_count = 3);
+    CHANGES_DIGEST(report.total_voxels++);
+    CHANGES_DIGEST(report.touched_voxels--);
+    CHANGES_DIGEST(report.count = 1);
+    CHANGES_DIGEST(chunks[0].chunk = 8);
+    CHANGES_DIGEST(chunks[1].voxels[1]--);
+    CHANGES_DIGEST(chunks[1].density[0] = 400);
     /* If one chunk has one voxel more and another chunk one voxel less, the digest must change. */
-    SHOWS((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
+    CHANGES_DIGEST((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
     /* Array elements beyond the world's number of classes must not affect the digest. */
     make();
     chunks[0].voxels[2] = 77;
@@ -62,7 +62,7 @@ static void whatever_differs_shows(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_are_as_documented),
-                                       cmocka_unit_test(whatever_differs_shows)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(digests_equal_documented_values),
+                                       cmocka_unit_test(every_difference_changes_digest)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

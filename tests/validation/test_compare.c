@@ -80,7 +80,7 @@ static void begin(bone_trace *b, const char *path)
 
 static const int32_t first_leaf[3] = {0, 0, 0}, last_leaf[3] = {32, 32, 32};
 
-static compare_difference compared(const char *a, const char *b)
+static compare_difference compare_files(const char *a, const char *b)
 {
     ost_error err = {0};
     trace ref, got;
@@ -106,7 +106,7 @@ static void write_reference(const char *path)
     put_end(&b);
 }
 
-static void equal_and_not(void **state)
+static void equal_and_different_traces(void **state)
 {
     (void)state;
     static bone_trace b;
@@ -115,7 +115,7 @@ static void equal_and_not(void **state)
     scratch_path("got", got);
     write_reference(ref);
     write_reference(got);
-    assert_int_equal(compared(ref, got).kind, COMPARE_EQUAL);
+    assert_int_equal(compare_files(ref, got).kind, COMPARE_EQUAL);
 
     /*
      * Two voxels too many are removed. The comparison must return the voxel with the lowest number in the
@@ -127,7 +127,7 @@ static void equal_and_not(void **state)
     *voxel(&b, 8, 10, 9) = 4;
     put_tick(&b, 0, 1, first_leaf);
     put_end(&b);
-    compare_difference d = compared(ref, got);
+    compare_difference d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_VOXEL);
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 0);
@@ -143,7 +143,7 @@ static void equal_and_not(void **state)
     *voxel(&b, 5, 6, 7) = 0;
     put_tick(&b, 0, 2, first_leaf);
     put_end(&b);
-    d = compared(ref, got);
+    d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_WORD);
     assert_int_equal(d.word, 0);
     assert_int_equal(d.word_ref, 1);
@@ -154,7 +154,7 @@ static void equal_and_not(void **state)
  * If only one of two traces contains a leaf, the leaf must be compared with its previous state in the other
  * trace.
  */
-static void lone_leaves(void **state)
+static void leaves_in_one_trace_only(void **state)
 {
     (void)state;
     static bone_trace b;
@@ -168,7 +168,7 @@ static void lone_leaves(void **state)
     put_tick(&b, 0, 1, first_leaf);
     put_tick(&b, 1, 1, NULL);
     put_end(&b);
-    compare_difference d = compared(ref, got);
+    compare_difference d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_VOXEL);
     assert_int_equal(d.item, 1);
     assert_int_equal(d.voxels, 1);
@@ -200,7 +200,7 @@ static void lone_leaves(void **state)
             memcpy(to + 8 * (j + 8 * k), voxel(&b, 32, 32 + j, 32 + k), 16);
     assert_ok(trace_end(b.w, &err));
     put_end(&b);
-    d = compared(ref, got);
+    d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_VOXEL);
     assert_int_equal(d.voxels, 1);
     assert_int_equal(d.voxel[0], 5);
@@ -230,13 +230,13 @@ static void write_report(const char *path, uint64_t voxels)
 }
 
 /* A differing number of a report must be described in words, with the number of its chunk. */
-static void reports(void **state)
+static void differing_numbers_of_reports(void **state)
 {
     char ref[PATH], got[PATH], name[TRACE_WORD];
     (void)state;
     write_report(scratch_path("ref", ref), 3);
     write_report(scratch_path("got", got), 4);
-    const compare_difference d = compared(ref, got);
+    const compare_difference d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_WORD);
     assert_int_equal(d.chunk, 9);
     assert_int_equal(d.word_ref, 3);
@@ -252,7 +252,7 @@ static void reports(void **state)
 
 
 /* Truncated traces and files that are not traces must be refused. */
-static void broken(void **state)
+static void broken_traces_are_refused(void **state)
 {
     (void)state;
     char ref[PATH], got[PATH];
@@ -273,7 +273,7 @@ static void broken(void **state)
         assert_true(t.count < records);
         trace_free(&t);
     }
-    compare_difference d = compared(ref, got);
+    compare_difference d = compare_files(ref, got);
     assert_int_equal(d.kind, COMPARE_MISSING);
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 1);
@@ -311,10 +311,10 @@ static void broken(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_and_not),
-        cmocka_unit_test(lone_leaves),
-        cmocka_unit_test(reports),
-        cmocka_unit_test(broken),
+        cmocka_unit_test(equal_and_different_traces),
+        cmocka_unit_test(leaves_in_one_trace_only),
+        cmocka_unit_test(differing_numbers_of_reports),
+        cmocka_unit_test(broken_traces_are_refused),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -53,7 +53,7 @@ static pattern_view view_of(const pair *p)
         .a = p->a, .b = p->b, .dims = {N, N, N}, .dims_b = {N, N, N}, .solid_a = 120, .solid_b = 120, .chunk = 16};
 }
 
-static void looks_like(const pattern_view *v, pattern expected, const char *what)
+static void assert_pattern(const pattern_view *v, pattern expected, const char *what)
 {
     pattern_list list;
     ost_pattern_find(v, &list);
@@ -63,7 +63,7 @@ static void looks_like(const pattern_view *v, pattern expected, const char *what
         assert_true(list.holds[expected] && list.text[expected][0]);
 }
 
-static void by_hand(void **state)
+static void patterns_in_hand_made_grids(void **state)
 {
     (void)state;
     pair *p = made();
@@ -76,20 +76,20 @@ static void by_hand(void **state)
 
     for (int i = 0; i < N * N * N; i++)
         p->b[i] = (int16_t)(uint16_t)((uint16_t)p->a[i] << 8 | (uint16_t)p->a[i] >> 8);
-    looks_like(&v, PATTERN_BYTE_ORDER, "bytes swapped");
+    assert_pattern(&v, PATTERN_BYTE_ORDER, "bytes swapped");
 
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 0; x < N; x++)
                 p->b[at(x, y, z)] = p->a[at(y, x, z)];
-    looks_like(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
+    assert_pattern(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
     p = made();
     for (int z = 10; z < 20; z++) /* the layers are shifted only in a part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
-    looks_like(&v, PATTERN_SHIFT, "a layer off by one");
+    assert_pattern(&v, PATTERN_SHIFT, "a layer off by one");
 
     p = made();
     for (int z = 0; z < N; z++)
@@ -98,44 +98,44 @@ static void by_hand(void **state)
                 const int64_t from = x + 48 * (y + (int64_t)N * z);
                 p->b[at(x, y, z)] = from < N * N * N ? p->a[from] : 0;
             }
-    looks_like(&v, PATTERN_ROW_PITCH, "rows of 48");
+    assert_pattern(&v, PATTERN_ROW_PITCH, "rows of 48");
 
     p = made();
     for (int i = at(0, 0, 12); i < at(0, 0, 14); i++)
         p->b[i] = (int16_t)(p->a[i] ? p->a[i] + 9 : 0);
-    looks_like(&v, PATTERN_OFFSET, "9 more");
+    assert_pattern(&v, PATTERN_OFFSET, "9 more");
 
     p = made();
     for (int i = 0; i < N * N * N; i++)
         p->b[i] = p->a[i] < 700 ? 0 : p->a[i];
-    looks_like(&v, PATTERN_THRESHOLD, "below 700 gone");
+    assert_pattern(&v, PATTERN_THRESHOLD, "below 700 gone");
 
     p = made();
     for (int i = at(0, 0, 20); i < N * N * N; i++)
         p->b[i] = 0;
-    looks_like(&v, PATTERN_LOST_TAIL, "nothing from a slice on");
+    assert_pattern(&v, PATTERN_LOST_TAIL, "nothing from a slice on");
 
     p = made();
     for (int z = 0; z < 16; z++)
         for (int y = 0; y < 16; y++)
             memset(&p->b[at(16, y, z)], 0, 16 * sizeof p->b[0]);
-    looks_like(&v, PATTERN_LOST_CHUNK, "a chunk void");
+    assert_pattern(&v, PATTERN_LOST_CHUNK, "a chunk void");
 
     p = made();
     p->b[at(10, 11, 12)] = 999;
     p->b[at(15, 15, 15)] = 1;
-    looks_like(&v, PATTERN_SPECKLE, "two voxels");
+    assert_pattern(&v, PATTERN_SPECKLE, "two voxels");
 
     p = made();
     for (int y = 12; y < 19; y++)
         for (int x = 12; x < 19; x++)
             for (int z = 12; z < 19; z++)
                 p->b[at(x, y, z)] = (int16_t)(2000 + (x * 7 + y * 13 + z * 29) % 50);
-    looks_like(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
+    assert_pattern(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
 }
 
 /* Tests differences caused by an event. The array `in` is the bone before the event. */
-static void of_events(void **state)
+static void patterns_of_events(void **state)
 {
     (void)state;
     pair *p = made();
@@ -150,24 +150,24 @@ static void of_events(void **state)
     for (int z = 16; z < 32; z++)
         for (int y = 0; y < 16; y++)
             memcpy(&p->b[at(0, y, z)], &p->in[at(0, y, z)], 16 * sizeof p->b[0]);
-    looks_like(&v, PATTERN_STALE_CHUNK, "a chunk as before");
+    assert_pattern(&v, PATTERN_STALE_CHUNK, "a chunk as before");
     v.reported_too = true;
-    looks_like(&v, PATTERN_LOST_CHUNK, "a chunk neither cut nor reported");
+    assert_pattern(&v, PATTERN_LOST_CHUNK, "a chunk neither cut nor reported");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 16; z < 32; z++)
         for (int y = 16; y < 32; y++)
             memcpy(&p->b[at(16, y, z)], &p->in[at(16, y, z)], 16 * sizeof p->b[0]);
-    looks_like(&v, PATTERN_LOST_TAIL, "the last chunk");
+    assert_pattern(&v, PATTERN_LOST_TAIL, "the last chunk");
 
     memcpy(p->b, p->a, sizeof p->b);
     for (int y = 9; y < 19; y++)
         p->b[at(19, y, 12)] = p->in[at(19, y, 12)];
-    looks_like(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
+    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
     p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* a voxel inside the cut, away from the cut's border */
-    looks_like(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
+    assert_pattern(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
 }
 
-static void of_tools(void **state)
+static void patterns_of_tools(void **state)
 {
     (void)state;
     pair *p = made();
@@ -178,22 +178,22 @@ static void of_tools(void **state)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
         memset(&p->b[at(0, y, 15)], 0, N * sizeof p->b[0]);
-    looks_like(&v, PATTERN_COLUMN_PARITY, "rows void");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "rows void");
     memcpy(p->b, p->a, sizeof p->b);
     for (int x = 20; x < N; x++)
         p->b[at(x, 15, 16)] = 1;
-    looks_like(&v, PATTERN_COLUMN_PARITY, "a row filled to its end");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "a row filled to its end");
     memcpy(p->b, p->a, sizeof p->b);
     for (int y = 16; y < N; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
-    looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
+    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
     for (int x = 0; x < N; x++) /* by the parity rule, a voxel that is solid in both rows becomes empty */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] = (int16_t)(p->a[at(x, y, 16)] ^ p->b[at(x, y - 1, 16)]);
-    looks_like(&v, PATTERN_CARRIED_ROWS, "rows that are carried on by parity");
+    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows that are carried on by parity");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
@@ -201,21 +201,21 @@ static void of_tools(void **state)
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
-    looks_like(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
+    assert_pattern(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
     /* The ball contains a non-cutting part. Where a row of the ball is missing, this part is exposed. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 15)] = x >= 10 && x < 14 ? 2 : 0;
-    looks_like(&v, PATTERN_COLUMN_PARITY, "rows of one mesh void where another is");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "rows of one mesh void where another is");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 1; x < N; x++)
                 if (p->a[at(x, y, z)] && !p->a[at(x - 1, y, z)])
                     p->b[at(x, y, z)] = 0;
-    looks_like(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row");
+    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row");
 }
 
 /* --------------------------------------------------- known mistakes */
@@ -257,7 +257,7 @@ static const char *class_of(const deviation *how, const scene *s, const trace *r
  * Tests each class with a backend that makes a mistake of this class. A difference of only a few voxels may
  * be classified differently; the member `or` lists the other classes that are allowed.
  */
-static void by_mistake(void **state)
+static void classes_of_deliberate_mistakes(void **state)
 {
     static const struct {
         deviation_kind kind;
@@ -334,10 +334,10 @@ static const char *value_of(const operands *o, const char *name)
 }
 
 /* For randomly chosen voxels, the last operand must equal the value in the reference's grid. */
-static void operands_decide(void **state)
+static void operands_give_voxel_value(void **state)
 {
     (void)state;
-    test_rng rng = rng_seeded("operands_decide");
+    test_rng rng = rng_seeded("operands_give_voxel_value");
     int solid = 0, removed = 0, kept = 0;
     for (int number = 0; number < SCENES; number++) {
         const plan_case c = {.family = PLAN_SMALL,
@@ -448,7 +448,7 @@ static void removal_operands(void **state)
     assert_true(shown > 100);
 }
 
-static void confusion(void **state)
+static void confusion_table(void **state)
 {
     (void)state;
     if (!getenv("OST_TEST_LONG"))
@@ -485,7 +485,7 @@ static deviation_kind kind_by_name(const char *name)
  * Tests the table of causes. Every kind of deviation in it must exist. The counts of the named
  * kinds must not exceed the count of their class. No sentence may state a cause as certain.
  */
-static void causes_are_possibilities(void **state)
+static void causes_are_stated_as_possible(void **state)
 {
     (void)state;
     int sum = 0;
@@ -539,10 +539,14 @@ static void causes_are_possibilities(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(by_hand),         cmocka_unit_test(of_events),
-        cmocka_unit_test(of_tools),        cmocka_unit_test(by_mistake),
-        cmocka_unit_test(operands_decide), cmocka_unit_test(removal_operands),
-        cmocka_unit_test(confusion),       cmocka_unit_test(causes_are_possibilities),
+        cmocka_unit_test(patterns_in_hand_made_grids),
+        cmocka_unit_test(patterns_of_events),
+        cmocka_unit_test(patterns_of_tools),
+        cmocka_unit_test(classes_of_deliberate_mistakes),
+        cmocka_unit_test(operands_give_voxel_value),
+        cmocka_unit_test(removal_operands),
+        cmocka_unit_test(confusion_table),
+        cmocka_unit_test(causes_are_stated_as_possible),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

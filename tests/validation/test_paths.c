@@ -23,7 +23,7 @@ static void visit_given(const ost_backend *backend, ost_path_visit *visit, void 
 }
 
 /* Returns a trace that consists only of an end record with these counts. */
-static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
+static trace trace_with_counts(const char *name, uint64_t a, uint64_t b, uint64_t c)
 {
     static const ost_backend_ops table = {.name = "test", .paths = visit_given};
     const ost_backend backend = {.ops = &table};
@@ -43,12 +43,12 @@ static trace ended_with(const char *name, uint64_t a, uint64_t b, uint64_t c)
     return t;
 }
 
-static void summed(void **state)
+static void counts_are_summed(void **state)
 {
     (void)state;
     ost_error err = {0};
     path_list list = {0};
-    trace one = ended_with("one", 5, 0, 0), two = ended_with("two", 7, 1, 0);
+    trace one = trace_with_counts("one", 5, 0, 0), two = trace_with_counts("two", 7, 1, 0);
     assert_ok(paths_add(&list, &one.records[one.count - 1], &err));
     assert_ok(paths_add(&list, &two.records[two.count - 1], &err));
     assert_int_equal(list.count, 3);
@@ -72,11 +72,11 @@ static void summed(void **state)
  * For every prefix of the record's body, the complete entries must be added and nothing may be
  * read beyond the prefix.
  */
-static void damaged(void **state)
+static void damaged_counts_are_not_added(void **state)
 {
     (void)state;
     ost_error err = {0};
-    trace t = ended_with("whole", 1, 2, 3);
+    trace t = trace_with_counts("whole", 1, 2, 3);
     for (uint64_t bytes = 0; bytes < t.records[0].body_bytes; bytes++) {
         path_list list = {0};
         trace_record r = t.records[0];
@@ -95,6 +95,9 @@ static void damaged(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(summed), cmocka_unit_test(damaged)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(counts_are_summed),
+        cmocka_unit_test(damaged_counts_are_not_added),
+    };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

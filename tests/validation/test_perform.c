@@ -62,7 +62,7 @@ static const ost_backend_ops *slots_of_reference(void)
     return ops;
 }
 
-static void a_failure_is_no_absence(void **state)
+static void failing_function_is_not_missing(void **state)
 {
     const plan_case c = {.family = PLAN_IMPORT, .number = 0, .tier = PLAN_SMOKE, .seed = 1, .id = "import/0"};
     const ost_backend_ops *own = slots_of_reference();
@@ -109,7 +109,7 @@ static void a_failure_is_no_absence(void **state)
  * The first bone that each tool cuts has a spacing of a quarter of the tool's voxel size. This
  * spacing must be allowed.
  */
-static void the_finest_tools_are_performed(void **state)
+static void smallest_tool_voxels_are_accepted(void **state)
 {
     /* with seed 1, the tools of these cases have voxels smaller than 4 * OST_SPACING_MIN */
     static const int numbers[] = {9, 17, 27, 36};
@@ -136,7 +136,7 @@ static void the_finest_tools_are_performed(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_failure_is_no_absence),
-                                       cmocka_unit_test(the_finest_tools_are_performed)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(failing_function_is_not_missing),
+                                       cmocka_unit_test(smallest_tool_voxels_are_accepted)};
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);
 }

@@ -36,7 +36,7 @@ static void family_digest(plan_tier tier, const char *only, int most, char out[2
     plan_free(&p);
 }
 
-static void campaigns(void **state)
+static void digests_of_families(void **state)
 {
     static const struct {
         plan_tier tier;
@@ -76,7 +76,7 @@ static void campaigns(void **state)
 }
 
 /* Tests the scenes that the sensitivity proof uses. */
-static void small_scenes(void **state)
+static void digests_of_small_scenes(void **state)
 {
     static const char *const digests[] = {"b989fb0af4513d73", "2523469b8e032ca3", "e6a459417cda61eb",
                                           "1bfe2db7b8e63aef", "663d0bbe1934039a", "4cf546754dbeb75f"};
@@ -108,7 +108,7 @@ static void small_scenes(void **state)
  * Small bones must be small enough to be downloaded completely after each tick, even if their voxels are
  * very thin. A difference is then located in the tick in which it occurs.
  */
-static void small_bones_are_fetched_whole(void **state)
+static void small_bones_are_downloaded_completely(void **state)
 {
     (void)state;
     for (int number = 170; number < 190; number++) { /* case 182 has voxels of 32 um in layers of 1 mm */
@@ -152,7 +152,7 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
  * For any seed and for each of the two rules that truncate, the smoke tier must have a case in which int(i
  * * (c / s)) selects a wrong voxel.
  */
-static void ratios_decide_a_voxel(void **state)
+static void ratio_selects_wrong_voxel(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("ratios");
@@ -284,7 +284,7 @@ static void corners_of_cubes(void **state)
  * Tests that each case of the `reach` family has the properties for which it is designed. The expected
  * numbers are those in the description of the case.
  */
-static void reach_has_what_it_is_for(void **state)
+static void reach_cases_have_designed_properties(void **state)
 {
     ost_error err = {0};
     plan p;
@@ -436,11 +436,11 @@ static void reach_has_what_it_is_for(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(campaigns),
-        cmocka_unit_test(small_scenes),
-        cmocka_unit_test(reach_has_what_it_is_for),
-        cmocka_unit_test(small_bones_are_fetched_whole),
-        cmocka_unit_test(ratios_decide_a_voxel),
+        cmocka_unit_test(digests_of_families),
+        cmocka_unit_test(digests_of_small_scenes),
+        cmocka_unit_test(reach_cases_have_designed_properties),
+        cmocka_unit_test(small_bones_are_downloaded_completely),
+        cmocka_unit_test(ratio_selects_wrong_voxel),
         cmocka_unit_test(drifting_samples),
         cmocka_unit_test(corners_of_cubes),
     };

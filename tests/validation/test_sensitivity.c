@@ -17,7 +17,7 @@
 #include "validation/sensitivity.h"
 #include "validation/worker.h"
 
-static void proved(void **state)
+static void mistakes_are_detected(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("sensitivity");
@@ -92,7 +92,7 @@ static void rare_kinds_are_triggered(void **state)
  * The sentence of the verdict must contain the number of kinds, the place where the mistakes were made, and
  * the number of kinds that changed no result.
  */
-static void statement_says_what_it_is_of(void **state)
+static void statement_contains_counts(void **state)
 {
     (void)state;
     char text[FAULTS_STATEMENT];
@@ -128,7 +128,7 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
  * For any seed, the smoke tier must have a case that detects a resampling that is wrong only at positions
  * exactly on a source layer.
  */
-static void smoke_sees_exact_multiples(void **state)
+static void smoke_detects_error_at_exact_layers(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("exact multiples");
@@ -181,7 +181,7 @@ static worker_result result_of(const char *script, double limit)
     return r;
 }
 
-static void workers(void **state)
+static void outcomes_of_workers(void **state)
 {
     (void)state;
     worker_result r = result_of("exit 0", 60);
@@ -209,11 +209,11 @@ static void workers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(proved),
-        cmocka_unit_test(statement_says_what_it_is_of),
+        cmocka_unit_test(mistakes_are_detected),
+        cmocka_unit_test(statement_contains_counts),
         cmocka_unit_test(rare_kinds_are_triggered),
-        cmocka_unit_test(smoke_sees_exact_multiples),
-        cmocka_unit_test(workers),
+        cmocka_unit_test(smoke_detects_error_at_exact_layers),
+        cmocka_unit_test(outcomes_of_workers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -60,7 +60,7 @@ static ost_i128 decimal(const char *text)
 }
 
 /* Tests the example of docs/spec/arithmetic.md, section 12. */
-static void map_of_the_text(void **state)
+static void map_of_the_specification(void **state)
 {
     (void)state;
     static const char *const origin[] = {"34000796832371564562559795200000000", "-34762661917118460467698728960000000",
@@ -100,7 +100,7 @@ static void map_of_the_text(void **state)
 }
 
 /* Tests the examples of docs/spec/arithmetic.md, section 11. */
-static void sweep_and_motor_of_the_text(void **state)
+static void sweep_and_motor_of_the_specification(void **state)
 {
     (void)state;
     const ost_tool_geometry tool = {{4, 4, 4}, 500 * UM, {-1000 * UM, -1000 * UM, -1000 * UM}};
@@ -147,7 +147,7 @@ static void sweep_and_motor_of_the_text(void **state)
 }
 
 /* Checks the table of section 9 and the example of the cube, both of docs/spec/arithmetic.md. */
-static void grid_of_the_text(void **state)
+static void grid_of_the_specification(void **state)
 {
     (void)state;
     static const struct {
@@ -192,7 +192,7 @@ static void grid_of_the_text(void **state)
 }
 
 /* Checks AR-REM-7, AR-MOTOR-5 and AR-MOTOR-6 against results computed by hand. */
-static void events_by_hand(void **state)
+static void events_equal_hand_computed_results(void **state)
 {
     (void)state;
     const ost_tool_geometry tool = {{4, 4, 4}, 500 * UM, {-1000 * UM, -1000 * UM, -1000 * UM}};
@@ -220,7 +220,7 @@ static void events_by_hand(void **state)
 }
 
 /* Changes one word in one of the two traces of a case. The comparison must return the name of this word. */
-static void a_difference_is_named(void **state)
+static void differing_word_is_named(void **state)
 {
     (void)state;
     char paths[2][4200];
@@ -269,7 +269,7 @@ static void a_difference_is_named(void **state)
 }
 
 /* The box of a pose may be larger than necessary. If the pose reaches no voxel, any box is allowed. */
-static void boxes_are_bounds(void **state)
+static void larger_boxes_are_accepted(void **state)
 {
     (void)state;
     enum { TICK = 11, REACHES = TICK + 54, WORDS = TICK + 61 };
@@ -346,12 +346,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wide_integers),
-        cmocka_unit_test(map_of_the_text),
-        cmocka_unit_test(sweep_and_motor_of_the_text),
-        cmocka_unit_test(grid_of_the_text),
-        cmocka_unit_test(events_by_hand),
-        cmocka_unit_test(a_difference_is_named),
-        cmocka_unit_test(boxes_are_bounds),
+        cmocka_unit_test(map_of_the_specification),
+        cmocka_unit_test(sweep_and_motor_of_the_specification),
+        cmocka_unit_test(grid_of_the_specification),
+        cmocka_unit_test(events_equal_hand_computed_results),
+        cmocka_unit_test(differing_word_is_named),
+        cmocka_unit_test(larger_boxes_are_accepted),
         cmocka_unit_test(digests_of_bones),
     };
     return cmocka_run_group_tests(tests, scratch_set_up, scratch_tear_down);

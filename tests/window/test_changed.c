@@ -17,7 +17,7 @@ static uint32_t drawn[SIDE * (SIDE + MARGIN)], shared[SIDE * SIDE], screen[SIDE 
 static uint64_t cells[SIDE * SIDE / 64];
 static unsigned seed = 1;
 
-static int below(int n)
+static int random_below(int n)
 {
     seed = seed * 1664525 + 1013904223;
     return (int)((uint64_t)(seed >> 8) * (uint64_t)n >> 24);
@@ -57,17 +57,19 @@ static int64_t copied(const ost_window_picture *p, bool everything)
 /* Changes the colours of a box and marks its cells. */
 static void change(const ost_window_picture *p)
 {
-    const int w = 1 + below(below(3) ? 20 : p->width), h = 1 + below(below(3) ? 20 : p->height), x = below(p->width),
-              y = below(p->height);
+    const int w = 1 + random_below(random_below(3) ? 20 : p->width),
+              h = 1 + random_below(random_below(3) ? 20 : p->height), x = random_below(p->width),
+              y = random_below(p->height);
     for (int j = y; j < y + h && j < p->height; j++)
         for (int i = x; i < x + w && i < p->width; i++) {
-            drawn[j * p->stride + i] ^= (uint32_t)(1 + below(0xffffff)) | 0xff000000u * (unsigned)below(2);
+            drawn[j * p->stride + i] ^= (uint32_t)(1 + random_below(0xffffff)) |
+                                        0xff000000u * (unsigned)random_below(2);
             const int cell = i / OST_WINDOW_CELL_WIDTH;
             cells[j / OST_WINDOW_CELL_HEIGHT * p->changed_words + cell / 64] |= UINT64_C(1) << cell % 64;
         }
 }
 
-static void the_screen_shows_the_picture(void **state)
+static void screen_equals_picture(void **state)
 {
     static const int sizes[][2] = {{1, 1}, {16, 8}, {15, 7}, {17, 9}, {640, 3}, {3, 640}, {333, 517}, {700, 700}};
     (void)state;
@@ -81,7 +83,7 @@ static void the_screen_shows_the_picture(void **state)
             assert_int_equal(copied(&p, false), 0);
             for (int frame = 0; frame < 30; frame++) {
                 memset(cells, 0, sizeof cells);
-                for (int n = below(12); n > 0; n--)
+                for (int n = random_below(12); n > 0; n--)
                     change(&p);
                 copied(&p, false);
             }
@@ -92,7 +94,7 @@ static void the_screen_shows_the_picture(void **state)
         }
 }
 
-static void only_what_may_have_changed_is_looked_at(void **state)
+static void unmarked_cells_are_not_read(void **state)
 {
     (void)state;
     ost_changed_box box[OST_CHANGED_BOXES];
@@ -119,8 +121,8 @@ static void only_what_may_have_changed_is_looked_at(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_screen_shows_the_picture),
-        cmocka_unit_test(only_what_may_have_changed_is_looked_at),
+        cmocka_unit_test(screen_equals_picture),
+        cmocka_unit_test(unmarked_cells_are_not_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,7 +13,7 @@
 
 static uint32_t pixels[64];
 
-static ost_window *opened(void)
+static ost_window *open_window(void)
 {
     ost_error err = {0};
     ost_window *w;
@@ -21,7 +21,7 @@ static ost_window *opened(void)
     return w;
 }
 
-static void closed(ost_window *w)
+static void close_window(ost_window *w)
 {
     ost_window_close(w);
     assert_int_equal(the_fake.inits, 0);
@@ -29,7 +29,7 @@ static void closed(ost_window *w)
     assert_int_equal(the_fake.objects, 0);
 }
 
-static void refused(const char *words)
+static void assert_refused(const char *words)
 {
     ost_error err = {0};
     ost_window *w;
@@ -48,55 +48,55 @@ static int present(ost_window *w, ost_error *err)
                               err);
 }
 
-static void what_is_missing_is_said(void **state)
+static void missing_features_are_reported(void **state)
 {
     (void)state;
     fake_begin();
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    refused("DISPLAY is not set");
+    assert_refused("DISPLAY is not set");
     setenv("DISPLAY", ":0", 1);
     the_fake.no_init = true;
     the_fake.why = "the display is on strike";
-    refused("on strike");
+    assert_refused("on strike");
     /* The driver supports OpenGL 2.1 and reports that it does not support 3.3. */
     fake_begin();
     the_fake.version = 0;
     the_fake.plain_version = 21;
-    refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
-    refused("LIBGL_ALWAYS_SOFTWARE=1");
+    assert_refused("needs OpenGL 3.3, found 2.1 of a test (a fake)");
+    assert_refused("LIBGL_ALWAYS_SOFTWARE=1");
     /* The driver reports a different reason, although it supports only 2.1. */
     the_fake.why = "no visual";
-    refused("found 2.1 of a test");
+    assert_refused("found 2.1 of a test");
     /* The version is sufficient, so it must not be reported as the reason. */
     the_fake.plain_version = 45;
-    refused("no visual");
+    assert_refused("no visual");
     the_fake.plain_version = 0;
-    refused("no visual");
+    assert_refused("no visual");
     the_fake.why = NULL;
-    refused("found none (no renderer)");
+    assert_refused("found none (no renderer)");
     fake_begin();
     the_fake.no_compile = true;
-    refused("cannot run the window's program");
+    assert_refused("cannot run the window's program");
 }
 
-static void the_newest_context_is_taken(void **state)
+static void newest_context_is_requested(void **state)
 {
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     assert_int_equal(10 * the_fake.requested_major + the_fake.requested_minor, 44);
     assert_int_equal(the_fake.requested_robustness, GLFW_LOSE_CONTEXT_ON_RESET);
     assert_string_equal(ost_window_info_get(w).version, "4.5 of a test");
     assert_string_equal(the_fake.title, "a title");
-    closed(w);
+    close_window(w);
     the_fake.version = 33;
-    w = opened();
+    w = open_window();
     assert_int_equal(10 * the_fake.requested_major + the_fake.requested_minor, 33);
-    closed(w);
+    close_window(w);
 }
 
-static void a_reset_makes_a_new_context(void **state)
+static void reset_makes_new_context(void **state)
 {
     ost_error err = {0};
     ost_window_event e;
@@ -107,7 +107,7 @@ static void a_reset_makes_a_new_context(void **state)
         the_fake.version = round ? 33 : 45;
         the_fake.khr = round == 1;
         the_fake.arb = round == 2;
-        ost_window *w = opened();
+        ost_window *w = open_window();
         assert_true(ost_window_info_get(w).robust);
         ost_window_title(w, "another title");
         fake_place(70, 80);
@@ -138,35 +138,35 @@ static void a_reset_makes_a_new_context(void **state)
                                      true, &err));
         assert_int_equal(ost_window_info_get(w).resets, 2);
         assert_ok(present(w, &err));
-        closed(w);
+        close_window(w);
     }
     /* The driver never reports a reset. */
     fake_begin();
     the_fake.version = 33;
     the_fake.khr = false;
-    ost_window *w = opened();
+    ost_window *w = open_window();
     assert_false(ost_window_info_get(w).robust);
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
     assert_ok(present(w, &err));
-    closed(w);
+    close_window(w);
 }
 
-static void resets_without_end_end_it(void **state)
+static void repeated_resets_are_an_error(void **state)
 {
     ost_error err = {0};
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     the_fake.reset = GL_GUILTY_CONTEXT_RESET;
     the_fake.reset_stays = true;
     for (int i = 0; i < 3; i++)
         assert_ok(present(w, &err));
     assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "was reset 4 times within 10 s"));
-    closed(w);
+    close_window(w);
     /* Rare resets must not close the window. */
     fake_begin();
-    w = opened();
+    w = open_window();
     for (int i = 0; i < 20; i++) {
         the_fake.reset = GL_INNOCENT_CONTEXT_RESET;
         the_fake.clock_ns += INT64_C(4000000000);
@@ -195,7 +195,7 @@ static void resets_without_end_end_it(void **state)
     ost_window_title(w, "nothing");
     ost_window_full_screen(w, true);
     assert_false(ost_window_is_full_screen(w));
-    closed(w);
+    close_window(w);
 }
 
 static void frames_of_any_size(void **state)
@@ -214,7 +214,7 @@ static void frames_of_any_size(void **state)
         double scale;
         fake_begin();
         the_fake.texture_side = sizes[i].side;
-        ost_window *w = opened();
+        ost_window *w = open_window();
         fake_size(sizes[i].frame[0], sizes[i].frame[1]);
         ost_window_size(w, &width, &height, &scale);
         assert_int_equal(width, sizes[i].picture[0]);
@@ -233,23 +233,23 @@ static void frames_of_any_size(void **state)
             assert_int_equal(the_fake.viewport[1], sizes[i].frame[1]);
             assert_int_equal(the_fake.swap_interval, 0);
         }
-        closed(w);
+        close_window(w);
     }
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     the_fake.no_texture_memory = true;
     assert_int_equal(present(w, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "out of memory for a picture of 8 x 8"));
-    closed(w);
+    close_window(w);
 }
 
 /* Tests that another module can draw with the window's context, but only if a graphics card executes OpenGL. */
-static void another_module_draws(void **state)
+static void drawing_by_another_module(void **state)
 {
     ost_error err = {0};
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     assert_true(ost_window_can_be_drawn(w, 640, 400));
     assert_false(ost_window_can_be_drawn(w, 641, 400));
     assert_false(ost_window_can_be_drawn(w, 640, 399));
@@ -276,15 +276,15 @@ static void another_module_draws(void **state)
     assert_int_equal(ost_window_show_drawn(w, false, &err), OST_ERR_UNAVAILABLE);
     assert_false(ost_window_can_be_drawn(w, 640, 400));
     assert_int_equal(ost_window_show_drawn(w, false, &err), OST_ERR_UNAVAILABLE);
-    closed(w);
+    close_window(w);
     fake_begin();
     the_fake.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
-    w = opened();
+    w = open_window();
     assert_false(ost_window_can_be_drawn(w, 640, 400));
-    closed(w);
+    close_window(w);
 }
 
-static void dense_displays(void **state)
+static void displays_with_high_pixel_density(void **state)
 {
     int width, height;
     double scale;
@@ -293,7 +293,7 @@ static void dense_displays(void **state)
     fake_begin();
     the_fake.scale = 2;
     the_fake.frame_of_window = 2;
-    ost_window *w = opened();
+    ost_window *w = open_window();
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 1280);
     assert_int_equal(height, 800);
@@ -311,17 +311,17 @@ static void dense_displays(void **state)
     fake_rescale(0); /* some systems report the scale 0 if they cannot determine it */
     ost_window_size(w, &width, &height, &scale);
     assert_true(scale == 1);
-    closed(w);
+    close_window(w);
 }
 
-static void nobody_draws_for_nobody(void **state)
+static void invisible_window_has_no_size(void **state)
 {
     int width, height;
     double scale;
     ost_error err = {0};
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     fake_minimise(true);
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 0);
@@ -350,7 +350,7 @@ static void nobody_draws_for_nobody(void **state)
     fake_damage();
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
-    closed(w);
+    close_window(w);
 }
 
 static void full_screen_and_back(void **state)
@@ -359,7 +359,7 @@ static void full_screen_and_back(void **state)
     double scale;
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     fake_place(1800, 50); /* most of the window is on the second screen, so this screen must become the full screen */
     ost_window_full_screen(w, true);
     assert_true(ost_window_is_full_screen(w));
@@ -388,15 +388,15 @@ static void full_screen_and_back(void **state)
     the_fake.no_monitor = true;
     ost_window_full_screen(w, true);
     assert_false(ost_window_is_full_screen(w));
-    closed(w);
+    close_window(w);
 }
 
-static void nothing_stays_down(void **state)
+static void lost_key_releases_are_reported(void **state)
 {
     ost_window_event e;
     (void)state;
     fake_begin();
-    ost_window *w = opened();
+    ost_window *w = open_window();
     fake_key(GLFW_KEY_W, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
@@ -433,17 +433,22 @@ static void nothing_stays_down(void **state)
     ost_error err = {0};
     assert_true(ost_window_closing(w));
     assert_ok(ost_window_check(w, &err));
-    closed(w);
+    close_window(w);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_missing_is_said),     cmocka_unit_test(the_newest_context_is_taken),
-        cmocka_unit_test(a_reset_makes_a_new_context), cmocka_unit_test(resets_without_end_end_it),
-        cmocka_unit_test(frames_of_any_size),          cmocka_unit_test(another_module_draws),
-        cmocka_unit_test(dense_displays),              cmocka_unit_test(nobody_draws_for_nobody),
-        cmocka_unit_test(full_screen_and_back),        cmocka_unit_test(nothing_stays_down),
+        cmocka_unit_test(missing_features_are_reported),
+        cmocka_unit_test(newest_context_is_requested),
+        cmocka_unit_test(reset_makes_new_context),
+        cmocka_unit_test(repeated_resets_are_an_error),
+        cmocka_unit_test(frames_of_any_size),
+        cmocka_unit_test(drawing_by_another_module),
+        cmocka_unit_test(displays_with_high_pixel_density),
+        cmocka_unit_test(invisible_window_has_no_size),
+        cmocka_unit_test(full_screen_and_back),
+        cmocka_unit_test(lost_key_releases_are_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,7 +7,7 @@
  */
 #include "validation/dense/difference.h"
 
-static void equals_the_reference(void **state)
+static void dense_equals_reference(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("dense against ref");
@@ -64,7 +64,7 @@ static void equals_the_reference(void **state)
  * Tests invalid samples: positions off the lattice, outside the grid and beyond all valid
  * lengths; conflicting densities; and line numbers out of order.
  */
-static void reports_what_is_wrong_with_samples(void **state)
+static void invalid_samples_are_reported(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("bad samples");
@@ -115,7 +115,7 @@ static void reports_what_is_wrong_with_samples(void **state)
  * A bone that is uploaded slice by slice, in any order, must equal a bone that is uploaded in one call.
  * Downloaded slices must equal the uploaded slices.
  */
-static void slices_are_the_whole(void **state)
+static void slices_equal_complete_grid(void **state)
 {
     (void)state;
     test_rng rng = rng_seeded("slices");
@@ -153,9 +153,9 @@ static void slices_are_the_whole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_the_reference),
-        cmocka_unit_test(reports_what_is_wrong_with_samples),
-        cmocka_unit_test(slices_are_the_whole),
+        cmocka_unit_test(dense_equals_reference),
+        cmocka_unit_test(invalid_samples_are_reported),
+        cmocka_unit_test(slices_equal_complete_grid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,7 +40,7 @@ typedef struct tally {
     int harmless; /* scenes in which the mistake was made wherever possible and nothing differed */
 } tally;
 
-static void check_place(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
+static void check_position(deviation_kind kind, const deviation_record *r, const difference *f, uint64_t seed)
 {
     const deviation_about *about = deviation_describe(kind);
     const deviation_position *p = &r->first_changed, *q = &r->first_acted;
@@ -77,7 +77,7 @@ static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_ba
                  (unsigned long long)seed, how.one_in, (unsigned long long)r.changed, f.any ? "differ" : "are equal");
     if (f.any) {
         assert_true(r.acted > 0);
-        check_place(kind, &r, &f, seed);
+        check_position(kind, &r, &f, seed);
         t->changed++;
     } else if (r.acted > 0) {
         if (never_survives(kind))
@@ -94,7 +94,7 @@ static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_ba
     ost_backend_close(dense);
 }
 
-static void every_kind_shows_where_it_says(void **state)
+static void difference_is_at_recorded_position(void **state)
 {
     (void)state;
     const char *lengthy = getenv("OST_TEST_LONG"), *only = getenv("OST_TEST_DEVIATION");
@@ -121,7 +121,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(table_is_complete),
-        cmocka_unit_test(every_kind_shows_where_it_says),
+        cmocka_unit_test(difference_is_at_recorded_position),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

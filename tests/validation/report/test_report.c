@@ -26,7 +26,7 @@
 enum { PATH = 512 };
 static char scratch[64];
 
-static ost_status into_bundle(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+static ost_status put_file(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     return bundle_put(user, name, bytes, size, err);
 }
@@ -133,7 +133,7 @@ static void put_difference(bundle *b)
     plan p = {.count = 1, .cases = &c};
     subject_list list = {.count = 2, .subjects = subjects};
     campaign run = {.plan = &p, .subjects = &list, .results = results, .ranges = &range};
-    picture_keeper keeper = {.sink = into_bundle, .user = b};
+    picture_keeper keeper = {.sink = put_file, .user = b};
     snprintf(one, sizeof one, "%s/one", scratch);
     snprintf(two, sizeof two, "%s/two", scratch);
     write_trace(one, false);
@@ -161,7 +161,7 @@ static void make_bundle(const char *out, const kind *k)
     ost_digest digest;
     json_t *protocol = protocol_of(k), *cases = cases_of(k);
     assert_ok(bundle_begin(out, &b, &err));
-    assert_ok(evidence_write(protocol, cases, into_bundle, b, &err));
+    assert_ok(evidence_write(protocol, cases, put_file, b, &err));
     assert_ok(bundle_read(bundle_folder(b), EVIDENCE_PROTOCOL, &bytes, &size, &err));
     assert_ok(ost_digest_bytes(bytes, size, &digest, &err));
     free(bytes);
@@ -187,7 +187,7 @@ static void make_bundle(const char *out, const kind *k)
                       "\"localized\":2,\"survived\":0}]}\n");
         put_difference(b);
     }
-    assert_ok(report_write(bundle_folder(b), protocol, cases, into_bundle, b, &err));
+    assert_ok(report_write(bundle_folder(b), protocol, cases, put_file, b, &err));
     assert_ok(bundle_end(b, &err));
     json_decref(protocol);
     json_decref(cases);
@@ -204,7 +204,7 @@ static char *page_of(const char *folder)
 }
 
 static int about_page;
-static void remember(void *user, bundle_problem_kind what, const char *file, const char *problem)
+static void append_problem(void *user, bundle_problem_kind what, const char *file, const char *problem)
 {
     (void)what;
     char *all = user;
@@ -226,7 +226,7 @@ static int problems_of(const char *folder, char all[4096])
     int found;
     all[0] = '\0';
     about_page = 0;
-    assert_ok(check_bundle(folder, remember, all, &found, &summary, &err));
+    assert_ok(check_bundle(folder, append_problem, all, &found, &summary, &err));
     json_decref(summary);
     return about_page;
 }
@@ -278,7 +278,7 @@ static void without_time(char *html)
         memset(at + strlen(row), '0', strlen("2026-11-22 22:05:06"));
 }
 
-static void follows_from_the_bundle(void **state)
+static void page_follows_from_bundle(void **state)
 {
     const kind *kinds[] = {&equal_kind, &reduced, &differing, &hostile};
     char all[4096];
@@ -300,7 +300,7 @@ static void follows_from_the_bundle(void **state)
     }
 }
 
-static void says_the_verdict_first(void **state)
+static void verdict_is_first(void **state)
 {
     const struct {
         const kind *kind;
@@ -329,7 +329,7 @@ static void says_the_verdict_first(void **state)
 }
 
 /* Text from the bundle must be escaped, so that the page contains no HTML element or attribute from this text. */
-static void escapes_what_it_is_given(void **state)
+static void input_is_escaped(void **state)
 {
     static const char *const bad[] = {"<script", "<img src=x", "onerror=\"", "alert('x')", "\x01", "<b>x"};
     (void)state;
@@ -343,7 +343,7 @@ static void escapes_what_it_is_given(void **state)
     free(html);
 }
 
-static void links_lead_somewhere(void **state)
+static void links_have_targets(void **state)
 {
     const kind *kinds[] = {&equal_kind, &differing, &hostile};
     (void)state;
@@ -374,7 +374,7 @@ static void links_lead_somewhere(void **state)
     }
 }
 
-static void shows_a_difference(void **state)
+static void page_shows_difference(void **state)
 {
     static const char *const expected[] = {"tick 12", "the first at (33, 2, 65), chunk (1, 0, 2)",
                                            "<b>700</b>, the reference has <b>-5</b>"};
@@ -396,7 +396,7 @@ static void shows_a_difference(void **state)
 
 /* The page must show the sums per stage, a separate list of the mistakes that were not detected, and every kind in a
    collapsed section. */
-static void sums_up_mistakes(void **state)
+static void mistakes_are_summed_per_stage(void **state)
 {
     (void)state;
     make_bundle(path_in("mistakes"), &differing);
@@ -414,7 +414,7 @@ static void sums_up_mistakes(void **state)
     free(html);
 }
 
-static void counts_read_well(void **state)
+static void counts_are_formatted(void **state)
 {
     ost_memory_stream made;
     FILE *to = ost_memory_stream_open(&made);
@@ -431,9 +431,9 @@ static void counts_read_well(void **state)
     free(made.bytes);
 }
 
-static void a_changed_byte_is_noticed(void **state)
+static void changed_byte_is_detected(void **state)
 {
-    test_rng rng = rng_seeded("a_changed_byte_is_noticed");
+    test_rng rng = rng_seeded("changed_byte_is_detected");
     static const char picture[] = "pictures/session-1-backend-1-difference.png";
     char all[4096], folder[PATH];
     struct stat info;
@@ -468,7 +468,7 @@ static ost_status count_pictures(void *user, const char *name, const void *bytes
     return OST_OK;
 }
 
-static void shards_bring_their_pictures(void **state)
+static void pictures_of_shards_are_collected(void **state)
 {
     ost_error err = {0};
     int count = 0;
@@ -494,7 +494,7 @@ typedef struct written {
  * Receives a file of a bundle in which nothing was compared. README.md and the page must not contain the word EQUAL.
  * Stores the texts of junit.xml and results.tap.
  */
-static ost_status says_nothing_equal(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
+static ost_status receive_file(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
 {
     written *w = user;
     (void)err;
@@ -519,16 +519,16 @@ static void write_all(const json_t *protocol, const json_t *cases, written *w)
         assert_false(json_is_true(json_object_get(summary, "evidence")));
     }
     json_decref(summary);
-    assert_ok(evidence_write(protocol, cases, says_nothing_equal, w, &err));
-    assert_ok(junit_write(protocol, cases, NULL, NULL, says_nothing_equal, w, &err));
-    assert_ok(report_write(NULL, protocol, cases, says_nothing_equal, w, &err));
+    assert_ok(evidence_write(protocol, cases, receive_file, w, &err));
+    assert_ok(junit_write(protocol, cases, NULL, NULL, receive_file, w, &err));
+    assert_ok(report_write(NULL, protocol, cases, receive_file, w, &err));
 }
 
 /*
  * If all cases were refused, if only the reference ran, or if no backend was available, nothing
  * may be reported as equal.
  */
-static void nothing_compared(void **state)
+static void nothing_compared_is_not_equal(void **state)
 {
     enum { REFUSED, ALONE, NOT_RUN, WAYS };
     (void)state;
@@ -564,7 +564,7 @@ static void nothing_compared(void **state)
 }
 
 /* If one of two cases was refused, the other case counts, and the refused case must not be reported as a success. */
-static void one_refused(void **state)
+static void refused_case_is_no_success(void **state)
 {
     ost_error err = {0};
     json_t *summary, *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
@@ -628,17 +628,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(licences_of_packages_are_spdx),
-        cmocka_unit_test(follows_from_the_bundle),
-        cmocka_unit_test(says_the_verdict_first),
-        cmocka_unit_test(escapes_what_it_is_given),
-        cmocka_unit_test(links_lead_somewhere),
-        cmocka_unit_test(shows_a_difference),
-        cmocka_unit_test(sums_up_mistakes),
-        cmocka_unit_test(counts_read_well),
-        cmocka_unit_test(a_changed_byte_is_noticed),
-        cmocka_unit_test(shards_bring_their_pictures),
-        cmocka_unit_test(nothing_compared),
-        cmocka_unit_test(one_refused),
+        cmocka_unit_test(page_follows_from_bundle),
+        cmocka_unit_test(verdict_is_first),
+        cmocka_unit_test(input_is_escaped),
+        cmocka_unit_test(links_have_targets),
+        cmocka_unit_test(page_shows_difference),
+        cmocka_unit_test(mistakes_are_summed_per_stage),
+        cmocka_unit_test(counts_are_formatted),
+        cmocka_unit_test(changed_byte_is_detected),
+        cmocka_unit_test(pictures_of_shards_are_collected),
+        cmocka_unit_test(nothing_compared_is_not_equal),
+        cmocka_unit_test(refused_case_is_no_success),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
 }
