@@ -39,7 +39,8 @@ int main(int argc, char **argv)
     json_t *root = json_loadf(stdin, JSON_REJECT_DUPLICATES, &error);
     int status = 0;
     if (!json_is_object(root)) {
-        fprintf(stderr, "json_get: not one JSON object: %s\n", root ? "another kind" : error.text);
+        fprintf(stderr, "json_get: standard input is not a single JSON object: %s\n",
+                root ? "the value has another type" : error.text);
         return 1;
     }
     for (int i = 1; i < argc; i++) {
@@ -51,7 +52,7 @@ int main(int argc, char **argv)
         if (at) {
             print_value(at);
         } else {
-            fprintf(stderr, "json_get: there is no %s\n", argv[i]);
+            fprintf(stderr, "json_get: the path %s does not exist\n", argv[i]);
             status = 1;
         }
     }

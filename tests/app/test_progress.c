@@ -110,7 +110,7 @@ static void test_on_a_terminal(void **state)
     const bool seen = read_until(&c, "generating +[0-9]+ %, [0-9]+ s left", LIMIT_MS);
     const bool running = stop(&c);
     if (!seen)
-        fail_msg("no progress line in: %.300s", c.text);
+        fail_msg("no progress line on standard error, which contains: %.300s", c.text);
     assert_true(running);
 }
 

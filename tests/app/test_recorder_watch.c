@@ -14,7 +14,7 @@ typedef struct moment {
     double ms;
     uint64_t put, written, lost;
     bool failing;
-    const char *says; /* expected message; NULL if there must be none */
+    const char *expected; /* expected message; NULL if there must be none */
 } moment;
 
 static void assert_messages(const moment *moments, size_t count)
@@ -26,12 +26,12 @@ static void assert_messages(const moment *moments, size_t count)
         const ost_recorder_state state = {
             .put = m->put, .written = m->written, .lost = m->lost, .failing = m->failing, .reason = "the disk is full"};
         const char *line = recorder_watch_update(&watch, "a.session", &state, CAPACITY, m->ms, text);
-        if (!m->says)
+        if (!m->expected)
             assert_null(line);
         else {
             assert_non_null(line);
-            if (!strstr(line, m->says))
-                fail_msg("moment %zu says '%s', not '%s'", i, line, m->says);
+            if (!strstr(line, m->expected))
+                fail_msg("moment %zu: the message is '%s', expected '%s'", i, line, m->expected);
         }
     }
 }

@@ -95,8 +95,8 @@ static void check_layout(int width, int height, double scale, const sim_hud_fact
                 for (int i = 0; box_of(&l, i) && !in; i++)
                     in = box_of(&l, i)->width && within(box_of(&l, i), x, y);
                 if (!in)
-                    fail_msg("%d x %d at %g: something is written at %d, %d, out of every panel", width, height, scale,
-                             x, y);
+                    fail_msg("%d x %d at scale %g: pixel %d, %d is drawn but is outside of all panels", width, height,
+                             scale, x, y);
             }
         sim_hud_draw_message(hud, &sheet, "builtin:scapula: a moment");
         free(pixels);
@@ -133,7 +133,8 @@ static void common_sizes_show_all_panels(void **state)
         sim_hud_layout l = sim_hud_arrange(hud, usual[i].width, usual[i].height, &f);
         for (int b = 0; box_of(&l, b); b++)
             if (box_of(&l, b) != &l.help && !box_of(&l, b)->width && b < 5)
-                fail_msg("%d x %d at %g: panel %d has no room", usual[i].width, usual[i].height, usual[i].scale, b);
+                fail_msg("%d x %d at scale %g: panel %d is not shown", usual[i].width, usual[i].height, usual[i].scale,
+                         b);
         f.help = true;
         l = sim_hud_arrange(hud, usual[i].width, usual[i].height, &f);
         assert_true(l.help.width > 0);

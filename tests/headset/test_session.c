@@ -337,11 +337,11 @@ int main(void)
         cmocka_unit_test_setup(each_failure_causes_one_error, reset),
     };
     if (getenv("OST_UNDER_VALGRIND")) {
-        printf("# skipped: valgrind does not know the code of a driver for OpenGL\n");
+        printf("# skipped: valgrind cannot check the code of an OpenGL driver\n");
         return 77;
     }
     if (!find_runtime()) {
-        printf("# skipped: there is no .libs/fake_openxr.so\n");
+        printf("# skipped: .libs/fake_openxr.so, the runtime for tests, cannot be opened\n");
         return 77;
     }
     return cmocka_run_group_tests(tests, begin, end);

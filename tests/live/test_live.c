@@ -100,8 +100,8 @@ static void occupancy_equals_active_voxels(void **state)
                 const bool inside = x < g.dims.x && y < g.dims.y && z < g.dims.z;
                 const bool active = inside && voxels[x + (size_t)g.dims.x * (size_t)(y + g.dims.y * z)] >= 120;
                 if ((words[(size_t)i * size + (size_t)v / 32] >> (v % 32) & 1) != active)
-                    fail_msg("chunks of %d: voxel (%d, %d, %d) should be %s", n, (int)x, (int)y, (int)z,
-                             active ? "active" : "void");
+                    fail_msg("chunks of %d voxels per side: voxel (%d, %d, %d) is %s in the occupancy", n, (int)x,
+                             (int)y, (int)z, active ? "not active" : "active");
             }
         chunks[0] = (int32_t)info.chunks;
         assert_int_equal(ost_bone_occupancy(bone, 1, chunks, words, &err), OST_ERR_USAGE);
@@ -209,8 +209,9 @@ static void viewer_surface_equals_bone(void **state)
         assert_int_equal(l.ticks, rounds);
         surface_of_bone(bone, &g, &expected);
         assert_same_surface(&seen, &expected);
-        print_message("# chunks of %d: %llu takes beside %d removals, %llu surface voxels\n", n,
-                      (unsigned long long)l.takes, rounds, (unsigned long long)expected.points);
+        print_message("# chunks of %d voxels per side: %llu calls of ost_live_take during %d removals, %llu surface "
+                      "voxels\n",
+                      n, (unsigned long long)l.takes, rounds, (unsigned long long)expected.points);
         ost_surface_free(&expected);
         ost_surface_free(&seen);
         ost_live_free(l.live);
@@ -232,7 +233,7 @@ static ost_status set_limited_chunks(void *user, const int32_t at[3], const uint
 {
     limited *l = user;
     if (l->left-- == 0)
-        return ost_fail(err, OST_ERR_MEMORY, "that is enough");
+        return ost_fail(err, OST_ERR_MEMORY, "the limit of chunks is reached");
     return ost_surface_set_chunk(l->surface, at, 32, words, err);
 }
 

@@ -115,7 +115,7 @@ static ost_metrics measure(const cuts *c, ost_status expected)
 
 #define NEAR(value, expected, bound)                                                              \
     do {                                                                                          \
-        print_message("%-24s %9.3f, %9.3f expected\n", #value, (double)(value), (double)(expected)); \
+        print_message("%-24s %9.3f, expected %9.3f\n", #value, (double)(value), (double)(expected)); \
         assert_true(fabs((double)(value) - (expected)) <= (bound));                               \
     } while (0)
 

@@ -75,7 +75,8 @@ static void test_core_1(void **state)
     assert_int_equal(c.active, 250);
     double share = (double)c.active_voxels / (double)ost_dims_count(v.geometry.dims), bone = mean_run(&v, true),
            space = mean_run(&v, false);
-    print_message("# core 1: %.1f %% bone, runs of %.3f mm in bone and %.3f mm between\n", 100 * share, bone, space);
+    print_message("# core 1: %.1f %% bone, mean runs of %.3f mm in bone and %.3f mm in spaces\n", 100 * share, bone,
+                  space);
     assert_true(share > 0.11 && share < 0.45);
     assert_true(bone > 0.2 && bone < 0.5);
     assert_true(space > 0.6 && space < 1.5);

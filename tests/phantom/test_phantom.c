@@ -232,8 +232,9 @@ static void test_selected_segments_give_exact_distance(void **state)
             }
         }
     }
-    print_message("# %d of 10000 balls do not need all segments; the bar leaves %d of 100000 points unchanged\n", fewer,
-                  unchanged);
+    print_message("# %d of 10000 balls need only some of the segments; at %d of 100000 points the bar does not change "
+                  "the distance\n",
+                  fewer, unchanged);
     assert_true(fewer > 2000 && unchanged > 2000 && unchanged < 98000);
 }
 

@@ -48,7 +48,7 @@ static void test_tables_3_1_and_3_2(void **state)
     assert_grid(&scapula, 256, 234, 201);
     assert_grid(&glenoid, 49, 81, 41);
     chunk_count s = count_chunks(&scapula), g = count_chunks(&glenoid);
-    print_message("# scapula: %lld of %lld chunks active, %lld active voxels; glenoid: %lld of %lld\n",
+    print_message("# scapula: %lld of %lld chunks active, %lld active voxels; glenoid: %lld of %lld chunks\n",
                   (long long)s.active, (long long)s.all, (long long)s.active_voxels, (long long)g.active,
                   (long long)g.all);
     assert_int_equal(s.all, 896);
@@ -135,8 +135,8 @@ static void test_densities(void **state)
     assert_in_range(lowest + 1024, 0, 400); /* the lowest density is that of air in the lung */
     assert_in_range(highest, 1200, 2000);
     int64_t active = count - in_class[0];
-    print_message("# of %lld active voxels %lld cartilage, %lld spongy, %lld compact\n", (long long)active,
-                  (long long)in_class[1], (long long)in_class[2], (long long)in_class[3]);
+    print_message("# %lld active voxels: %lld of cartilage, %lld of spongy bone, %lld of compact bone\n",
+                  (long long)active, (long long)in_class[1], (long long)in_class[2], (long long)in_class[3]);
     assert_true(in_class[1] > 5000);
     assert_true(in_class[2] > active / 5);
     assert_true(in_class[3] > active / 5);
@@ -162,7 +162,7 @@ static void test_denser_posteriorly(void **state)
                     p[a] = at[a] + t * axis[a] + s * back[a];
                 mean[side] += density_at(&scapula, p) / 256;
             }
-    print_message("# spongy bone behind %.0f HU, before %.0f HU\n", mean[0], mean[1]);
+    print_message("# mean density of spongy bone: posterior %.0f HU, anterior %.0f HU\n", mean[0], mean[1]);
     assert_true(mean[0] > mean[1] + 15);
 }
 

@@ -145,7 +145,7 @@ static void assert_smooth(const picture *p, const uint32_t *got)
     for (int y = 0; y < p->height; y++)
         for (int x = 0; x < p->width; x++)
             if ((got[y * STRIDE + x] & 0xffffff) != expected(p, x, y))
-                fail_msg("%d x %d, pixel (%d, %d): %06x, expected %06x", p->width, p->height, x, y,
+                fail_msg("picture of %d x %d, pixel (%d, %d): colour %06x, expected %06x", p->width, p->height, x, y,
                          (unsigned)got[y * STRIDE + x], (unsigned)expected(p, x, y));
 }
 

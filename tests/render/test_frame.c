@@ -274,7 +274,8 @@ static void partial_frames_equal_complete_frames(void **state)
         }
         ost_volume_free(&bone);
     }
-    printf("# %d frames, %d of them in part: %zu cells each\n", d.frames, d.parts, d.cells / (size_t)d.parts);
+    printf("# %d frames, %d of them drawn only in part, with a mean of %zu cells\n", d.frames, d.parts,
+           d.cells / (size_t)d.parts);
     assert_true(2 * d.parts > d.frames && d.smooth > 1000);
 }
 

@@ -39,8 +39,8 @@ static void check(const char *name, const ost_gl_variant *variant, const ost_fra
         covered += ours.planes.face[i] != OST_NO_FACE;
     const double share = 30.0 * width * height / (1280 * 720);
     const int most = share > 5 ? (int)share : 5;
-    printf("# %-36s %dx%d, %7zu covered: %d pixels differ (face %d, depth %d; %d may)%s\n", name, width, height,
-           covered, d.colour, d.face, d.depth, most, ost_gl_counts_get(gl).bricks ? ", bricks" : "");
+    printf("# %-36s %dx%d, %7zu pixels covered: %d pixels differ (face %d, depth %d; %d are allowed)%s\n", name, width,
+           height, covered, d.colour, d.face, d.depth, most, ost_gl_counts_get(gl).bricks ? ", bricks" : "");
     assert_in_range(d.colour, 0, most);
     if (variant->target != OST_GL_FORWARD)
         assert_in_range(d.depth, 0, most);
@@ -370,8 +370,8 @@ static void test_occlusion(void **state)
         assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
         assert_ok(ost_surface_update(&s, &err));
         after = same_without(names[i], &list[i], &thing, 1);
-        printf("# %-36s %d cells hidden as the eye goes around, %d behind the wall, %d when it opens\n", names[i],
-               hidden, before, after);
+        printf("# %-36s cells hidden: %d while the camera moves, %d before and %d after the window is opened\n",
+               names[i], hidden, before, after);
         assert_in_range(hidden, 2000, STEPS * CELLS);
         assert_in_range(before, 1000, CELLS);
         assert_in_range(after, 1, before - 1);
@@ -389,7 +389,7 @@ static int begin(void **state)
     ost_error err = {0};
     const ost_gl_options options = {.debug = true, .version = version};
     if (getenv("OST_UNDER_VALGRIND"))
-        snprintf(reason, sizeof reason, "valgrind does not know a driver's own code");
+        snprintf(reason, sizeof reason, "valgrind cannot check the code of an OpenGL driver");
     else if (ost_gl_open(&options, &gl, &err) != OST_OK)
         memcpy(reason, err.text, sizeof reason);
     if (gl) {

@@ -184,8 +184,8 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
                    (double)mesh.planes.depth[i]);
     }
     const difference d = compare(&gl_points, &mesh);
-    printf("# %-24s %6d covered, %6d faces, %2u chunks meshed: %d pixels differ, %d at narrow faces, %d unexplained; "
-           "%d from OpenGL's points\n",
+    printf("# %-24s %6d pixels covered, %6d faces, %2u chunks meshed: %d pixels differ from the processor's points, %d "
+           "at narrow faces, %d unexplained; %d pixels differ from OpenGL's points\n",
            name, covered, (int)did.quads, (unsigned)did.meshed, differ, narrow, left, d.colour);
     assert_true(covered > 500);
     assert_int_equal(left, 0);
@@ -460,7 +460,7 @@ static int begin(void **state)
         return 1;
     }
     if (getenv("OST_UNDER_VALGRIND"))
-        snprintf(reason, sizeof reason, "valgrind does not know a driver's own code");
+        snprintf(reason, sizeof reason, "valgrind cannot check the code of an OpenGL driver");
     else if (ost_gl_open(&options, &gl, &err) != OST_OK)
         memcpy(reason, err.text, sizeof reason);
     if (gl)

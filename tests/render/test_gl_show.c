@@ -307,7 +307,7 @@ static int begin(void **state)
     ost_error err = {0};
     const ost_gl_options options = {.debug = true};
     if (getenv("OST_UNDER_VALGRIND"))
-        snprintf(reason, sizeof reason, "valgrind does not know a driver's own code");
+        snprintf(reason, sizeof reason, "valgrind cannot check the code of an OpenGL driver");
     else if (ost_gl_open(&options, &gl, &err) != OST_OK)
         memcpy(reason, err.text, sizeof reason);
     return 0;

@@ -333,8 +333,9 @@ static void pixels_show_nearest_triangle(void **state)
                     shown |= fabs(depth - found[i].depth) <= found[i].slack &&
                              found[i].depth - found[i].slack <= nearest;
                 if (drawn != (candidates > 0) || (drawn && !shown))
-                    fail_msg("round %d, pixel (%d, %d): depth %g, expected at most %g of %d triangles", round, x, y,
-                             drawn ? depth : 0.0, nearest, candidates);
+                    fail_msg("round %d, pixel (%d, %d): depth %g (0 if nothing is drawn), expected at most %g; the ray "
+                             "meets %d triangles",
+                             round, x, y, drawn ? depth : 0.0, nearest, candidates);
                 assert_true(!drawn || ost_cells_has(&p->over, x, y));
                 compared++;
                 covered += drawn;

@@ -346,7 +346,8 @@ static void check_method(const method *m, const methods_scene *scene, const meth
                                   ? method_beyond_floats(&demanded, &set, &scene->event)
                                   : differences(scene, &set, expected);
         if (wrong)
-            fail_msg("%s: %lld voxels differ in round %d", m->info.name, (long long)wrong, round);
+            fail_msg("%s: %lld voxels differ from the expected set in round %d", m->info.name, (long long)wrong,
+                     round);
         method_set_free(&set);
     }
     method_set_free(&demanded);
@@ -527,7 +528,7 @@ static void check_rows(const methods_table *table)
         if (row->reason[0])
             fail_msg("%s: %s", row->method->name, row->reason);
         if (!row->exact)
-            fail_msg("%s: the set is not the one that the definition demands", row->method->name);
+            fail_msg("%s: the removed set differs from the set that the definition requires", row->method->name);
         assert_true(row->fresh.count == 1 && row->fresh.median > 0 && row->steady.count == 1);
         assert_int_equal(row->expected - row->missed, row->removed - row->extra);
     }

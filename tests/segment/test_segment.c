@@ -283,7 +283,7 @@ static void options_out_of_range(void **state)
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         assert_int_equal(ost_segment_volume(&ct, &rows[i].options, &labels, &segments, &count, &err), OST_ERR_RANGE);
         if (!strstr(err.text, rows[i].text))
-            fail_msg("'%s' does not contain '%s'", err.text, rows[i].text);
+            fail_msg("the error '%s' does not contain '%s'", err.text, rows[i].text);
         assert_null(labels.voxels);
     }
     ost_volume_free(&ct);

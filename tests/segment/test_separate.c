@@ -296,7 +296,7 @@ static void pieces_equal_the_oracle(void **state)
         ost_volume_free(&whole);
         ost_volume_free(&ct);
     }
-    printf("# %zu divided, %zu with holes\n", divided, with_holes);
+    printf("# %zu volumes were divided, %zu pieces had holes\n", divided, with_holes);
     /* About twelve of 2,500 draws give a piece with holes. If there were none, holes would not be tested. */
     assert_true(divided > 150 && with_holes > 4);
 }

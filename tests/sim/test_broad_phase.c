@@ -40,11 +40,12 @@ static ost_step_result step_both(twin *w, const ost_pose *pose)
         assert_ok(ost_world_step(w->world[i], &tick, &r[i], &err));
     if (r[0].report->total_voxels != r[1].report->total_voxels ||
         r[0].report->touched_voxels != r[1].report->touched_voxels)
-        fail_msg(
-            "t = (%lld, %lld, %lld), q = (%d, %d, %d, %d): %llu removed and %llu touched, by definition %llu and %llu",
-            (long long)pose->t.x, (long long)pose->t.y, (long long)pose->t.z, pose->qw, pose->qx, pose->qy, pose->qz,
-            (unsigned long long)r[0].report->total_voxels, (unsigned long long)r[0].report->touched_voxels,
-            (unsigned long long)r[1].report->total_voxels, (unsigned long long)r[1].report->touched_voxels);
+        fail_msg("t = (%lld, %lld, %lld), q = (%d, %d, %d, %d): with the broad phase %llu voxels removed and %llu "
+                 "touched, without it %llu and %llu",
+                 (long long)pose->t.x, (long long)pose->t.y, (long long)pose->t.z, pose->qw, pose->qx, pose->qy,
+                 pose->qz, (unsigned long long)r[0].report->total_voxels,
+                 (unsigned long long)r[0].report->touched_voxels, (unsigned long long)r[1].report->total_voxels,
+                 (unsigned long long)r[1].report->touched_voxels);
     assert_memory_equal(r[0].report->density, r[1].report->density, sizeof r[0].report->density);
     /* The reported range of chunks must contain all chunks that were hit. */
     int n = 32;
@@ -98,7 +99,7 @@ static void random_poses(void **state)
         ost_tool_free(tool);
         free(voxels);
     }
-    printf("# %d poses: boxes met at %d, voxels went at %d\n", steps, met, hit);
+    printf("# %d poses: the boxes met at %d of them, and voxels were removed at %d\n", steps, met, hit);
     assert_true(hit > steps / 40 && met < steps);
 }
 
@@ -189,7 +190,7 @@ static void corners_that_just_touch(void **state)
             outside += beyond > 2 && result.report->total_voxels == 1;
             free_twin(&w2);
         }
-    printf("# %d voxels went though their centres lie outside\n", outside);
+    printf("# %d voxels were removed although their centres lie outside the grid\n", outside);
     assert_true(outside > 10);
     ost_tool_free(tool);
     free(voxels);

@@ -266,7 +266,7 @@ static void glenoid_is_read_from_facts(void **state)
     assert_true(g.axis[0] == -1 && g.axis[1] == 0 && g.axis[2] == -0.25);
     assert_true(g.left);
     const struct {
-        const char *at, *axis, *side, *says;
+        const char *at, *axis, *side, *text;
         ost_status status;
     } cases[] = {
         {NULL, "1 0 0", "left", OST_META_GLENOID_AT, OST_ERR_USAGE},
@@ -285,7 +285,7 @@ static void glenoid_is_read_from_facts(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         meta = meta_of(cases[i].at, cases[i].axis, cases[i].side);
         assert_int_equal(ost_glenoid_from_meta(meta, &g, &err), cases[i].status);
-        assert_non_null(strstr(err.text, cases[i].says));
+        assert_non_null(strstr(err.text, cases[i].text));
         free(meta);
     }
 }

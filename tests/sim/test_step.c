@@ -324,7 +324,7 @@ static void failed_step_changes_nothing(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         ost_step_result r;
         if (ost_world_step(l.world, &cases[i].tick, &r, &err) != cases[i].status)
-            fail_msg("case %zu: %s", i, err.text);
+            fail_msg("case %zu: the status is not %s: %s", i, ost_status_name(cases[i].status), err.text);
         assert_true(strlen(err.text) > 10);
         assert_false(r.removal);
         assert_null(r.report);

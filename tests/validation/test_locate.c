@@ -58,7 +58,7 @@ static void assert_pattern(const pattern_view *v, pattern expected, const char *
     pattern_list list;
     ost_pattern_find(v, &list);
     if (list.of_all != expected)
-        fail_msg("%s: %s, not %s", what, ost_pattern_name(list.of_all), ost_pattern_name(expected));
+        fail_msg("%s: pattern %s, expected %s", what, ost_pattern_name(list.of_all), ost_pattern_name(expected));
     if (expected != PATTERN_UNCLASSIFIED)
         assert_true(list.holds[expected] && list.text[expected][0]);
 }
@@ -76,7 +76,7 @@ static void patterns_in_hand_made_grids(void **state)
 
     for (int i = 0; i < N * N * N; i++)
         p->b[i] = (int16_t)(uint16_t)((uint16_t)p->a[i] << 8 | (uint16_t)p->a[i] >> 8);
-    assert_pattern(&v, PATTERN_BYTE_ORDER, "bytes swapped");
+    assert_pattern(&v, PATTERN_BYTE_ORDER, "values with swapped bytes");
 
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
@@ -89,7 +89,7 @@ static void patterns_in_hand_made_grids(void **state)
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
-    assert_pattern(&v, PATTERN_SHIFT, "a layer off by one");
+    assert_pattern(&v, PATTERN_SHIFT, "layers shifted by one in a part of the grid");
 
     p = made();
     for (int z = 0; z < N; z++)
@@ -98,40 +98,40 @@ static void patterns_in_hand_made_grids(void **state)
                 const int64_t from = x + 48 * (y + (int64_t)N * z);
                 p->b[at(x, y, z)] = from < N * N * N ? p->a[from] : 0;
             }
-    assert_pattern(&v, PATTERN_ROW_PITCH, "rows of 48");
+    assert_pattern(&v, PATTERN_ROW_PITCH, "rows read with a pitch of 48 voxels");
 
     p = made();
     for (int i = at(0, 0, 12); i < at(0, 0, 14); i++)
         p->b[i] = (int16_t)(p->a[i] ? p->a[i] + 9 : 0);
-    assert_pattern(&v, PATTERN_OFFSET, "9 more");
+    assert_pattern(&v, PATTERN_OFFSET, "the values of two slices 9 greater");
 
     p = made();
     for (int i = 0; i < N * N * N; i++)
         p->b[i] = p->a[i] < 700 ? 0 : p->a[i];
-    assert_pattern(&v, PATTERN_THRESHOLD, "below 700 gone");
+    assert_pattern(&v, PATTERN_THRESHOLD, "values below 700 removed");
 
     p = made();
     for (int i = at(0, 0, 20); i < N * N * N; i++)
         p->b[i] = 0;
-    assert_pattern(&v, PATTERN_LOST_TAIL, "nothing from a slice on");
+    assert_pattern(&v, PATTERN_LOST_TAIL, "all slices from one slice on empty");
 
     p = made();
     for (int z = 0; z < 16; z++)
         for (int y = 0; y < 16; y++)
             memset(&p->b[at(16, y, z)], 0, 16 * sizeof p->b[0]);
-    assert_pattern(&v, PATTERN_LOST_CHUNK, "a chunk void");
+    assert_pattern(&v, PATTERN_LOST_CHUNK, "an empty chunk");
 
     p = made();
     p->b[at(10, 11, 12)] = 999;
     p->b[at(15, 15, 15)] = 1;
-    assert_pattern(&v, PATTERN_SPECKLE, "two voxels");
+    assert_pattern(&v, PATTERN_SPECKLE, "two single voxels differ");
 
     p = made();
     for (int y = 12; y < 19; y++)
         for (int x = 12; x < 19; x++)
             for (int z = 12; z < 19; z++)
                 p->b[at(x, y, z)] = (int16_t)(2000 + (x * 7 + y * 13 + z * 29) % 50);
-    assert_pattern(&v, PATTERN_UNCLASSIFIED, "garbage in a cube");
+    assert_pattern(&v, PATTERN_UNCLASSIFIED, "unrelated values in a cube");
 }
 
 /* Tests differences caused by an event. The array `in` is the bone before the event. */
@@ -150,21 +150,21 @@ static void patterns_of_events(void **state)
     for (int z = 16; z < 32; z++)
         for (int y = 0; y < 16; y++)
             memcpy(&p->b[at(0, y, z)], &p->in[at(0, y, z)], 16 * sizeof p->b[0]);
-    assert_pattern(&v, PATTERN_STALE_CHUNK, "a chunk as before");
+    assert_pattern(&v, PATTERN_STALE_CHUNK, "a chunk as it was before the event");
     v.reported_too = true;
-    assert_pattern(&v, PATTERN_LOST_CHUNK, "a chunk neither cut nor reported");
+    assert_pattern(&v, PATTERN_LOST_CHUNK, "a chunk that was neither cut nor reported");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 16; z < 32; z++)
         for (int y = 16; y < 32; y++)
             memcpy(&p->b[at(16, y, z)], &p->in[at(16, y, z)], 16 * sizeof p->b[0]);
-    assert_pattern(&v, PATTERN_LOST_TAIL, "the last chunk");
+    assert_pattern(&v, PATTERN_LOST_TAIL, "the last chunk as it was before the event");
 
     memcpy(p->b, p->a, sizeof p->b);
     for (int y = 9; y < 19; y++)
         p->b[at(19, y, 12)] = p->in[at(19, y, 12)];
-    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "the cut's border");
+    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "voxels at the border of the cut");
     p->b[at(12, 14, 14)] = p->in[at(12, 14, 14)]; /* a voxel inside the cut, away from the cut's border */
-    assert_pattern(&v, PATTERN_UNCLASSIFIED, "and a voxel within");
+    assert_pattern(&v, PATTERN_UNCLASSIFIED, "voxels at the border of the cut and a voxel inside the cut");
 }
 
 static void patterns_of_tools(void **state)
@@ -178,22 +178,22 @@ static void patterns_of_tools(void **state)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
         memset(&p->b[at(0, y, 15)], 0, N * sizeof p->b[0]);
-    assert_pattern(&v, PATTERN_COLUMN_PARITY, "rows void");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "empty rows");
     memcpy(p->b, p->a, sizeof p->b);
     for (int x = 20; x < N; x++)
         p->b[at(x, 15, 16)] = 1;
-    assert_pattern(&v, PATTERN_COLUMN_PARITY, "a row filled to its end");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "a row filled up to its end");
     memcpy(p->b, p->a, sizeof p->b);
     for (int y = 16; y < N; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] |= p->b[at(x, y - 1, 16)];
-    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows that are carried on");
+    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows carried into all following rows");
     for (int x = 0; x < N; x++) /* by the parity rule, a voxel that is solid in both rows becomes empty */
         p->b[at(x, 16, 16)] = (int16_t)(p->a[at(x, 16, 16)] ^ p->b[at(x, 15, 16)]);
     for (int y = 17; y < N; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 16)] = (int16_t)(p->a[at(x, y, 16)] ^ p->b[at(x, y - 1, 16)]);
-    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows that are carried on by parity");
+    assert_pattern(&v, PATTERN_CARRIED_ROWS, "rows carried into all following rows by parity");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
@@ -201,21 +201,21 @@ static void patterns_of_tools(void **state)
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }
-    assert_pattern(&v, PATTERN_TOOL_CLASS, "solid and not cutting");
+    assert_pattern(&v, PATTERN_TOOL_CLASS, "voxels whose class is not cutting instead of cutting");
     /* The ball contains a non-cutting part. Where a row of the ball is missing, this part is exposed. */
     for (int i = 0; i < N * N * N; i++)
         p->a[i] = p->b[i] = p->a[i] != 0;
     for (int y = 12; y < 14; y++)
         for (int x = 0; x < N; x++)
             p->b[at(x, y, 15)] = x >= 10 && x < 14 ? 2 : 0;
-    assert_pattern(&v, PATTERN_COLUMN_PARITY, "rows of one mesh void where another is");
+    assert_pattern(&v, PATTERN_COLUMN_PARITY, "empty rows of one mesh that expose another mesh");
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 1; x < N; x++)
                 if (p->a[at(x, y, z)] && !p->a[at(x - 1, y, z)])
                     p->b[at(x, y, z)] = 0;
-    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row");
+    assert_pattern(&v, PATTERN_BOUNDARY_LAYER, "the first voxel of every row missing");
 }
 
 /* --------------------------------------------------- known mistakes */
@@ -308,9 +308,9 @@ static void classes_of_deliberate_mistakes(void **state)
             const bool is = strcmp(class, expected) == 0;
             seen[r] += is || strstr(rows[r].or, class);
             if (!is && !strstr(rows[r].or, class))
-                fail_msg("%s in %s: %s (%s), not %s", name, c.id, class, f.text, expected);
+                fail_msg("mistake %s in case %s: class %s (%s), expected %s", name, c.id, class, f.text, expected);
             if (d.kind == COMPARE_VOXEL && d.stage != TRACE_FINAL && d.stage != TRACE_UPLOAD && !f.operands.count)
-                fail_msg("%s in %s: no operands at %s %u", name, c.id, trace_stage_name(d.stage), d.item);
+                fail_msg("mistake %s in case %s: no operands at %s %u", name, c.id, trace_stage_name(d.stage), d.item);
             for (int i = 0; i < f.operands.count; i++)
                 assert_true(f.operands.lines[i].name[0] && f.operands.lines[i].value[0]);
         }
@@ -319,7 +319,7 @@ static void classes_of_deliberate_mistakes(void **state)
     }
     for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++)
         if (!seen[r])
-            fail_msg("%s was never seen", deviation_describe(rows[r].kind)->name);
+            fail_msg("mistake %s changed no result in any case", deviation_describe(rows[r].kind)->name);
 }
 
 /* ------------------------------------------------------------- operands */

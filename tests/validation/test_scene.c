@@ -68,7 +68,8 @@ static void digests_of_families(void **state)
         char got[2 * sizeof(ost_digest) + 1];
         family_digest(rows[r].tier, rows[r].only, rows[r].most, got);
         if (strcmp(got, rows[r].digest) != 0) {
-            print_error("tier %s, %s: %s, not %s\n", plan_tier_name(rows[r].tier), rows[r].only, got, rows[r].digest);
+            print_error("tier %s, %s: digest %s, expected %s\n", plan_tier_name(rows[r].tier), rows[r].only, got,
+                        rows[r].digest);
             wrong++;
         }
     }
@@ -96,7 +97,7 @@ static void digests_of_small_scenes(void **state)
         for (size_t i = 0; i < 8; i++)
             snprintf(got + 2 * i, 3, "%02x", one.bytes[i]);
         if (strcmp(got, digests[number]) != 0) {
-            print_error("%s: %s, not %s\n", c.id, got, digests[number]);
+            print_error("%s: digest %s, expected %s\n", c.id, got, digests[number]);
             wrong++;
         }
         scene_free(&s);

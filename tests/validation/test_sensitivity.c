@@ -84,7 +84,7 @@ static void rare_kinds_are_triggered(void **state)
             changed += s.all.changed;
         }
         if (!changed)
-            fail_msg("%s changed nothing in %d scenes", deviation_describe(rare[k])->name, SCENES);
+            fail_msg("%s changed no result in %d scenes", deviation_describe(rare[k])->name, SCENES);
     }
 }
 
@@ -161,7 +161,8 @@ static void smoke_detects_error_at_exact_layers(void **state)
             ost_backend_close(other);
             scene_free(&s);
         }
-        print_message("# seed %llu: seen in %d of %d cases\n", (unsigned long long)seed, differ, p.count);
+        print_message("# seed %llu: the mistake was detected in %d of %d cases\n", (unsigned long long)seed, differ,
+                      p.count);
         assert_true(differ > 0);
         plan_free(&p);
     }

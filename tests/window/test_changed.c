@@ -50,7 +50,7 @@ static int64_t copied(const ost_window_picture *p, bool everything)
     for (int y = 0; y < p->height; y++)
         for (int x = 0; x < p->width; x++)
             if (screen[y * p->width + x] != shown(drawn[y * p->stride + x]))
-                fail_msg("%d x %d: pixel %d, %d is another", p->width, p->height, x, y);
+                fail_msg("%d x %d: pixel %d, %d of the screen differs from the picture", p->width, p->height, x, y);
     return area;
 }
 

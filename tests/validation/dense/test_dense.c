@@ -33,8 +33,9 @@ static void dense_equals_reference(void **state)
             } else {
                 const difference f = first_difference(s, a, b);
                 if (f.any)
-                    fail_msg("round %d, stage %s, call %d, voxel (%d, %d, %d)%s", round, deviation_stage_name(f.stage),
-                             (int)f.call, f.voxel[0], f.voxel[1], f.voxel[2], f.report ? ", report" : "");
+                    fail_msg("round %d: first difference from the reference in stage %s, call %d, voxel (%d, %d, %d)%s",
+                             round, deviation_stage_name(f.stage), (int)f.call, f.voxel[0], f.voxel[1], f.voxel[2],
+                             f.report ? ", report" : "");
                 for (int e = 0; e < EVENTS; e++) {
                     assert_same_report(&b->reports[e], &a->reports[e]);
                     hit += b->reports[e].total_voxels;

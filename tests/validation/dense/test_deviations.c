@@ -46,8 +46,8 @@ static void check_position(deviation_kind kind, const deviation_record *r, const
     const deviation_position *p = &r->first_changed, *q = &r->first_acted;
     if (p->stage != f->stage || p->call != f->call || p->leaf != f->leaf || p->chunk != f->chunk ||
         memcmp(p->voxel, f->voxel, sizeof p->voxel) != 0 || r->voxels != f->voxels || r->report != f->report)
-        fail_msg("%s, seed %llu: recorded %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s; "
-                 "found %s call %llu voxel (%d, %d, %d) leaf %lld chunk %lld%s%s",
+        fail_msg("%s, seed %llu: the record states stage %s, call %llu, voxel (%d, %d, %d), leaf %lld, chunk %lld%s%s; "
+                 "the first difference is in stage %s, call %llu, voxel (%d, %d, %d), leaf %lld, chunk %lld%s%s",
                  about->name, (unsigned long long)seed, deviation_stage_name(p->stage), (unsigned long long)p->call,
                  p->voxel[0], p->voxel[1], p->voxel[2], (long long)p->leaf, (long long)p->chunk,
                  r->voxels ? " voxels" : "", r->report ? " report" : "", deviation_stage_name(f->stage),
@@ -73,16 +73,17 @@ static void try_once(deviation_kind kind, uint64_t seed, bool everywhere, ost_ba
     const difference f = first_difference(s, a, b);
     const deviation_record r = dense_record(dense);
     if (f.any != (r.changed > 0))
-        fail_msg("%s, seed %llu, one in %u: the record says %llu changes, the grids %s", deviation_describe(kind)->name,
-                 (unsigned long long)seed, how.one_in, (unsigned long long)r.changed, f.any ? "differ" : "are equal");
+        fail_msg("%s, seed %llu, rate one in %u: the record states %llu changed results, but the results %s",
+                 deviation_describe(kind)->name, (unsigned long long)seed, how.one_in, (unsigned long long)r.changed,
+                 f.any ? "differ" : "are equal");
     if (f.any) {
         assert_true(r.acted > 0);
         check_position(kind, &r, &f, seed);
         t->changed++;
     } else if (r.acted > 0) {
         if (never_survives(kind))
-            fail_msg("%s, seed %llu, one in %u: acted and changed nothing", deviation_describe(kind)->name,
-                     (unsigned long long)seed, how.one_in);
+            fail_msg("%s, seed %llu, rate one in %u: the mistake was made but changed no result",
+                     deviation_describe(kind)->name, (unsigned long long)seed, how.one_in);
         t->survived++;
     } else {
         t->quiet++;
@@ -109,10 +110,11 @@ static void difference_is_at_recorded_position(void **state)
             continue;
         for (int round = 0; round < rounds || (t.changed == 0 && round < 1000); round++)
             try_once((deviation_kind)k, rng_next(&rng), round >= 8 && t.changed == 0, ref, &t);
-        print_message("# %-24s %3d changed, %3d survived, %3d not triggered; %3d without effect at one in 1\n",
+        print_message("# %-24s scenes: %3d with changed results, %3d without, %3d in which the mistake was not made; "
+                      "%3d without changed results although the mistake was made everywhere\n",
                       deviation_describe((deviation_kind)k)->name, t.changed, t.survived, t.quiet, t.harmless);
         if (t.changed == 0)
-            fail_msg("%s changed nothing in 1000 scenes", deviation_describe((deviation_kind)k)->name);
+            fail_msg("%s changed no result in 1000 scenes", deviation_describe((deviation_kind)k)->name);
     }
     ost_backend_close(ref);
 }

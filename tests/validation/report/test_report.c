@@ -304,7 +304,7 @@ static void verdict_is_first(void **state)
 {
     const struct {
         const kind *kind;
-        const char *says, *says_not;
+        const char *contains, *lacks;
     } expected[] = {{&equal_kind, " EQUAL</b>", "NOT EQUAL"},
                     {&reduced, "REDUCED RUN: NO EVIDENCE</b>", " EQUAL</b>"},
                     {&differing, "NOT EQUAL</b>", "&#10003;"}};
@@ -314,10 +314,10 @@ static void verdict_is_first(void **state)
         snprintf(name, sizeof name, "v%zu", i);
         make_bundle(path_in(name), expected[i].kind);
         char *html = page_of(path_in(name));
-        const char *hit = strstr(html, expected[i].says), *heading = strstr(html, "<h2>");
+        const char *hit = strstr(html, expected[i].contains), *heading = strstr(html, "<h2>");
         assert_non_null(hit);
         assert_true(hit < heading);
-        assert_null(strstr(html, expected[i].says_not));
+        assert_null(strstr(html, expected[i].lacks));
         const char *not_shown = strstr(html, "<h2 id=\"not-shown\">"),
                    *compared = strstr(html, "<h2>Comparison of the backends");
         assert_non_null(not_shown);
@@ -365,7 +365,7 @@ static void links_have_targets(void **state)
             }
             snprintf(path, sizeof path, "%s/%.*s", path_in(name), (int)strcspn(at, "\""), at);
             if (stat(path, &info) != 0)
-                fail_msg("%s is not there", path);
+                fail_msg("the page links to %s, which does not exist", path);
         }
         assert_true(links > 15);
         assert_null(strstr(html, "http://"));
