@@ -25,8 +25,8 @@ case ${OST_SAN_CFLAGS:-} in
     ;;
 esac
 
-# opened SESSION OPTION...: opens a window with bone.nrrd and waits until its loop records; $window
-# is then the window and $pid the process
+# opened SESSION OPTION...: opens a window with bone.nrrd and waits until its loop records. Sets $window
+# to the window and $pid to the process
 opened() {
     recorded=$1
     shift
@@ -39,23 +39,23 @@ opened() {
         sleep 0.05
     done
     [ -n "$window" ] && return
-    fail "no window opens: $(cat err)"
+    fail "no window opens within 30 s: $(cat err)"
     kill $pid
     finish
 }
 
-# ended WHAT: waits some seconds until the process ends; $status is then its exit status
+# ended WHAT: waits at most 20 s until the process ends, and sets $status to its exit status
 ended() {
     for i in $(seq 400); do
         kill -0 $pid 2>/dev/null || break
         sleep 0.05
     done
-    kill -0 $pid 2>/dev/null && { fail "$1 does not end it"; kill $pid; }
+    kill -0 $pid 2>/dev/null && { fail "$1: osteon sim does not end within 20 s"; kill $pid; }
     wait $pid
     status=$?
 }
 
-# store_picture: stores a picture of the window by the key F12; $picture is then its name
+# store_picture: stores a picture of the window by the key F12, and sets $picture to its name
 pictures=0
 store_picture() {
     pictures=$((pictures + 1))
@@ -85,9 +85,9 @@ on_screen() {
 same_picture() {
     for attempt in $(seq 10); do
         store_picture
-        [ -s $picture ] || { fail "$1: F12 stores no picture"; return; }
+        [ -s $picture ] || { fail "$1: key F12 stores no picture within 10 s"; return; }
         sleep 0.5
         on_screen && return
     done
-    fail "$1: after $attempt pictures, $(cat differs)"
+    fail "$1: the screen differs from each of $attempt stored pictures: $(cat differs)"
 }

@@ -57,7 +57,7 @@ refuse() {
     check "osteon $*: bytes on standard output" "$(wc -c <out | tr -d ' ')" 0
     check "osteon $*: lines on standard error" "$(wc -l <err | tr -d ' ')" 1
     checks=$((checks + 1))
-    grep -qF -- "$text" err || fail "osteon $*: '$(cat err)' does not say '$text'"
+    grep -qF -- "$text" err || fail "osteon $*: standard error '$(cat err)' does not contain '$text'"
 }
 
 # value PATH: prints a value of the JSON object in the file out
@@ -69,7 +69,7 @@ value() {
 has() {
     for key in "$@"; do
         checks=$((checks + 1))
-        "$json_get" "$key" <out >/dev/null || fail "no key $key in: $(head -c 200 out)"
+        "$json_get" "$key" <out >/dev/null || fail "the JSON object has no key $key: $(head -c 200 out)"
     done
 }
 

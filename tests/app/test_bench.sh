@@ -7,8 +7,8 @@
 TMPDIR=$scratch
 export TMPDIR
 
-# row NAME: prints the index of the row in the JSON object in the file out
-row() {
+# row_index NAME: prints the index of the row in the JSON object in the file out
+row_index() {
     i=0
     while name=$(value "rows.$i.name" 2>/dev/null); do
         [ "$name" = "$1" ] && { echo $i; return; }
@@ -19,23 +19,23 @@ row() {
 
 # row_has NAME KEY...: checks that the row exists, is equal to the reference, and has the keys
 row_has() {
-    at=$(row "$1")
+    at=$(row_index "$1")
     shown=$1
     shift
     checks=$((checks + 1))
-    [ "$at" = none ] && { fail "no row $shown"; return; }
-    check "$shown equal" "$(value "rows.$at.equal")" true
+    [ "$at" = none ] && { fail "the output has no row $shown"; return; }
+    check "row $shown: equal" "$(value "rows.$at.equal")" true
     for key in unit threads ours ours_min ours_max ours_repetitions baseline ratio ratio_of_minima "$@"; do has "rows.$at.$key"; done
 }
 
-# figures NAME: checks that osteon's figure, the baseline's and their ratio are numbers
-figures() {
-    at=$(row "$1")
+# check_figures NAME: checks that osteon's figure, the baseline's and their ratio are numbers
+check_figures() {
+    at=$(row_index "$1")
     for key in ours baseline ratio; do
         checks=$((checks + 1))
         case $(value "rows.$at.$key") in
         [0-9]*) ;;
-        *) fail "$1: $key is no number: $(value "rows.$at.$key")" ;;
+        *) fail "row $1: $key is not a number: $(value "rows.$at.$key")" ;;
         esac
     done
 }
@@ -46,13 +46,13 @@ check "clock" "$(value clock)" CLOCK_MONOTONIC
 for name in removal/reamer/32/fresh removal/reamer/32/steady removal/peg/32/fresh removal/peg/32/steady removal/reamer/32/fresh/1 \
     removal/reamer/32/steady/1 removal/peg/32/fresh/1 removal/peg/32/steady/1; do
     row_has $name baseline_min baseline_max baseline_repetitions baseline_is chunks removed_voxels
-    check "$name chunks" "$(value "rows.$at.chunks")" 18
-    check "$name unit" "$(value "rows.$at.unit")" us
-    figures $name
+    check "row $name: chunks" "$(value "rows.$at.chunks")" 18
+    check "row $name: unit" "$(value "rows.$at.unit")" us
+    check_figures $name
 done
-check "the reamer removes" "$(value "rows.$(row removal/reamer/32/fresh).removed_voxels")" 77108
-check "the peg removes" "$(value "rows.$(row removal/peg/32/fresh).removed_voxels")" 8089
-check "/1 is one thread" "$(value "rows.$(row removal/peg/32/fresh/1).threads")" 1
+check "voxels that the reamer removes" "$(value "rows.$(row_index removal/reamer/32/fresh).removed_voxels")" 77108
+check "voxels that the peg removes" "$(value "rows.$(row_index removal/peg/32/fresh).removed_voxels")" 8089
+check "threads of the row removal/peg/32/fresh/1" "$(value "rows.$(row_index removal/peg/32/fresh/1).threads")" 1
 
 # Compares the counts for chunks of 16^3 and 64^3 with Tables 3.3 and 3.4. Other chunk sizes must
 # remove the same voxels.
@@ -60,10 +60,10 @@ run 0 bench --suite removal --filter fresh/1 --quick --repeat 1 --json
 for expected in reamer/16:84 reamer/64:5 peg/16:80 peg/64:8 voxel/1:18 voxel/0.75:18; do
     name=removal/${expected%:*}/fresh/1
     row_has "$name" chunks
-    check "$name chunks" "$(value "rows.$at.chunks")" "${expected#*:}"
+    check "row $name: chunks" "$(value "rows.$at.chunks")" "${expected#*:}"
 done
-check "reamer/16 removes what reamer/32 does" "$(value "rows.$(row removal/reamer/16/fresh/1).removed_voxels")" 77108
-check "peg/64 removes what peg/32 does" "$(value "rows.$(row removal/peg/64/fresh/1).removed_voxels")" 8089
+check "voxels that the reamer removes in chunks of 16 voxels" "$(value "rows.$(row_index removal/reamer/16/fresh/1).removed_voxels")" 77108
+check "voxels that the peg removes in chunks of 64 voxels" "$(value "rows.$(row_index removal/peg/64/fresh/1).removed_voxels")" 8089
 run 0 bench --suite removal --filter sequence --quick --repeat 1 --json
 row_has removal/sequence/1 p50 p99 max undisturbed_mean
 run 0 bench --suite removal --filter bone/128 --quick --repeat 1 --json
@@ -75,8 +75,8 @@ row_has tick/reamer/32/steady
 run 0 bench --suite parse --quick --repeat 1 --json
 row_has parse/text lines bytes gb_per_s
 row_has parse/text/floor
-check "lines" "$(value rows.0.lines)" 239616
-check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-bench)" 0
+check "lines of the text of the parse rows" "$(value rows.0.lines)" 239616
+check "files of osteon bench left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-bench)" 0
 run 0 bench --suite transfer --quick --repeat 1 --json
 for row in transfer/scapula transfer/scapula/nearest transfer/scapula/thesis transfer/scapula/0.6; do
     row_has $row chunk_bytes active_chunks
@@ -87,7 +87,7 @@ row_has voxelize/peg/0.5
 row_has voxelize/peg/0.5/bytes solid_voxels
 run 0 bench --suite voxelize --filter sphere80k/256 --quick --repeat 1 --json
 row_has voxelize/sphere80k/256
-check "triangles" "$(value rows.0.triangles)" 80400
+check "triangles of the first row" "$(value rows.0.triangles)" 80400
 # Without Embree, no row can be measured, which is status 3.
 if grep -q '^#define HAVE_EMBREE[34] 1' "$build/config.h"; then
     run 0 bench --suite candidates --filter 64/64 --quick --repeat 1 --json
@@ -99,12 +99,12 @@ fi
 
 # If there is no OpenCL device, a row must contain the reason.
 run 0 bench --suite opencl --filter reamer/32/fresh --quick --repeat 1 --json
-check "the row of OpenCL" "$(value rows.0.name)" opencl/reamer/32/fresh
+check "name of the OpenCL row" "$(value rows.0.name)" opencl/reamer/32/fresh
 if value rows.0.reason >/dev/null 2>&1; then
     has rows.0.reason
 else
     row_has opencl/reamer/32/fresh chunks removed_voxels baseline_is
-    check "OpenCL removes the same" "$(value "rows.$at.removed_voxels")" 77108
+    check "voxels that the OpenCL row removes" "$(value "rows.$at.removed_voxels")" 77108
 fi
 
 run 0 bench --suite render --filter glenoid/1 --quick --repeat 1 --json
@@ -114,51 +114,51 @@ row_has render/frame/whole/1 p99_ms drawn_share put_back_share kept_splat_ms who
 
 # Tests the output for readers: a table of at most 100 columns, and Markdown.
 run 0 bench --suite servo --quick --json
-check "the servo loop's rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/empty servo/spin 50"
+check "names and ticks of the servo rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/empty servo/spin 50"
 has rows.0.missed rows.1.missed rows.1.p99_us
 run 0 bench --suite servo --filter empty --quick
-grep -q 'deadlines missed: [0-9]* of 50' out || fail "a servo row without its missed deadlines: $(cat out)"
+grep -q 'deadlines missed: [0-9]* of 50' out || fail "the servo rows do not state the missed deadlines: $(cat out)"
 run 0 bench --suite removal --filter peg/32 --quick
-check "columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0
-grep -q '^removal/peg/32/fresh ' out || fail "no row in the table"
+check "lines of more than 100 columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0
+grep -q '^removal/peg/32/fresh ' out || fail "the table has no row removal/peg/32/fresh"
 run 0 bench --suite removal --filter peg/32/steady/1 --quick --markdown
-grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "no row in the Markdown table"
+grep -q '^| `removal/peg/32/steady/1` | us |' out || fail "the Markdown table has no row removal/peg/32/steady/1"
 
 # If a row cannot run, it must contain the reason, and the other rows must run. In this test, the
 # text of the parse/ rows has no folder.
 TMPDIR=$scratch/nowhere
 run 0 bench --quick --filter ext --json
-at=$(row parse/text)
-check "parse/text run without a folder" "$(value "rows.$at.run") $(value "rows.$at.equal") $(value "rows.$at.ours")" "false null null"
-case $(value "rows.$at.reason") in *"$scratch/nowhere"*) ;; *) fail "parse/text gives no reason: $(value "rows.$at.reason")" ;; esac
-check "a row after it" "$(value "rows.$(row render/scapula/extract).run")" true
-check "rows that were run, and not" "$(value rows_run) $(value rows_not_run)" "1 2"
+at=$(row_index parse/text)
+check "parse/text without a folder: run, equal, ours" "$(value "rows.$at.run") $(value "rows.$at.equal") $(value "rows.$at.ours")" "false null null"
+case $(value "rows.$at.reason") in *"$scratch/nowhere"*) ;; *) fail "the reason of parse/text does not contain the folder: $(value "rows.$at.reason")" ;; esac
+check "the row render/scapula/extract was run after a row that cannot run" "$(value "rows.$(row_index render/scapula/extract).run")" true
+check "numbers of rows that were run and not run" "$(value rows_run) $(value rows_not_run)" "1 2"
 run 0 bench --quick --filter ext
-grep -q '^parse/text  *not run: ' out || fail "the table does not say not run: $(cat out)"
+grep -q '^parse/text  *not run: ' out || fail "the table does not state that parse/text was not run: $(cat out)"
 run 3 bench --quick --suite parse --json
-grep -q "no row could be run: $scratch/nowhere" err || fail "no row at all: $(cat err)"
-check "rows that were run of none" "$(value rows_run)" 0
+grep -q "no row could be run: $scratch/nowhere" err || fail "the error does not state that no row could be run: $(cat err)"
+check "number of rows that were run if none can run" "$(value rows_run)" 0
 TMPDIR=$scratch
 
 # Compares ratios with those of an earlier run. No machine is 1e9 times as fast as the baseline, and every machine is
 # faster than a millionth of it, so the results do not depend on times.
-earlier() { printf '{"quick": true, "isa": "abacus", "rows": [{"name": "removal/peg/32/steady/1", "ratio_of_minima": %s}]}' "$1" >old.json; }
+write_earlier_run() { printf '{"quick": true, "isa": "abacus", "rows": [{"name": "removal/peg/32/steady/1", "ratio_of_minima": %s}]}' "$1" >old.json; }
 row=removal/peg/32/steady/1
-earlier 1e9
+write_earlier_run 1e9
 run 1 bench --suite removal --filter peg/32/steady/1 --quick --against old.json --json
-check "the row that is slower" "$(value against.rows.0.name) $(value against.rows.0.slower) $(value against.slower)" "$row true 1"
-check "the row is shown as well" "$(value rows.0.name)" $row
+check "name of the slower row, whether it is slower, number of slower rows" "$(value against.rows.0.name) $(value against.rows.0.slower) $(value against.slower)" "$row true 1"
+check "name of the measured row" "$(value rows.0.name)" $row
 has against.rows.0.ratio_then against.rows.0.ratio_now against.rows.0.slowdown_percent
-check "the default" "$(value against.max_slowdown_percent)" 10
+check "default of max_slowdown_percent" "$(value against.max_slowdown_percent)" 10
 run 1 bench --suite removal --filter peg/32/steady/1 --quick --against old.json
-grep -q "^$row .*  slower$" out || fail "which row is slower is not said: $(cat out)"
-earlier 1e-6
+grep -q "^$row .*  slower$" out || fail "the table does not mark the slower row: $(cat out)"
+write_earlier_run 1e-6
 run 0 bench --suite removal --filter peg/32/steady/1 --quick --against old.json --max-slowdown 0.5%
-grep -q "^$row .* -100.0%$" out || fail "no comparison in the table: $(cat out)"
-grep -q 'slower than allowed: 0 of 1 rows; allowed is a slowdown of 0.5 %' out || fail "no summary: $(cat out)"
-grep -q 'isa then: abacus; now: ' out || fail "another instruction set is not said: $(cat out)"
+grep -q "^$row .* -100.0%$" out || fail "the table has no comparison with the earlier run: $(cat out)"
+grep -q 'slower than allowed: 0 of 1 rows; allowed is a slowdown of 0.5 %' out || fail "the comparison has no summary: $(cat out)"
+grep -q 'isa then: abacus; now: ' out || fail "the output does not state that the instruction set differs: $(cat out)"
 run 2 bench --suite removal --filter peg/64/steady/1 --quick --against old.json
-grep -q 'old.json: no row with a ratio is in both runs' err || fail "no row to compare: $(cat err)"
+grep -q 'old.json: no row with a ratio is in both runs' err || fail "the error does not state that no row can be compared: $(cat err)"
 refuse 2 "measured with --quick" bench --suite removal --filter peg/64/steady/1 --against old.json
 for spoilt in '{' '[]' '{"quick": true}' '{"quick": 1, "rows": []}'; do
     echo "$spoilt" >spoilt.json

@@ -24,28 +24,28 @@ simulate() {
     while ! grep -q "waits for a bridge at" sim.err && kill -0 $simulator 2>/dev/null; do sleep 0.05; done
     to=$(sed -n 's/.*waits for a bridge at //p' sim.err)
 }
-# of FILE KEY: prints a value of the JSON object in FILE
-of() { "$json_get" "$2" <"$1"; }
+# json_value FILE KEY: prints the value of KEY in the JSON object in FILE
+json_value() { "$json_get" "$2" <"$1"; }
 
 simulate --record far.session --json
 run 0 bridge --to "$to" --key key --device sim --path press.csv --seconds 1.5 --no-realtime --json
 has ticks sent states bad late replayed limps limp_s peak_force_n round_trip_us.p50
-check "the bridge" "$(value ticks) $(value end) $(value bad)" "1500 the time was over 0"
+check "osteon bridge: ticks, reason of the end, bad packets" "$(value ticks) $(value end) $(value bad)" "1500 the time was over 0"
 wait $simulator
-check "status of the simulation" $? 0
-check "its end" "$(of sim.out end)" "the device has no further poses"
-check "nothing wrong was seen" "$(of sim.out device_counts.malformed) $(of sim.out device_counts.wrong_key) $(of sim.out faults)" "0 0 0"
-[ "$(of sim.out removed_voxels)" -gt 0 ] || fail "nothing was removed"
+check "exit status of osteon sim" $? 0
+check "reason of the end of osteon sim" "$(json_value sim.out end)" "the device has no further poses"
+check "malformed packets, packets with a wrong key, faults" "$(json_value sim.out device_counts.malformed) $(json_value sim.out device_counts.wrong_key) $(json_value sim.out faults)" "0 0 0"
+[ "$(json_value sim.out removed_voxels)" -gt 0 ] || fail "the operation removed no voxel"
 run 0 replay far.session --verify --backend cpu:isa=scalar,threads=2 --json
-check "far, and again" "$(value equal) $(value sha256)" "true $(of sim.out sha256)"
+check "replay of the operation with a bridge: equal, digest" "$(value equal) $(value sha256)" "true $(json_value sim.out sha256)"
 
 # If no bridge connects, a signal ends the simulation, which must report its counts.
 simulate --stats
 sleep 0.2
 kill -TERM $simulator
 wait $simulator
-check "status when nobody came" $? 0
-grep -q "counters of device udp: all are 0" sim.out || fail "people read: $(cat sim.out)"
+check "exit status if no bridge connected" $? 0
+grep -q "counters of device udp: all are 0" sim.out || fail "the output does not state that all counters are 0: $(cat sim.out)"
 
 refuse 2 "missing option key=FILE" sim --headless --bone bone.nrrd --device udp
 refuse 2 "other users can read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd

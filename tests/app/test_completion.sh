@@ -14,10 +14,10 @@ check "verbs" "$(osteon --complete | cut -f 1)" "$(osteon --help | sed -n '/^ver
 osteon --complete | cut -f 1 >verbs
 while read -r verb; do
     check "options of $verb" "$(osteon "$verb" --complete | cut -f 1)" "$(osteon "$verb" --help | sed -n 's/^  \(--[a-z-]*\).*/\1/p')"
-    check "fields of $verb" "$(osteon "$verb" --complete | awk -F '\t' 'NF != 3 || $2 == "" || $3 == ""')" ""
+    check "lines of $verb without three fields" "$(osteon "$verb" --complete | awk -F '\t' 'NF != 3 || $2 == "" || $3 == ""')" ""
 done <verbs
-check "a choice" "$(osteon render --complete | grep "^--style$tab" | cut -f 2)" "smooth|faces"
-check "a flag" "$(osteon render --complete | grep "^--json$tab" | cut -f 2)" flag
+check "values of the option --style of render" "$(osteon render --complete | grep "^--style$tab" | cut -f 2)" "smooth|faces"
+check "kind of the option --json of render" "$(osteon render --complete | grep "^--json$tab" | cut -f 2)" flag
 
 touch bone.nrrd path.csv
 # The words that each shell proposes are compared with those that must and must not be among them.
@@ -68,7 +68,7 @@ complete_zsh() {
 tried=0
 for shell in bash zsh fish; do
     if ! command -v $shell >/dev/null; then
-        echo "not tried, because it is not installed: $shell"
+        echo "not tested, because it is not installed: $shell"
         continue
     fi
     tried=$((tried + 1))

@@ -18,7 +18,7 @@ at='-148.723 -18.868 54.133'
 axis='0.817462 0.406924 -0.407639'
 run 0 phantom scapula --spacing 1 --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
-grep -aq "osteon_glenoid_at_mm:=$at" bone.nrrd || fail "the phantom's glenoid is elsewhere"
+grep -aq "osteon_glenoid_at_mm:=$at" bone.nrrd || fail "the bone's file does not contain the glenoid's position $at"
 
 # reaming NAME TILT OFFSET DEPTH RPM: moves the tool's tip (z = 0) from 8 mm outside the face to
 # DEPTH along a tilted axis. The axis is tilted about the direction in the face that is as superior
@@ -45,32 +45,32 @@ reaming() {
 }
 
 reaming good 0 0 3 120
-near "good: tilt" "$(value metrics.tilt_deg)" 0 0.1
-near "good: entry" "$(value metrics.entry_mm)" 0 0.1
-near "good: depth" "$(value metrics.reach_mm)" 3 0.1
+near "good reaming: tilt, degrees" "$(value metrics.tilt_deg)" 0 0.1
+near "good reaming: displacement of the entry, mm" "$(value metrics.entry_mm)" 0 0.1
+near "good reaming: depth, mm" "$(value metrics.reach_mm)" 3 0.1
 near "good: over-reaming" "$(value metrics.over_mm3)" 0 1
 reaming deep 0 0 12 120
-near "deep: depth" "$(value metrics.reach_mm)" 12 0.1
+near "deep reaming: depth, mm" "$(value metrics.reach_mm)" 12 0.1
 # If the reamer of 36 mm were 8 mm deep in bone everywhere, it would remove 8 cm3; it removes less
 # because the vault is narrower. Without a drill there is no hole.
-near "deep: over-reaming, mm3" "$(value metrics.over_mm3)" 4500 2500
-check "deep: a hole" "$(value metrics.hole)" false
-check "deep: plunges" "$(value metrics.technique.plunges)" 0
+near "deep reaming: over-reaming, mm3" "$(value metrics.over_mm3)" 4500 2500
+check "deep reaming: the metrics contain a hole" "$(value metrics.hole)" false
+check "deep reaming: plunges" "$(value metrics.technique.plunges)" 0
 reaming beside 0 3 3 120
-near "beside: tilt" "$(value metrics.tilt_deg)" 0 0.1
-near "beside: entry" "$(value metrics.entry_mm)" 3 0.1
+near "displaced reaming: tilt, degrees" "$(value metrics.tilt_deg)" 0 0.1
+near "displaced reaming: displacement of the entry, mm" "$(value metrics.entry_mm)" 3 0.1
 for rpm in 0 120; do
     reaming tilted 10 0 3 $rpm
-    near "tilted: tilt" "$(value metrics.tilt_deg)" 10 0.1
-    near "tilted: entry" "$(value metrics.entry_mm)" 0 0.1
+    near "tilted reaming: tilt, degrees" "$(value metrics.tilt_deg)" 10 0.1
+    near "tilted reaming: displacement of the entry, mm" "$(value metrics.entry_mm)" 0 0.1
     # For an upright scapula, this tilt would only change the version. Because of the scapula's
     # orientation, it also changes the inclination; the combination of both errors must be the tilt.
-    near "tilted: errors" "$(awk -v a="$(value metrics.version_error_deg)" -v b="$(value metrics.inclination_error_deg)" 'BEGIN { print sqrt(a * a + b * b) }')" 10 0.5
-    near "tilted: version is plan and error" "$(awk -v a="$(value metrics.version_planned_deg)" -v b="$(value metrics.version_error_deg)" 'BEGIN { print a + b }')" \
+    near "tilted reaming: combined error of version and inclination, degrees" "$(awk -v a="$(value metrics.version_error_deg)" -v b="$(value metrics.inclination_error_deg)" 'BEGIN { print sqrt(a * a + b * b) }')" 10 0.5
+    near "tilted reaming: planned version plus its error, degrees" "$(awk -v a="$(value metrics.version_planned_deg)" -v b="$(value metrics.version_error_deg)" 'BEGIN { print a + b }')" \
         "$(value metrics.version_deg)" 1e-4
     reaming both 6 2 3 $rpm
-    near "both: tilt" "$(value metrics.tilt_deg)" 6 0.1
-    near "both: entry" "$(value metrics.entry_mm)" 2 0.1
+    near "tilted and displaced reaming: tilt, degrees" "$(value metrics.tilt_deg)" 6 0.1
+    near "tilted and displaced reaming: displacement of the entry, mm" "$(value metrics.entry_mm)" 2 0.1
 done
 
 # The first line must be the same on the page and in the output for readers.
@@ -81,11 +81,11 @@ for name in good tilted deep; do
         fail "$name.html begins with: $(sed -n '/<body>/,$p' $name.html | sed -n 2p)"
     echo "$name: $first"
 done
-check "good" "$("$json_get" metrics.grade <good.json)" "As planned"
-check "tilted" "$("$json_get" metrics.grade <tilted.json)" "Off the plan"
-check "too deep" "$("$json_get" metrics.grade <deep.json)" "Far off the plan"
-"$json_get" metrics.verdict <tilted.json | grep -q "tilted by 10.0 degrees.*5.0 times the tolerance" || fail "the tilt is not said"
-"$json_get" metrics.verdict <deep.json | grep -q "9.0 mm too deep.*18.0 times the tolerance" || fail "the depth is not said"
+check "grade of the good reaming" "$("$json_get" metrics.grade <good.json)" "As planned"
+check "grade of the tilted reaming" "$("$json_get" metrics.grade <tilted.json)" "Off the plan"
+check "grade of the deep reaming" "$("$json_get" metrics.grade <deep.json)" "Far off the plan"
+"$json_get" metrics.verdict <tilted.json | grep -q "tilted by 10.0 degrees.*5.0 times the tolerance" || fail "the verdict does not state the tilt"
+"$json_get" metrics.verdict <deep.json | grep -q "9.0 mm too deep.*18.0 times the tolerance" || fail "the verdict does not state the depth"
 run 0 ream --bone bone.nrrd --tool builtin:reamer --path deep.csv --out x.nrrd --debrief x.html
-grep -n "Far off the plan\|floor:\|version" out | head -n 1 | grep -q "Far off the plan" || fail "for people the verdict is not first: $(cat out)"
+grep -n "Far off the plan\|floor:\|version" out | head -n 1 | grep -q "Far off the plan" || fail "the verdict is not the first line of the output for readers: $(cat out)"
 finish

@@ -10,77 +10,77 @@ grid() {
     run 0 import text.txt --spacing "${6:-0.5}" --threshold 1 --out "$1.nrrd"
 }
 
-# pattern NAME B: checks that diff of a and B reports the pattern
-pattern() {
+# check_pattern NAME B: checks that diff of a and B reports the pattern
+check_pattern() {
     run 1 diff a.nrrd "$2.nrrd" --json || return
     check "$2: equal" "$(value equal)" false
     checks=$((checks + 1))
-    grep -q "\"name\": \"$1\"" out || fail "$2: no pattern $1 among$(grep '"text"' out)"
+    grep -q "\"name\": \"$1\"" out || fail "$2: diff does not report the pattern $1, but$(grep '"text"' out)"
 }
 
-# without NAME B: checks that diff of a and B does not report the pattern
-without() {
+# check_no_pattern NAME B: checks that diff of a and B does not report the pattern
+check_no_pattern() {
     run 1 diff a.nrrd "$2.nrrd" --json
     checks=$((checks + 1))
-    grep -q "\"name\": \"$1\"" out && fail "$2: pattern $1, which does not hold"
+    grep -q "\"name\": \"$1\"" out && fail "$2: diff reports the pattern $1, which does not apply"
 }
 
 # The body is asymmetric, and each of its voxels has a different density from its neighbours.
 body='(i >= 3 && i < 15 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + i + 20 * j + 3 * k * k : 0'
 grid a "$body"
 run 0 diff a.nrrd a.nrrd
-grep -q '^equal:' out || fail "a bone is not equal to itself: $(cat out)"
+grep -q '^equal:' out || fail "diff of a bone with itself does not report equal: $(cat out)"
 
 grid hole "(i == 7 && j > 5) ? 0 : ($body)"
-pattern only-removed hole
-check "hole: removed" "$(value classes.0.voxels)" $((7 * 11))
-check "hole: added" "$(value classes.1.voxels)" 0
-check "hole: first voxel" "$(value voxels.0.ijk.0) $(value voxels.0.ijk.1) $(value voxels.0.ijk.2) $(value voxels.0.b)" "7 6 2 0"
-without boundary-layer hole
-without speckle hole
-without shift hole
+check_pattern only-removed hole
+check "hole: removed voxels" "$(value classes.0.voxels)" $((7 * 11))
+check "hole: added voxels" "$(value classes.1.voxels)" 0
+check "hole: first differing voxel and its density" "$(value voxels.0.ijk.0) $(value voxels.0.ijk.1) $(value voxels.0.ijk.2) $(value voxels.0.b)" "7 6 2 0"
+check_no_pattern boundary-layer hole
+check_no_pattern speckle hole
+check_no_pattern shift hole
 
 grid grown "(i == 2 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 300 : ($body)"
-pattern only-added grown
-pattern boundary-layer grown
+check_pattern only-added grown
+check_pattern boundary-layer grown
 grid peeled "(i == 3) ? 0 : ($body)"
-pattern boundary-layer peeled
+check_pattern boundary-layer peeled
 grid lighter "(($body) > 0) ? ($body) - 7 : 0"
-pattern offset lighter
-check "lighter: changed" "$(value classes.2.voxels)" $((12 * 9 * 11))
+check_pattern offset lighter
+check "lighter: changed voxels" "$(value classes.2.voxels)" $((12 * 9 * 11))
 grid cut "(($body) >= 500) ? ($body) : 0"
-pattern threshold cut
+check_pattern threshold cut
 grid specks "(i % 4 == 3 && j % 4 == 0 && k % 4 == 2) ? 0 : ($body)"
-pattern speckle specks
+check_pattern speckle specks
 grid moved "(i >= 5 && i < 17 && j >= 3 && j < 12 && k >= 2 && k < 13) ? 200 + (i - 2) + 20 * (j + 1) + 3 * k * k : 0"
-pattern shift moved
-grep -q '(2, -1, 0)' out || fail "moved: $(grep text out)"
-without axis-swap moved
+check_pattern shift moved
+grep -q '(2, -1, 0)' out || fail "moved: diff does not report the displacement (2, -1, 0): $(grep text out)"
+check_no_pattern axis-swap moved
 
 # Exchanging x and z also changes the dimensions. This must be distinguished from a grid that
 # differs only in its dimensions.
 grid turned '(k >= 3 && k < 15 && j >= 4 && j < 13 && i >= 2 && i < 13) ? 200 + k + 20 * j + 3 * i * i : 0' 16 18 20
-pattern axis-swap turned
-check "turned: voxels that were compared" "$(value different_voxels)" null
+check_pattern axis-swap turned
+check "turned: number of different voxels (null, because the dimensions differ)" "$(value different_voxels)" null
 grid other "$body" 21 18 16
-pattern geometry other
-without axis-swap other
+check_pattern geometry other
+check_no_pattern axis-swap other
 grid wider "$body" 20 18 16 0.6
-pattern geometry wider
+check_pattern geometry wider
 check "wider: differing voxels" "$(value different_voxels)" 0
 grid flipped '(i >= 5 && i < 17 && j >= 4 && j < 13 && k >= 2 && k < 13) ? 200 + (19 - i) + 20 * j + 3 * k * k : 0'
-pattern axis-swap flipped
+check_pattern axis-swap flipped
 
 # Swapping the two bytes of 513 (0x0201) gives 258 (0x0102).
 grid a '(i > 3 && i < 9 && j > 2) ? 258 : 0'
 grid swapped '(i > 3 && i < 9 && j > 2) ? 513 : 0'
-pattern byte-order swapped
+check_pattern byte-order swapped
 
 # Tests a grid in which complete chunks are lost.
 grid a '(i >= 4 && j >= 4 && k >= 4) ? 300 : 0' 40 36 34
 grid lost '(i >= 4 && j >= 4 && k >= 4 && !(i >= 32 && j < 32 && k < 32)) ? 300 : 0' 40 36 34
-pattern lost-chunk lost
-check "lost: chunks" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
+check_pattern lost-chunk lost
+check "lost: number of lost chunks and index of the first" "$(value chunks) $(value chunks.0.chunk.0)" "[1] 1"
 
 # Tests types of files that cannot be compared, and invalid files.
 run 0 voxelize builtin:peg --out peg.nrrd
@@ -94,9 +94,9 @@ refuse 2 'text.csv' diff a.nrrd text.csv
 grid a "$body"
 run 1 diff a.nrrd hole.nrrd --html page.html --limit 5
 checks=$((checks + 1))
-grep -q '</html>' page.html || fail "the page has no end"
+grep -q '</html>' page.html || fail "the page has no end tag"
 grep -qE 'src="(http|file|/)' page.html && fail "the page needs other files"
-check "voxels in the page" "$(grep -c ' mm</td>.*<td>removed</td>' page.html)" 5
+check "rows of removed voxels in the page" "$(grep -c ' mm</td>.*<td>removed</td>' page.html)" 5
 if "$osteon" devices | grep -q '^  png *yes'; then
     check "pictures in the page" "$(grep -c 'data:image/png;base64,' page.html)" 4
     run 1 diff hole.nrrd a.nrrd --html page.html # nothing is removed, so there is no view of it
@@ -111,5 +111,5 @@ refuse 2 '.html' diff a.nrrd a.nrrd --html page.pdf
 run 0 import text.txt --spacing 0.5 --threshold 100 --out noted.nrrd
 run 0 import text.txt --spacing 0.5 --threshold 1 --out plain.nrrd
 run 0 diff noted.nrrd plain.nrrd --json
-check "a note that differs" "$(value notes.0.key) $(value notes.0.a) $(value notes.0.b)" "threshold 100 1"
+check "key and values of the differing note" "$(value notes.0.key) $(value notes.0.a) $(value notes.0.b)" "threshold 100 1"
 finish

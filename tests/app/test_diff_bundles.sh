@@ -13,12 +13,12 @@ run 0 validate --case case.json --backends "$one" --out a
 mkdir b
 cp a/protocol.json a/cases.jsonl b/
 run 0 diff a b --json
-check "equal" "$(value equal) $(value compared)" "true 1"
+check "two equal bundles: equal, compared cases" "$(value equal) $(value compared)" "true 1"
 run 0 diff a b
 
-# site WHAT PYTHON: makes the folder b from the folder a with a changed cases.jsonl
-site() {
-    python3 - "$1" <<END || fail "no python3"
+# change_bundle WHAT PYTHON: makes the folder b from the folder a with a changed cases.jsonl
+change_bundle() {
+    python3 - "$1" <<END || fail "$1: python3 did not change the bundle"
 import json
 rows = [json.loads(l) for l in open("a/cases.jsonl")]
 records = rows[0]["reference"]
@@ -28,29 +28,29 @@ open("b/cases.jsonl", "w").write("".join(json.dumps(r, sort_keys=True) + "\n" fo
 END
 }
 if command -v python3 >/dev/null; then
-    site leaf 'tick[2]["sha256"] = "0" * 64
+    change_bundle leaf 'tick[2]["sha256"] = "0" * 64
 tick[2]["leaves"] = [[0, "1" * 64]] + tick[2].get("leaves", [])[1:]
 tick[3]["sha256"] = "0" * 64'
     run 1 diff a b --json
-    check "first" "$(value differences.0.case) $(value differences.0.stage) $(value differences.0.item)" "sweep/0 tick 2"
-    check "cases" "$(value different_cases)" 1
+    check "first difference: case, stage, tick" "$(value differences.0.case) $(value differences.0.stage) $(value differences.0.item)" "sweep/0 tick 2"
+    check "number of cases that differ" "$(value different_cases)" 1
     leaf=$(value differences.0.leaf)
-    [ "$leaf" -ge 0 ] || fail "no leaf: $(cat out)"
-    site report 'tick[1]["sha256"] = "0" * 64'
+    [ "$leaf" -ge 0 ] || fail "the first difference has no leaf: $(cat out)"
+    change_bundle report 'tick[1]["sha256"] = "0" * 64'
     run 1 diff a b
-    grep -q 'what was reported differs' out || fail "report: $(cat out)"
-    site cubic '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=["2" * 64])'
+    grep -q 'what was reported differs' out || fail "the output does not state that the reports differ: $(cat out)"
+    change_bundle cubic '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=["2" * 64])'
     run 1 diff a b --json
-    check "stage" "$(value differences.0.stage) $(value differences.0.leaf)" "cubic 0"
-    site input 'rows[0]["input_sha256"] = "0" * 64'
+    check "first difference: stage, leaf" "$(value differences.0.stage) $(value differences.0.leaf)" "cubic 0"
+    change_bundle input 'rows[0]["input_sha256"] = "0" * 64'
     run 1 diff a b
-    grep -q 'nothing could be compared' out || fail "input: $(cat out)"
-    site other 'rows[0]["id"] = "sweep/1"'
+    grep -q 'nothing could be compared' out || fail "the output does not state that nothing could be compared: $(cat out)"
+    change_bundle other 'rows[0]["id"] = "sweep/1"'
     run 1 diff a b --json
-    check "not compared" "$(value not_compared.0)" "sweep/0: only in a"
-    site short 'del records[-1]'
+    check "case that was not compared" "$(value not_compared.0)" "sweep/0: only in a"
+    change_bundle short 'del records[-1]'
     run 1 diff a b
-    grep -q 'no such record' out || fail "short: $(cat out)"
+    grep -q 'no such record' out || fail "the output does not state that a record is missing: $(cat out)"
     # For a user's own files the protocol contains the dims of the grids, so the chunk can be
     # determined without the files.
     ct_text 40 36 34 1 'i * 20 + j + k' >ct.txt
@@ -59,22 +59,22 @@ tick[3]["sha256"] = "0" * 64'
     mkdir a
     cp own/protocol.json own/cases.jsonl a/
     cp own/protocol.json b/
-    site own '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=[r for r in records if r["stage"] == "cubic"][0]["leaves"][:18] + ["3" * 64])'
+    change_bundle own '[r for r in records if r["stage"] == "cubic"][0].update(sha256="0" * 64, leaves=[r for r in records if r["stage"] == "cubic"][0]["leaves"][:18] + ["3" * 64])'
     run 1 diff a b --json
-    check "chunk of an own case" "$(value differences.0.case) $(value differences.0.leaf): $(value differences.0.chunk.0) $(value differences.0.chunk.1) $(value differences.0.chunk.2)" "user/1 18: 0 0 2"
-    site own-tool '[r for r in records if r["stage"] == "tool"][0].update(sha256="0" * 64, leaves=["3" * 64])'
+    check "a user's own case: case, leaf, chunk" "$(value differences.0.case) $(value differences.0.leaf): $(value differences.0.chunk.0) $(value differences.0.chunk.1) $(value differences.0.chunk.2)" "user/1 18: 0 0 2"
+    change_bundle own-tool '[r for r in records if r["stage"] == "tool"][0].update(sha256="0" * 64, leaves=["3" * 64])'
     run 1 diff a b --json
-    check "chunk of an own tool" "$(value differences.0.stage) $(value differences.0.chunk.0)" "tool 0"
+    check "a user's own tool: stage, chunk" "$(value differences.0.stage) $(value differences.0.chunk.0)" "tool 0"
     rm -r a
     mv generated a
     cp a/protocol.json b/
-    # Tests values of wrong types, which no bundle has, in all places.
+    # Replaces parts of a bundle by values of wrong types, which no valid bundle contains.
     for value in '7' 'null' '[[1,[2]],"x",{}]' '{"leaves":3}' '"x"'; do
-        site odd "rows[0]['reference'] = json.loads('''$value''')"
+        change_bundle odd "rows[0]['reference'] = json.loads('''$value''')"
         run 1 diff a b
-        site odd "records[2] = json.loads('''$value''')"
+        change_bundle odd "records[2] = json.loads('''$value''')"
         run 1 diff b a
-        site odd "tick[0].update(leaves=json.loads('''$value'''), sha256='0')"
+        change_bundle odd "tick[0].update(leaves=json.loads('''$value'''), sha256='0')"
         run 1 diff a b
     done
 fi

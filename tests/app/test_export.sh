@@ -29,18 +29,18 @@ run 0 info removed.nrrd --digest --json
 check "solid voxels of removed.nrrd" "$("$json_get" solid_voxels <out)" "$removed"
 refuse 2 "nothing was removed" export bone.nrrd --before bone.nrrd --out none.stl
 refuse 2 "other dims" export ct.nrrd --before removed.nrrd --out none.stl
-[ ! -e none.stl ] || fail "none.stl exists"
+[ ! -e none.stl ] || fail "a refused export left none.stl"
 
 # -------------------------------------------------------------- the mesh's frame
 # 3D Slicer searches for this text in the 80 bytes of an STL and in the comments of a PLY and an OBJ.
 run 0 export bone.nrrd --out bone.stl
 run 0 export bone.nrrd --out bone.ply
 run 0 export bone.nrrd --out bone.obj
-check "the frame in an STL" "$(head -c 80 bone.stl | tr -d '\0' | grep -c 'SPACE=LPS')" 1
-check "the frame in a PLY" "$(head -4 bone.ply | grep -a -c '^comment SPACE=LPS$')" 1
-check "the frame in an OBJ" "$(head -1 bone.obj | grep -c '^#.*SPACE=LPS')" 1
+check "coordinate system stated in the STL" "$(head -c 80 bone.stl | tr -d '\0' | grep -c 'SPACE=LPS')" 1
+check "coordinate system stated in the PLY" "$(head -4 bone.ply | grep -a -c '^comment SPACE=LPS$')" 1
+check "coordinate system stated in the OBJ" "$(head -1 bone.obj | grep -c '^#.*SPACE=LPS')" 1
 # A tool has no position in the patient, so its file must not state a coordinate system.
-check "no frame in a tool" "$(head -c 80 peg.stl | grep -a -c 'SPACE')" 0
+check "coordinate systems stated in the STL of a tool" "$(head -c 80 peg.stl | grep -a -c 'SPACE')" 0
 run 0 tool burr --out burr.obj
 run 0 voxelize burr.obj --voxel 0.5 --out burr.nrrd
 
@@ -53,18 +53,18 @@ for form in nrrd nii.gz mha; do
     run 0 import bone.nrrd --mask labels.$form:1 --out masked.nrrd --json
     check "voxels of labels.$form" "$("$json_get" mask_voxels <out)" "$solid"
 done
-check "the segment's value" "$(grep -a -c '^Segment0_LabelValue:=1$' labels.nrrd)" 1
-check "the segment's name" "$(grep -a -c '^Segment0_Name:=' labels.nrrd)" 1
-check "one segment" "$(grep -a -c '^Segment1_' labels.nrrd)" 0
+check "fields Segment0_LabelValue in labels.nrrd" "$(grep -a -c '^Segment0_LabelValue:=1$' labels.nrrd)" 1
+check "fields Segment0_Name in labels.nrrd" "$(grep -a -c '^Segment0_Name:=' labels.nrrd)" 1
+check "fields of a second segment in labels.nrrd" "$(grep -a -c '^Segment1_' labels.nrrd)" 0
 # Readers recognise a label map by these fields and do not interpolate it.
 run 0 import labels.nrrd --threshold 1 --out back.nrrd --json
-check "labels" "$("$json_get" labels <out)" true
+check "info reports a label map" "$("$json_get" labels <out)" true
 refuse 2 "--labels needs" export bone.nrrd --labels --out labels.txt
 
 # ------------------------------------------------------------------- MetaImage
 run 0 export bone.nrrd --out bone.mha
 run 0 import bone.mha --out again.nrrd
-cmp -s bone.nrrd again.nrrd || fail "a bone as .mha is imported as another bone"
+cmp -s bone.nrrd again.nrrd || fail "a bone that was exported as .mha and imported differs from the original"
 
 # -------------------------------------------------------- text without empty voxels
 run 0 export bone.nrrd --omit-empty --out sparse.txt

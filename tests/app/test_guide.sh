@@ -15,14 +15,14 @@ commands=0
 for page in "$source_folder"/docs/guide/*.md; do
     pages=$((pages + 1))
     if grep -q '^openssl ' "$page" && ! command -v openssl >/dev/null; then
-        echo "no openssl: $page is not tried"
+        echo "not tested, because openssl is not installed: $page"
         continue
     fi
     folder=$(basename "$page" .md)
     mkdir "$folder"
     awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' "$page" >"$folder.sh"
     checks=$((checks + 1))
-    [ -s "$folder.sh" ] || fail "$page has no command to run"
+    [ -s "$folder.sh" ] || fail "$page contains no command"
     while IFS= read -r line; do
         expected=$(printf '%s\n' "$line" | sed -n 's/.*# status \([0-9]\)$/\1/p')
         commands=$((commands + 1))

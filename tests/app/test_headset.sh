@@ -31,20 +31,20 @@ if [ $? -eq 3 ] && grep -q "EGL\|OpenGL" err; then
 fi
 
 run 0 sim --headset --bone builtin:glenoid --seconds 1 --record own.session --json
-check "the runtime and the headset" "$(value headset.runtime), $(value headset.system)" "fake 1.2.3, a headset for tests"
-check "the pixels of an eye" "$(value headset.width) x $(value headset.height)" "160 x 120"
-check "the device" "$(value device)" openxr
-check "the ticks" "$(value ticks)" 1000
+check "names of the runtime and of the headset" "$(value headset.runtime), $(value headset.system)" "fake 1.2.3, a headset for tests"
+check "size of an eye's picture in pixels" "$(value headset.width) x $(value headset.height)" "160 x 120"
+check "name of the device" "$(value device)" openxr
+check "number of ticks" "$(value ticks)" 1000
 frames=$(value headset.frames)
-[ "$frames" -ge 5 ] || fail "only $frames frames in a second"
+[ "$frames" -ge 5 ] || fail "$frames frames in a second, expected at least 5"
 check "frames without a pose" "$(value headset.frames_without_pose)" 0
 # Tracking of the controller begins with the first frame, which may be later than the first tick.
-[ "$(value dropouts)" -le 1 ] || fail "$(value dropouts) drop-outs"
+[ "$(value dropouts)" -le 1 ] || fail "$(value dropouts) drop-outs, expected at most 1"
 run 0 replay own.session --verify
 
 # Tests another device, and the left hand.
 run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device sim --json
-check "the other device" "$(value device)" sim
+check "name of the device with --device sim" "$(value device)" sim
 run 0 sim --headset --bone builtin:glenoid --seconds 0.2 --device openxr:hand=left --json
 refuse 2 "expected left or right" sim --headset --bone builtin:glenoid --device openxr:hand=both
 finish

@@ -36,11 +36,11 @@ run 0 import ct.nrrd --landmarks auto --out bone.nrrd --json
 has landmarks_proposed.rim_share landmarks_proposed.axis_spread_deg version_deg inclination_deg
 run 0 info bone.nrrd --json
 has meta.landmarks_proposed
-check "side" "$(value meta.side)" left
-near "glenoid" "$(value meta.glenoid_at_mm)" "$at" 2.5
-near "axis" "$(value meta.glenoid_axis)" "$axis" 0.06
-near "trigonum" "$(value meta.trigonum_mm)" "$trigonum" 6
-near "inferior angle" "$(value meta.inferior_angle_mm)" "$inferior" 6
+check "side with landmarks" "$(value meta.side)" left
+near "position of the glenoid" "$(value meta.glenoid_at_mm)" "$at" 2.5
+near "axis of the glenoid" "$(value meta.glenoid_axis)" "$axis" 0.06
+near "position of the trigonum" "$(value meta.trigonum_mm)" "$trigonum" 6
+near "position of the inferior angle" "$(value meta.inferior_angle_mm)" "$inferior" 6
 near "version and inclination" "$(value version_deg) $(value inclination_deg) 0" "$version $inclination 0" 4
 proposed=$(value meta.glenoid_at_mm)
 axis=$(value meta.glenoid_axis)
@@ -48,18 +48,18 @@ axis=$(value meta.glenoid_axis)
 # When the file for 3D Slicer is read, it must give the same facts.
 run 0 import ct.nrrd --landmarks points.mrk.json --out read.nrrd
 run 0 info read.nrrd --json
-check "glenoid from the file" "$(value meta.glenoid_at_mm)" "$proposed"
-near "axis from the file" "$(value meta.glenoid_axis)" "$axis" 0.000001
-check "a landmark that was read is not a proposal" "$(value meta.landmarks_proposed 2>/dev/null)" ""
+check "position of the glenoid read from the file" "$(value meta.glenoid_at_mm)" "$proposed"
+near "axis of the glenoid read from the file" "$(value meta.glenoid_axis)" "$axis" 0.000001
+check "landmarks_proposed after landmarks were read from a file" "$(value meta.landmarks_proposed 2>/dev/null)" ""
 # Options must override proposals.
 run 0 import ct.nrrd --landmarks auto --trigonum 1,2,3 --out set.nrrd
 run 0 info set.nrrd --json
-check "trigonum of the option" "$(value meta.trigonum_mm)" "1 2 3"
+check "position of the trigonum given by the option" "$(value meta.trigonum_mm)" "1 2 3"
 
 # If the CT ends 6 mm above the tip of the scapula, the proposal must be made with a warning.
 run 0 import ct.nrrd --crop 0:121,0:110,8:201 --landmarks auto --out short.nrrd
 checks=$((checks + 1))
-grep -q 'lies at the end of the CT' err || fail "no warning about a scapula that is cut off: $(cat err)"
+grep -q 'lies at the end of the CT' err || fail "there is no warning that the scapula ends at the end of the CT: $(cat err)"
 
 # The picture with the landmarks must differ from the picture without landmarks.
 run 0 render bone.nrrd --view en-face --size 320x240 --out plain.png

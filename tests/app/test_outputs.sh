@@ -11,25 +11,25 @@ run 0 import ct.nrrd --out bone.nrrd
 # The chunk size, the number of threads and the absence of compression must not change any byte.
 for chunk in 16 32 64; do
     run 0 import ct.nrrd --chunk $chunk --threads 1 --backend ref --out bone$chunk.nrrd
-    cmp -s bone.nrrd bone$chunk.nrrd || fail "chunks of $chunk make another file"
+    cmp -s bone.nrrd bone$chunk.nrrd || fail "the bone imported with chunks of $chunk differs from bone.nrrd"
     run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --chunk $chunk --out reamed$chunk.nrrd
-    cmp -s reamed16.nrrd reamed$chunk.nrrd || fail "chunks of $chunk make another reamed file"
+    cmp -s reamed16.nrrd reamed$chunk.nrrd || fail "the bone reamed with chunks of $chunk differs from reamed16.nrrd"
 done
 run 0 import ct.nrrd --compress --out small1.nrrd
 sleep 1
 run 0 import ct.nrrd --compress --out small2.nrrd
-cmp -s small1.nrrd small2.nrrd || fail "a compressed file holds more than its grid"
+cmp -s small1.nrrd small2.nrrd || fail "two compressed files of the same grid differ"
 run 0 diff bone.nrrd small1.nrrd
 
 # When a bone is imported again, its threshold must not change.
 run 0 import ct.nrrd --threshold 400 --out dense.nrrd
 run 0 import dense.nrrd --out dense2.nrrd
-cmp -s dense.nrrd dense2.nrrd || fail "a bone at 400 HU is another when imported again"
+cmp -s dense.nrrd dense2.nrrd || fail "a bone of threshold 400 HU differs after it was imported again"
 
 # The output may be the input.
 cp bone.nrrd same.nrrd
 run 0 ream --bone same.nrrd --tool builtin:peg --path builtin:peg-hole --out same.nrrd
-cmp -s same.nrrd reamed32.nrrd || fail "--out equal to --bone makes another file"
+cmp -s same.nrrd reamed32.nrrd || fail "ream writes another file if --out is equal to --bone"
 
 # Every file format of the volume must give the same grid.
 for form in nrrd nii.gz txt; do
@@ -43,19 +43,19 @@ done
 printf '0 0 0 500\n1 0 0 oops\n' >broken.txt
 cp bone.nrrd kept.nrrd
 refuse 2 'broken.txt:2' import broken.txt --out kept.nrrd
-cmp -s bone.nrrd kept.nrrd || fail "a failed import touched its output"
+cmp -s bone.nrrd kept.nrrd || fail "a failed import changed the existing output"
 (
     ulimit -f 8
     "$osteon" import ct.nrrd --out limited.nrrd >/dev/null 2>limit_err
     echo $? >limit_status
 )
-check "status when the file may not grow" "$(cat limit_status)" 2
-[ -e limited.nrrd ] && fail "an output that could not be whole is there"
-check "temporaries after a failure" "$(ls -A | grep '\.part$')" ""
+check "exit status if the file size is limited" "$(cat limit_status)" 2
+[ -e limited.nrrd ] && fail "an incomplete output remains"
+check "temporary files after a failure" "$(ls -A | grep '\.part$')" ""
 if [ -w /dev/full ]; then
     ln -s /dev/full full.nrrd
     run 2 import ct.nrrd --out full.nrrd
-    grep -qE 'No space left|disk is full' err || fail "a full device says: $(cat err)"
+    grep -qE 'No space left|disk is full' err || fail "the error does not state that the device is full: $(cat err)"
 fi
 
 # If the command is killed at any moment, the file must be complete or absent, and no temporary file
@@ -66,8 +66,8 @@ for delay in 0.01 0.03 0.05 0.08 0.12 0.2; do
     sleep $delay
     kill -TERM $! 2>/dev/null
     wait $! 2>/dev/null
-    [ -e killed.txt ] && ! cmp -s killed.txt whole.txt && fail "a part of an output after SIGTERM"
+    [ -e killed.txt ] && ! cmp -s killed.txt whole.txt && fail "an incomplete output remains after SIGTERM"
     rm -f killed.txt
 done
-check "temporaries after SIGTERM" "$(ls -A | grep '\.part$')" ""
+check "temporary files after SIGTERM" "$(ls -A | grep '\.part$')" ""
 finish

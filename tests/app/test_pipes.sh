@@ -19,17 +19,17 @@ fi
 # ---------------------------------------------------------------------- input
 for form in $forms; do
     run 0 import ct.$form --out file.nrrd
-    cat ct.$form | "$osteon" import - --out pipe.nrrd --quiet || fail "a pipe of $form"
-    cmp -s file.nrrd pipe.nrrd || fail "a pipe of $form gives another bone"
-    "$osteon" import - --out redirected.nrrd --quiet <ct.$form || fail "a redirected $form"
-    cmp -s file.nrrd redirected.nrrd || fail "a redirected $form gives another bone"
-    cat ct.$form | "$osteon" import /dev/stdin --out pipe.nrrd --quiet || fail "/dev/stdin with $form"
-    cmp -s file.nrrd pipe.nrrd || fail "/dev/stdin with $form gives another bone"
-    cat ct.$form | "$osteon" import /dev/fd/9 --out pipe.nrrd --quiet 9<&0 || fail "/dev/fd/9 with $form"
-    cmp -s file.nrrd pipe.nrrd || fail "/dev/fd/9 with $form gives another bone"
+    cat ct.$form | "$osteon" import - --out pipe.nrrd --quiet || fail "import refuses a pipe with $form"
+    cmp -s file.nrrd pipe.nrrd || fail "the bone from a pipe with $form differs from that of the file"
+    "$osteon" import - --out redirected.nrrd --quiet <ct.$form || fail "import refuses standard input redirected from $form"
+    cmp -s file.nrrd redirected.nrrd || fail "the bone from redirected $form differs from that of the file"
+    cat ct.$form | "$osteon" import /dev/stdin --out pipe.nrrd --quiet || fail "import refuses /dev/stdin with $form"
+    cmp -s file.nrrd pipe.nrrd || fail "the bone from /dev/stdin with $form differs from that of the file"
+    cat ct.$form | "$osteon" import /dev/fd/9 --out pipe.nrrd --quiet 9<&0 || fail "import refuses /dev/fd/9 with $form"
+    cmp -s file.nrrd pipe.nrrd || fail "the bone from /dev/fd/9 with $form differs from that of the file"
 done
-cat bone.nrrd | "$osteon" info - --digest --json >out || fail "info of a pipe"
-check "voxels of a pipe" "$("$json_get" solid_voxels <out)" "$("$osteon" info bone.nrrd --digest --json | "$json_get" solid_voxels)"
+cat bone.nrrd | "$osteon" info - --digest --json >out || fail "info refuses a pipe"
+check "solid voxels of info with a pipe and with the file" "$("$json_get" solid_voxels <out)" "$("$osteon" info bone.nrrd --digest --json | "$json_get" solid_voxels)"
 
 # refused_pipe TEXT ARGUMENT...: checks that a command whose standard input is a pipe with a NRRD file
 # ends with status 2
@@ -39,29 +39,29 @@ refused_pipe() {
     checks=$((checks + 1))
     cat ct.nrrd | timeout 20 "$osteon" "$@" >out 2>err
     status=$?
-    [ $status -eq 2 ] || fail "osteon $*: status $status"
-    grep -qF -- "$text" err || fail "osteon $*: '$(cat err)' does not say '$text'"
+    [ $status -eq 2 ] || fail "osteon $*: status $status, expected 2"
+    grep -qF -- "$text" err || fail "osteon $*: standard error '$(cat err)' does not contain '$text'"
 }
 refused_pipe "save it to a file first" ream --bone - --tool builtin:peg --path builtin:peg-hole --out o.nrrd
 refused_pipe "save it to a file first" import ct.nrrd --mask /dev/stdin --out o.nrrd
 refused_pipe "--set needs a file" info - --set side=left
 printf 'NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\nspacings: 1 1 1\ndata file: ct.txt\n' >d.nhdr
 checks=$((checks + 1))
-cat d.nhdr | "$osteon" import - --out o.nrrd 2>err && fail "a pipe names a file"
-grep -q "a header from a pipe has no folder" err || fail "a pipe that names a file: $(cat err)"
+cat d.nhdr | "$osteon" import - --out o.nrrd 2>err && fail "import accepts a header from a pipe that refers to a data file"
+grep -q "a header from a pipe has no folder" err || fail "wrong error for a header from a pipe that refers to a data file: $(cat err)"
 checks=$((checks + 1))
-printf '' | "$osteon" import - --out o.nrrd 2>err && fail "an empty pipe is a CT"
-[ "$(wc -l <err)" -eq 1 ] || fail "an empty pipe: $(cat err)"
+printf '' | "$osteon" import - --out o.nrrd 2>err && fail "import accepts an empty pipe"
+[ "$(wc -l <err)" -eq 1 ] || fail "the error for an empty pipe is not one line: $(cat err)"
 checks=$((checks + 1))
-"$osteon" import - --out o.nrrd 2>err </dev/zero && fail "a device is a CT"
-grep -q "expected a pipe" err || fail "a device: $(cat err)"
+"$osteon" import - --out o.nrrd 2>err </dev/zero && fail "import accepts a device as standard input"
+grep -q "expected a pipe" err || fail "wrong error for a device as standard input: $(cat err)"
 checks=$((checks + 1))
-"$osteon" import - --out o.nrrd 2>err <&- && fail "a closed input is a CT"
+"$osteon" import - --out o.nrrd 2>err <&- && fail "import accepts a closed standard input"
 # If there is no folder for the copy of the pipe, nothing may be read.
 checks=$((checks + 1))
-cat ct.nrrd | TMPDIR=$scratch/none "$osteon" import - --out o.nrrd 2>err && fail "a pipe without a folder for its copy"
-grep -qF "$scratch/none" err || fail "a folder that is missing: $(cat err)"
-[ ! -e o.nrrd ] || fail "a refused pipe made a file"
+cat ct.nrrd | TMPDIR=$scratch/none "$osteon" import - --out o.nrrd 2>err && fail "import accepts a pipe although the folder for its copy does not exist"
+grep -qF "$scratch/none" err || fail "the error does not contain the missing folder: $(cat err)"
+[ ! -e o.nrrd ] || fail "a refused import left o.nrrd"
 
 # --------------------------------------------------------------------- output
 for form in nrrd txt stl; do
@@ -71,8 +71,8 @@ for form in nrrd txt stl; do
 done
 "$osteon" export ct.nrrd --out -.txt | "$osteon" import - --out through.nrrd --quiet
 run 0 import ct.txt --out file.nrrd
-cmp -s file.nrrd through.nrrd || fail "two commands in a pipe give another bone"
-[ ! -e ./-.txt ] || fail "a file -.txt was made"
+cmp -s file.nrrd through.nrrd || fail "the bone that two commands write through a pipe differs from that of the file"
+[ ! -e ./-.txt ] || fail "a file named -.txt was written"
 refuse 2 "both write standard output" export bone.nrrd --out -.nrrd --json
 refuse 2 "-.nrrd writes standard output" export bone.nrrd --out -
 finish

@@ -11,7 +11,7 @@ refuse 2 "must end in .png" import ct.nrrd --out bone.nrrd --preview p.jpg
 refuse 2 "cannot write" import ct.nrrd --out bone.nrrd --preview absent/p.png
 if ! "$osteon" devices | grep -q '^  png *yes'; then
     refuse 3 "without libpng" import ct.nrrd --out bone.nrrd --preview p.png
-    check "no bone without its picture" "$(ls)" "$(printf 'ct.nrrd\nerr\nout')"
+    check "files after a refused command" "$(ls)" "$(printf 'ct.nrrd\nerr\nout')"
     finish
 fi
 
@@ -23,20 +23,20 @@ size() {
 run 0 import ct.nrrd --out bone.nrrd
 plain=$(cksum <bone.nrrd)
 run 0 import ct.nrrd --out bone.nrrd --preview p.png --threads 1 --json
-check "the picture's name" "$(value preview)" p.png
-check "the picture's size" "$(size p.png)" "1600 1000"
-check "the bone with a preview" "$(cksum <bone.nrrd)" "$plain"
+check "name of the picture" "$(value preview)" p.png
+check "size of the picture" "$(size p.png)" "1600 1000"
+check "checksum of a bone written with --preview and without" "$(cksum <bone.nrrd)" "$plain"
 first=$(cksum <p.png)
 mkdir elsewhere
 cp ct.nrrd elsewhere/other.nrrd
 export OSTEON_ISA=scalar
 run 0 import elsewhere/other.nrrd --out elsewhere/bone.nrrd --preview q.png --threads 3 --quiet
 unset OSTEON_ISA
-check "by other threads, from another folder, quietly" "$(cksum <q.png)" "$first"
+check "checksum of the picture with other threads, from another folder and with --quiet" "$(cksum <q.png)" "$first"
 run 0 import ct.nrrd --out bone.nrrd --preview q.png --backend ref
-check "by the reference" "$(cksum <q.png)" "$first"
+check "checksum of the picture with the backend ref" "$(cksum <q.png)" "$first"
 run 0 import ct.nrrd --out bone.nrrd --preview q.png --threshold 400
-[ "$(cksum <q.png)" != "$first" ] || fail "another threshold gives the same picture"
+[ "$(cksum <q.png)" != "$first" ] || fail "the picture is the same with another threshold"
 checks=$((checks + 1))
 
 # Every type of CT must have a picture: a text file, a built-in CT, a bone, an empty CT, and a CT without
@@ -52,7 +52,7 @@ awk 'BEGIN { for (i = 0; i < 64; i++) print i * 20 }' >>bare.nrrd
 run 0 import bare.nrrd --out bone.nrrd --preview bare.png
 run 0 segment bare.nrrd --out labels.nrrd --min-volume 0 --preview bare2.png
 for name in text builtin bone empty crop bare bare2; do
-    check "$name" "$(size $name.png)" "1600 1000"
+    check "size of the picture of $name" "$(size $name.png)" "1600 1000"
 done
 
 # Tests a segmentation, with a part cut away, and an import of one label.
@@ -60,20 +60,20 @@ at=$("$osteon" info ct.nrrd --json | "$json_get" meta.glenoid_at_mm | tr ' ' ,)
 run 0 segment ct.nrrd --out labels.nrrd
 plain=$(cksum <labels.nrrd)
 run 0 segment ct.nrrd --out labels.nrrd --preview s.png --json
-check "the picture's name" "$(value preview)" s.png
-check "the labels with a preview" "$(cksum <labels.nrrd)" "$plain"
+check "name of the picture" "$(value preview)" s.png
+check "checksum of labels written with --preview and without" "$(cksum <labels.nrrd)" "$plain"
 run 0 segment ct.nrrd --out labels.nrrd --cut-ball "$at,6" --preview cut.png
-[ "$(cksum <s.png)" != "$(cksum <cut.png)" ] || fail "a cut is not seen"
+[ "$(cksum <s.png)" != "$(cksum <cut.png)" ] || fail "the picture with a cut equals the picture without a cut"
 checks=$((checks + 1))
 run 0 import ct.nrrd --mask labels.nrrd:1 --out bone.nrrd --preview mask.png
-check "sizes" "$(size s.png) $(size cut.png) $(size mask.png)" "1600 1000 1600 1000 1600 1000"
+check "sizes of the pictures" "$(size s.png) $(size cut.png) $(size mask.png)" "1600 1000 1600 1000 1600 1000"
 
 # The CT may come from a pipe, and one of the two outputs may be standard output.
 run 0 import ct.nrrd --out bone.nrrd --preview p.png
 "$osteon" import - --out -.nrrd --preview q.png <ct.nrrd | cat >piped.nrrd
-check "the bone in a pipe" "$(cksum <piped.nrrd)" "$(cksum <bone.nrrd)"
+check "checksum of a bone written to a pipe and to a file" "$(cksum <piped.nrrd)" "$(cksum <bone.nrrd)"
 "$osteon" import - --out bone.nrrd --preview -.png <ct.nrrd | cat >q.png
-check "the picture in a pipe" "$(cksum <q.png)" "$(cksum <p.png)"
+check "checksum of a picture written to a pipe and to a file" "$(cksum <q.png)" "$(cksum <p.png)"
 refuse 2 "another output already" import ct.nrrd --out -.nrrd --preview -.png
 
 # If the CT cannot be read, neither output file may remain.
@@ -81,5 +81,5 @@ mkdir none && cd none || exit 99
 head -c 2000 ../ct.nrrd >short.nrrd
 refuse 2 "short.nrrd" import short.nrrd --out bone.nrrd --preview p.png
 refuse 2 "short.nrrd" segment short.nrrd --out labels.nrrd --preview p.png
-check "files" "$(ls)" "$(printf 'err\nout\nshort.nrrd')"
+check "files after a CT that cannot be read" "$(ls)" "$(printf 'err\nout\nshort.nrrd')"
 finish

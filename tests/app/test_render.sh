@@ -24,60 +24,60 @@ for view in $views tool; do
     export OSTEON_ISA=scalar
     run 0 render ct.nrrd --tool builtin:reamer --view $view --size 240x160 --out again.png --threads 3 --json
     unset OSTEON_ISA
-    check "$view, by the scalar loops" "$(value file_sha256)" "$first"
+    check "digest of the view $view drawn with isa=scalar" "$(value file_sha256)" "$first"
 done
-check "views that differ" "$(for v in $views; do cat $v.png | cksum; done | sort -u | wc -l | tr -d ' ')" 9
+check "number of different pictures of the views" "$(for v in $views; do cat $v.png | cksum; done | sort -u | wc -l | tr -d ' ')" 9
 run 0 render bone.nrrd --size 240x160 --backend ref --chunk 64 --style faces --out ref.png --json
 first=$(value file_sha256)
 run 0 render bone.nrrd --size 240x160 --chunk 16 --style faces --out cpu.png --json
-check "by the reference, by other chunks" "$(value file_sha256)" "$first"
+check "digest of the picture with the backend ref and other chunks" "$(value file_sha256)" "$first"
 run 0 render bone.nrrd --size 240x160 --tool builtin:peg --pose "$pose" --out posed.png --json
-[ "$(value file_sha256)" != "$first" ] || fail "a tool at a pose is not seen"
+[ "$(value file_sha256)" != "$first" ] || fail "the picture with a tool equals the picture without a tool"
 # OpenGL's picture equals the processor's except for a few pixels, which tests/render/test_gl
 # counts. This test checks only the name of the renderer.
 if "$osteon" devices | grep -q '^  gl *yes'; then
     run 0 render bone.nrrd --size 240x160 --style faces --renderer gl --out gl.png --json
     has opengl.version opengl.driver opengl.way opengl.software
-    check "who drew" "$(value renderer)" "gl"
+    check "name of the renderer" "$(value renderer)" "gl"
     # The renderer auto is gl with a graphics card and points without one. With force_gl_renderer, Mesa's software
     # renderer has the name of a card.
     software=$(value opengl.software)
     run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out auto.png --json
     if [ "$software" = true ]; then
-        check "who drew without a card" "$(value renderer)" "points"
+        check "name of the renderer without a graphics card" "$(value renderer)" "points"
         has no_card
-        check "the same picture" "$(value file_sha256)" "$first"
+        check "digest of the picture" "$(value file_sha256)" "$first"
         export force_gl_renderer="a card"
         run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out card.png --json
         unset force_gl_renderer
         case $(value opengl.driver) in
         "a card")
-            check "who drew with a card" "$(value renderer)" "gl"
-            cmp -s gl.png card.png || fail "another picture with a card"
+            check "name of the renderer with a graphics card" "$(value renderer)" "gl"
+            cmp -s gl.png card.png || fail "the pictures of --renderer gl and --renderer auto differ"
             ;;
-        *) check "who drew" "$(value renderer)" "points" ;; # Mesa before 22 does not rename its renderers
+        *) check "name of the renderer" "$(value renderer)" "points" ;; # Mesa before 22 does not rename its renderers
         esac
     else
-        check "who drew with a card" "$(value renderer)" "gl"
+        check "name of the renderer with a graphics card" "$(value renderer)" "gl"
     fi
     # All backends make the same mesh. The picture differs from that of the points only at edges.
     run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer mesh --out mesh.png --json
     has opengl.version mesh.chunks mesh.drawn_faces mesh.bytes mesh.mesh_ms mesh.copy_ms
-    check "who drew" "$(value renderer)" "mesh"
-    [ "$(value mesh.drawn_faces)" -gt 1000 ] || fail "a mesh of $(value mesh.drawn_faces) faces"
+    check "name of the renderer" "$(value renderer)" "mesh"
+    [ "$(value mesh.drawn_faces)" -gt 1000 ] || fail "the mesh has $(value mesh.drawn_faces) faces, expected more than 1000"
     run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer mesh --backend ref --out mesh-ref.png
-    cmp -s mesh.png mesh-ref.png || fail "another mesh by the reference"
+    cmp -s mesh.png mesh-ref.png || fail "the pictures of the meshes of cpu and ref differ"
     if "$osteon" devices | grep -q '^  cl *yes'; then
         run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer mesh --backend cl --out mesh-cl.png
-        cmp -s mesh.png mesh-cl.png || fail "another mesh by OpenCL"
+        cmp -s mesh.png mesh-cl.png || fail "the pictures of the meshes of cpu and OpenCL differ"
     fi
     run 0 render bone.nrrd --size 240x160 --tool builtin:reamer --renderer thesis --out thesis.png --json
-    check "who drew" "$(value renderer)" "thesis"
+    check "name of the renderer" "$(value renderer)" "thesis"
 else
     refuse 3 "" render bone.nrrd --size 240x160 --renderer gl --out gl.png
     refuse 3 "" render bone.nrrd --size 240x160 --renderer mesh --out mesh.png
     run 0 render bone.nrrd --size 240x160 --style faces --renderer auto --out auto.png --json
-    check "who drew without OpenGL" "$(value renderer) $(value file_sha256)" "points $first"
+    check "name of the renderer and digest of the picture without OpenGL" "$(value renderer) $(value file_sha256)" "points $first"
     has no_card
 fi
 
@@ -88,14 +88,14 @@ for verb in render export; do
         $verb bone.nrrd --out a.png --view glenoid
     refuse 2 "--size 5x5x5: expected" $verb bone.nrrd --out a.png --view whole --size 5x5x5
     run 0 $verb bone.nrrd --view en-face --extent 60 --size 300x200 --out first.png --json
-    check "$verb's size" "$(value width) $(value height)" "300 200"
+    check "size of the picture of $verb" "$(value width) $(value height)" "300 200"
     first=$(value file_sha256)
     export OSTEON_ISA=scalar
     run 0 $verb bone.nrrd --view en-face --extent 60 --size 300x200 --threads 1 --out again.png --json
     unset OSTEON_ISA
-    check "$verb, by the scalar loops" "$(value file_sha256)" "$first"
+    check "digest of the picture of $verb drawn with isa=scalar" "$(value file_sha256)" "$first"
     run 0 $verb ct.nrrd --view lateral --size 64 --out square.png --json
-    check "$verb's square" "$(value width) $(value height)" "64 64"
+    check "size of the square picture of $verb" "$(value width) $(value height)" "64 64"
 done
 run 0 import ct.nrrd --cubic 1 --out coarse.nrrd
 run 0 export coarse.nrrd --slices --size 100 --out slices.png --json
@@ -118,11 +118,11 @@ for shown in "--colour class" "--colour depth" "--colour density" "--colour bone
     # shellcheck disable=SC2086
     run 0 render cut.nrrd --before bone.nrrd --size 240x160 $shown --out shown.png --json
     first=$(value file_sha256)
-    [ "$(cksum <shown.png)" != "$plain" ] || fail "$shown is not seen"
+    [ "$(cksum <shown.png)" != "$plain" ] || fail "$shown does not change the picture"
     export OSTEON_ISA=scalar
     # shellcheck disable=SC2086
     run 0 render cut.nrrd --before bone.nrrd --size 240x160 --threads 1 $shown --out shown.png --json
     unset OSTEON_ISA
-    check "$shown, by the scalar loops" "$(value file_sha256)" "$first"
+    check "digest of the picture with $shown drawn with isa=scalar" "$(value file_sha256)" "$first"
 done
 finish

@@ -23,57 +23,57 @@ done
 has items.0.title items.0.kind missing.0.reason
 run 0 reproduce --list
 checks=$((checks + 1))
-grep -q '^table-3\.3  *times ' out || fail "the list has no line of table-3.3: $(head -n 3 out)"
+grep -q '^table-3\.3  *times ' out || fail "the list for readers has no line for table-3.3: $(head -n 3 out)"
 
 # Makes items of all kinds: counts, times and pictures.
 run 0 reproduce table-3.2,figure-3.2,table-3.4,table-3.6,section-3.2.6,figure-2.2 --out once --quick --json
-check "measured" "$(value measured) $(value not_measured)" "6 0"
-check "the first item" "$(value items.0.name)" figure-2.2
+check "numbers of measured and of not measured items" "$(value measured) $(value not_measured)" "6 0"
+check "name of the first item" "$(value items.0.name)" figure-2.2
 for file in table-3.2.csv table-3.2.json figure-3.2.svg figure-3.2-2.svg table-3.4.csv table-3.4.svg section-3.2.6.svg \
     figure-2.2-before.svg figure-2.2-after.svg report.html; do
     checks=$((checks + 1))
-    [ -s "once/$file" ] || fail "no file once/$file"
+    [ -s "once/$file" ] || fail "the file once/$file is missing or empty"
 done
-check "files that are not announced" "$(ls -A once | grep -c '^\.')" 0
-check "nothing is left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-)" 0
+check "hidden files in the folder" "$(ls -A once | grep -c '^\.')" 0
+check "files of osteon left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-)" 0
 
 # The counts of the thesis' event and of the phantoms must be equal on every machine.
 cp once/table-3.4.json out
 check "chunks of the event" "$(value rows.0.chunks.value) $(value rows.1.chunks.value) $(value rows.2.chunks.value)" "80 18 8"
-check "the thesis' chunks" "$(value rows.0.chunks.thesis) $(value rows.1.chunks.thesis) $(value rows.2.chunks.thesis)" "80 18 8"
+check "chunks of the event in the thesis" "$(value rows.0.chunks.thesis) $(value rows.1.chunks.thesis) $(value rows.2.chunks.thesis)" "80 18 8"
 check "removed voxels" "$(value rows.0.removed_voxels) $(value rows.1.removed_voxels)" "8089 8089"
 checks=$((checks + 1))
-grep -q '"thesis": 1172' once/table-3.4.json || fail "the thesis' 1.172 ms are missing"
+grep -q '"thesis": 1172' once/table-3.4.json || fail "table-3.4.json does not contain the thesis' value 1172"
 
 # A name may be written as in the thesis.
 run 0 reproduce 'Table 3.1,fig-3.15' --out named --quick
-check "the scapula's dimensions" "$(grep -c '^.*Scapula,.*256 x 234 x 201,256 x 234 x 201,12040704,12040704,' named/table-3.1.csv)" 1
+check "rows of table-3.1 with the dimensions of the scapula" "$(grep -c '^.*Scapula,.*256 x 234 x 201,256 x 234 x 201,12040704,12040704,' named/table-3.1.csv)" 1
 checks=$((checks + 1))
-[ -s named/figure-3.15.csv ] || fail "fig-3.15 is not figure-3.15"
+[ -s named/figure-3.15.csv ] || fail "the item fig-3.15 did not write figure-3.15.csv"
 
 # The merged result must contain the rows of both machines, distinguished by their names.
 run 0 reproduce --merge once --merge named --merge once --out merged --json
-check "merged items" "$(value measured)" 8
-check "rows of two machines" "$(grep -c . merged/table-3.4.csv)" 7
-check "names of machines" "$(sed 1d merged/table-3.4.csv | sed 's/"\([^"]*\)".*/\1/' | sort -u | wc -l | tr -d ' ')" 2
+check "number of merged items" "$(value measured)" 8
+check "lines of table-3.4.csv with two machines" "$(grep -c . merged/table-3.4.csv)" 7
+check "number of different names of machines" "$(sed 1d merged/table-3.4.csv | sed 's/"\([^"]*\)".*/\1/' | sort -u | wc -l | tr -d ' ')" 2
 run 0 reproduce table-3.4 --merge merged --out again --quiet
-check "merging one folder changes nothing" "$(cmp merged/table-3.4.json again/table-3.4.json && echo same)" same
+check "table-3.4.json after merging a single folder" "$(cmp merged/table-3.4.json again/table-3.4.json && echo same)" same
 
 # A report must list every table and figure, and be a single page.
 for n in table-2.2 figure-3.10 figure-1.3; do
     checks=$((checks + 1))
     grep -q "$(echo "$n" | sed 's/^\(.\)\(.*\)-/\1\2 /; s/^t/T/; s/^f/F/')" once/report.html || fail "the report does not list $n"
 done
-check "files that the report loads" "$(grep -c 'src="[^d]\|href=' once/report.html)" 0
+check "references of the report to other files" "$(grep -c 'src="[^d]\|href=' once/report.html)" 0
 if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     checks=$((checks + 1))
-    "$PYTHON3" "$source_folder/tests/app/check_reproduce.py" once named merged >out 2>&1 || fail "files disagree: $(cat out)"
+    "$PYTHON3" "$source_folder/tests/app/check_reproduce.py" once named merged >out 2>&1 || fail "the files of the items do not agree: $(cat out)"
 fi
 
 # Tests a CT of the user that replaces a model.
 run 0 phantom glenoid --out own.nrrd --scale 0.5
 run 0 reproduce table-3.1 --ct glenoid=own.nrrd --out own --quick
-check "the own CT" "$(grep -c 'Glenoid (own CT)' own/table-3.1.csv)" 1
+check "rows of table-3.1 with the user's own CT" "$(grep -c 'Glenoid (own CT)' own/table-3.1.csv)" 1
 refuse 2 'none.nrrd' reproduce table-3.1 --ct none.nrrd --out own2 --quick
 
 # Tests arguments that must be refused.
@@ -103,9 +103,9 @@ kill -TERM $pid 2>/dev/null
 wait $pid
 status=$?
 checks=$((checks + 1))
-[ $status -eq 143 ] || fail "status $status of an interrupted run: $(cat err)"
+[ $status -eq 143 ] || fail "exit status of an interrupted run: $status, expected 143: $(cat err)"
 check "hidden files of an interrupted run" "$(ls -A cut | grep -c '^\.')" 0
-check "texts of an interrupted run" "$(ls -A "$scratch" | grep -c osteon-)" 0
+check "files that an interrupted run left in TMPDIR" "$(ls -A "$scratch" | grep -c osteon-)" 0
 for file in cut/*.json; do
     "$json_get" item <"$file" >/dev/null || fail "$file is not complete"
 done

@@ -4,8 +4,8 @@
 # and cpu), the instruction set, the number of threads (1, 2, 3 and 7), the environment variables of
 # OpenMP, and the chunk size (16, 32 and 64 voxels).
 #
-# Every configuration does the same work from one text in its own folder. Its files are compared
-# with those of the reference by cmp:
+# Every configuration writes the same outputs from one CT text, in a folder of its own. The files are
+# compared with those of the reference by cmp:
 #   import of text in order and shuffled, NRRD, NIfTI   bones, raw and gzip
 #   voxelize by both rules, one mesh and two            tools
 #   ream by built-in paths and by poses                 bones
@@ -22,10 +22,10 @@
 . "${srcdir:-.}/tests/app/lib.sh"
 
 long=${OST_TEST_LONG:-0}
-have() { "$osteon" devices | grep -q "^  $1 *yes"; }
-have assimp && meshes=yes || meshes=no
-have nifti && nifti=yes || nifti=no
-have png && png=yes || png=no
+is_built() { "$osteon" devices | grep -q "^  $1 *yes"; }
+is_built assimp && meshes=yes || meshes=no
+is_built nifti && nifti=yes || nifti=no
+is_built png && png=yes || png=no
 
 # Makes the inputs that all configurations share.
 run 0 phantom glenoid --spacing 0.8 --out ct.nrrd
@@ -49,52 +49,52 @@ awk -v x="$1" -v y="$2" -v z="$3" 'BEGIN {
     }
 }' >poses.csv
 
-# timeless: removes the lines of a JSON object that contain times.
-timeless() { grep -vE '^ *"(time_ms|run_ms|p50|p99|max)":' | sed 's/,$//'; }
-# chunkless: removes the keys that depend on chunks. Their values may be numbers or arrays.
-chunkless() { awk '/"(chunk|chunks|active_chunks|chunk_bytes)": [0-9]/ { next } /"chunk_dims": \[/ { skip = 1 } !skip { print } /\]/ { skip = 0 }'; }
+# without_times: removes the lines of a JSON object that contain times.
+without_times() { grep -vE '^ *"(time_ms|run_ms|p50|p99|max)":' | sed 's/,$//'; }
+# without_chunks: removes the keys that depend on chunks. Their values may be numbers or arrays.
+without_chunks() { awk '/"(chunk|chunks|active_chunks|chunk_bytes)": [0-9]/ { next } /"chunk_dims": \[/ { skip = 1 } !skip { print } /\]/ { skip = 0 }'; }
 
-# verb OUTPUT ARGUMENT...: runs a verb and stores its JSON object in OUTPUT.json
-verb() {
+# run_verb OUTPUT ARGUMENT...: runs a verb and stores its JSON object in OUTPUT.json
+run_verb() {
     output=$1
     shift
     "$osteon" "$@" --json >object 2>err
     status=$?
     [ $status -eq 0 ] || { [ "$1" = diff ] && [ $status -eq 1 ]; } || fail "osteon $*: status $status: $(head -c 300 err)"
-    timeless <object >"$output.chunked.json"
-    chunkless <"$output.chunked.json" >"$output.json"
+    without_times <object >"$output.chunked.json"
+    without_chunks <"$output.chunked.json" >"$output.json"
     rm -f object err
     # Only import and ream have keys that depend on chunks.
     case $1 in import | ream) ;; *) rm "$output.chunked.json" ;; esac
 }
 
-# work CHUNK OPTION...: does all the work in the current folder
-work() {
+# make_files CHUNK OPTION...: writes all outputs to the current folder
+make_files() {
     chunk=$1
     shift
-    verb bone import ../ct.txt --out bone.nrrd --chunk "$chunk" "$@"
-    verb small import ../shuffled.txt --spacing 0.8 --out small.nrrd --compress --chunk "$chunk" "$@"
-    verb coarse import ../ct.nrrd --cubic 1.1 --resample nearest --threshold 300 --out coarse.nrrd --chunk "$chunk" "$@"
-    [ $nifti = no ] || verb nii import ../ct.nii.gz --out nii.nrrd --chunk "$chunk" "$@"
+    run_verb bone import ../ct.txt --out bone.nrrd --chunk "$chunk" "$@"
+    run_verb small import ../shuffled.txt --spacing 0.8 --out small.nrrd --compress --chunk "$chunk" "$@"
+    run_verb coarse import ../ct.nrrd --cubic 1.1 --resample nearest --threshold 300 --out coarse.nrrd --chunk "$chunk" "$@"
+    [ $nifti = no ] || run_verb nii import ../ct.nii.gz --out nii.nrrd --chunk "$chunk" "$@"
     if [ $meshes = yes ]; then
-        verb reamer voxelize ../reamer.stl --voxel 0.5 --noncutting ../peg.stl --out reamer.nrrd "$@"
-        verb parity voxelize ../peg.stl --voxel 0.3 --rule parity --out parity.nrrd "$@"
+        run_verb reamer voxelize ../reamer.stl --voxel 0.5 --noncutting ../peg.stl --out reamer.nrrd "$@"
+        run_verb parity voxelize ../peg.stl --voxel 0.3 --rule parity --out parity.nrrd "$@"
     else
-        verb reamer voxelize builtin:reamer --voxel 0.5 --out reamer.nrrd "$@"
+        run_verb reamer voxelize builtin:reamer --voxel 0.5 --out reamer.nrrd "$@"
     fi
-    verb reamed ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole \
+    run_verb reamed ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole \
         --rate 30 --out reamed.nrrd --chunk "$chunk" "$@"
-    [ "$long" != 1 ] || verb glenoid ream --bone reamed.nrrd --tool reamer.nrrd --path builtin:glenoid-ream --rate 60 \
+    [ "$long" != 1 ] || run_verb glenoid ream --bone reamed.nrrd --tool reamer.nrrd --path builtin:glenoid-ream --rate 60 \
         --out glenoid.nrrd --chunk "$chunk" "$@"
-    verb free ream --bone ../ct.txt --tool reamer.nrrd --path ../poses.csv --out free.nrrd --chunk "$chunk" "$@"
-    verb info info reamed.nrrd --digest "$@"
-    verb text export reamed.nrrd --out reamed.txt "$@"
-    verb surface export reamed.nrrd --out reamed.stl "$@"
-    [ $nifti = no ] || verb volume export reamed.nrrd --out reamed.nii.gz "$@"
-    verb difference diff bone.nrrd reamed.nrrd "$@"
+    run_verb free ream --bone ../ct.txt --tool reamer.nrrd --path ../poses.csv --out free.nrrd --chunk "$chunk" "$@"
+    run_verb info info reamed.nrrd --digest "$@"
+    run_verb text export reamed.nrrd --out reamed.txt "$@"
+    run_verb surface export reamed.nrrd --out reamed.stl "$@"
+    [ $nifti = no ] || run_verb volume export reamed.nrrd --out reamed.nii.gz "$@"
+    run_verb difference diff bone.nrrd reamed.nrrd "$@"
     if [ "$draws" = yes ]; then
-        verb slices export reamed.nrrd --before bone.nrrd --slices --out slices.png "$@"
-        verb page diff bone.nrrd reamed.nrrd --html page.html "$@"
+        run_verb slices export reamed.nrrd --before bone.nrrd --slices --out slices.png "$@"
+        run_verb page diff bone.nrrd reamed.nrrd --html page.html "$@"
     fi
 }
 
@@ -104,42 +104,42 @@ pictures=0
 [ $png = no ] || pictures=4
 draws=$png
 ways=0
-# same NAME CHUNK OPTION...: does the work and compares the files with those of the reference
-same() {
+# compare_files NAME CHUNK OPTION...: writes the outputs and compares them with those of the reference
+compare_files() {
     name=$1
     shift
     [ "$long" = 1 ] || [ $((ways % 5)) -eq 0 ] && draws=$png || draws=no
     ways=$((ways + 1))
     mkdir way && cd way || exit 99
-    work "$@"
+    make_files "$@"
     for file in *; do
         case $file in *.chunked.json) against=../ref$1 ;; *) against=../ref32 ;; esac
         checks=$((checks + 1))
-        cmp -s "$file" "$against/$file" || fail "$name, chunks of $1: $file is another than the reference's"
+        cmp -s "$file" "$against/$file" || fail "$name, chunks of $1: $file differs from the reference's file"
     done
     here=$(ls | wc -l) all=$(ls ../ref32 | wc -l)
     [ "$draws" = yes ] || here=$((here + pictures))
-    check "$name, chunks of $1: files" $((here)) $((all))
+    check "$name, chunks of $1: number of files" $((here)) $((all))
     cd .. && rm -r way
 }
 
 for size in 32 16 64; do
     mkdir ref$size && cd ref$size || exit 99
-    work $size --backend ref
+    make_files $size --backend ref
     cd ..
     [ $size = 32 ] && continue
     for file in ref32/*; do
         case $file in *.chunked.json) continue ;; esac
         checks=$((checks + 1))
-        cmp -s "$file" "ref$size/${file#ref32/}" || fail "ref, chunks of $size: ${file#ref32/} is another than with 32"
+        cmp -s "$file" "ref$size/${file#ref32/}" || fail "ref, chunks of $size: ${file#ref32/} differs from the file with chunks of 32"
     done
 done
 # The comparison would prove nothing if the reference removed no voxels, or if the filters removed
 # all lines of the objects.
-check "removed by the built-in paths" "$(grep -c '"removed_voxels": [1-9]' ref32/reamed.json)" 1
-check "removed by the poses" "$(grep -c '"removed_voxels": [1-9]' ref32/free.json)" 1
-check "digests kept in JSON" "$(grep -c '"sha256"' ref32/bone.json)" 4
-cmp -s ref32/bone.nrrd ref32/small.nrrd && fail "gzip made a raw file"
+check "the built-in paths remove voxels" "$(grep -c '"removed_voxels": [1-9]' ref32/reamed.json)" 1
+check "the poses remove voxels" "$(grep -c '"removed_voxels": [1-9]' ref32/free.json)" 1
+check "number of digests in bone.json" "$(grep -c '"sha256"' ref32/bone.json)" 4
+cmp -s ref32/bone.nrrd ref32/small.nrrd && fail "the compressed file equals the raw file"
 
 [ $failures -eq 0 ] || finish
 
@@ -153,23 +153,23 @@ for isa in $isas; do
         turn=$((turn + 1))
         for size in 16 32 64; do
             [ "$long" = 1 ] || [ $((turn % 3)) -eq $((size / 16 % 4 % 3)) ] || continue
-            same "cpu:isa=$isa, $threads threads" $size --backend "cpu:isa=$isa" --threads $threads
+            compare_files "cpu:isa=$isa, $threads threads" $size --backend "cpu:isa=$isa" --threads $threads
         done
     done
 done
 
 # Tests the environment variables of OpenMP: an odd number of threads, fewer threads than requested,
 # and a dynamic number.
-OMP_NUM_THREADS=5 OMP_SCHEDULE=dynamic,1 same "OMP_NUM_THREADS=5" 32
-OMP_THREAD_LIMIT=2 OMP_DYNAMIC=true same "OMP_THREAD_LIMIT=2" 32 --threads 7
+OMP_NUM_THREADS=5 OMP_SCHEDULE=dynamic,1 compare_files "OMP_NUM_THREADS=5" 32
+OMP_THREAD_LIMIT=2 OMP_DYNAMIC=true compare_files "OMP_THREAD_LIMIT=2" 32 --threads 7
 if [ "$long" = 1 ]; then
     for size in 16 64; do
-        OMP_NUM_THREADS=1 same "OMP_NUM_THREADS=1" $size
-        OMP_NUM_THREADS=9 OMP_WAIT_POLICY=passive OMP_PROC_BIND=false same "OMP_NUM_THREADS=9" $size
+        OMP_NUM_THREADS=1 compare_files "OMP_NUM_THREADS=1" $size
+        OMP_NUM_THREADS=9 OMP_WAIT_POLICY=passive OMP_PROC_BIND=false compare_files "OMP_NUM_THREADS=9" $size
     done
 fi
-if have embree; then
-    same "voxelizer=embree" 32 --backend cpu:voxelizer=embree --threads 3
+if is_built embree; then
+    compare_files "voxelizer=embree" 32 --backend cpu:voxelizer=embree --threads 3
 fi
-echo "instruction sets:$isas; $ways ways, $(ls ref32 | wc -l | tr -d ' ') files each"
+echo "instruction sets:$isas; $ways configurations with $(ls ref32 | wc -l | tr -d ' ') files each"
 finish

@@ -12,19 +12,19 @@ run 0 import ct.nrrd --out bone.nrrd
 # Records 7,652 ticks with two tools, from a built-in bone to a complete session.
 run 0 ream --bone bone.nrrd --tool builtin:peg --path builtin:peg-hole --tool builtin:reamer --path builtin:glenoid-ream --out whole.nrrd \
     --record whole.session --json
-check "the session is named" "$(value session)" whole.session
+check "name of the session" "$(value session)" whole.session
 whole=$(value sha256)
 ticks=$(value ticks)
 run 0 replay whole.session --verify --out again.nrrd --json
 has ticks equal end_compared removed_voxels sha256 file_sha256
-check "ticks done again" "$(value ticks)" "$ticks"
-check "equal" "$(value equal) $(value end_compared) $(value sha256)" "true true $whole"
-cmp -s whole.nrrd again.nrrd || fail "the bone of a replay is another file than that of the recording"
+check "ticks of the replay" "$(value ticks)" "$ticks"
+check "replay of the session: equal, end compared, digest" "$(value equal) $(value end_compared) $(value sha256)" "true true $whole"
+cmp -s whole.nrrd again.nrrd || fail "the file of the replayed bone differs from that of the recorded bone"
 run 0 info whole.session --json
 has kind header.bone_sha256 header.config_sha256 header.build
-check "info" "$(value kind) $(value ticks) $(value replayable_ticks) $(value ended) '$(value missing)'" "session $ticks $ticks true ''"
+check "info of the session: kind, ticks, replayable ticks, ended, missing" "$(value kind) $(value ticks) $(value replayable_ticks) $(value ended) '$(value missing)'" "session $ticks $ticks true ''"
 run 0 info whole.session
-grep -q "a session of 7,652 ticks in 7.651 s" out || fail "info says: $(head -1 out)"
+grep -q "a session of 7,652 ticks in 7.651 s" out || fail "the first line of info is wrong: $(head -1 out)"
 
 # Exports a table whose first columns are a path. It contains the last part of the hole and the
 # first contact of the reamer.
@@ -37,23 +37,23 @@ sed -n '1p;2600,2660p;5000,5060p' whole.csv | cut -d, -f1-9 >short.csv
 run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out short.nrrd --record short.session --backend ref --json
 short=$(value sha256)
 isas=$("$osteon" devices --json | tee devices.json >/dev/null; i=0; while isa=$("$json_get" backends.0.isas.$i <devices.json 2>/dev/null); do echo "$isa"; i=$((i + 1)); done)
-[ -n "$isas" ] || fail "devices names no instruction set"
+[ -n "$isas" ] || fail "osteon devices lists no instruction set"
 tried=0
 for isa in $isas; do
     for threads in 1 2 3; do
         [ "$long" = 1 ] || [ $((tried % 4)) -eq 0 ] || { tried=$((tried + 1)); continue; }
         run 0 replay short.session --verify --backend "cpu:isa=$isa,threads=$threads" --json
-        check "cpu:isa=$isa,threads=$threads" "$(value equal) $(value ticks) $(value sha256)" "true 122 $short"
+        check "replay on cpu:isa=$isa,threads=$threads: equal, ticks, digest" "$(value equal) $(value ticks) $(value sha256)" "true 122 $short"
         tried=$((tried + 1))
     done
 done
 run 0 replay short.session --verify --backend ref --json
-check "ref" "$(value equal) $(value sha256)" "true $short"
+check "replay on ref: equal, digest" "$(value equal) $(value sha256)" "true $short"
 run 0 ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.session --out short2.nrrd --json
-check "a session as a path" "$(value sha256)" "$short"
+check "digest of ream with a session as its path" "$(value sha256)" "$short"
 if [ "$long" = 1 ]; then
     run 0 replay whole.session --verify --backend ref --json
-    check "all of it on ref" "$(value equal) $(value sha256)" "true $whole"
+    check "replay of the complete session on ref: equal, digest" "$(value equal) $(value sha256)" "true $whole"
 fi
 
 # The session must contain a different chunk size, the option for no sweep, a rate and the user's
@@ -61,17 +61,17 @@ fi
 run 0 ream --bone ct.nrrd --chunk 16 --threshold 150 --sweep off --rate 333 --classes 'soft:150,hard:600' --tool builtin:peg --tool builtin:reamer \
     --voxel 0.75 --path short.csv --out other.nrrd --record other.session
 run 0 replay other.session --verify --video other.y4m --video-fps 40 --size 64x36 --json
-check "other options" "$(value equal)" true
-check "a video of it" "$(($(wc -c <other.y4m) / (6 + 3 * 64 * 36))) $(value video.dropped)" "$(value video.frames) 0"
+check "replay of a session with other options: equal" "$(value equal)" true
+check "frames in the video file and dropped frames" "$(($(wc -c <other.y4m) / (6 + 3 * 64 * 36))) $(value video.dropped)" "$(value video.frames) 0"
 frames=$(value video.frames)
-[ "$frames" -gt 1 ] || fail "a video of $frames frames"
+[ "$frames" -gt 1 ] || fail "the video has $frames frames, expected at least 2"
 # The view options are those of osteon sim. Each option must give different pictures and the same
 # number of pictures.
 run 0 replay other.session --video plain.y4m --video-fps 40 --size 320x180
 for look in "--colour depth" "--clip axial" "--ghost implant" "--overlay chunks" "--contact"; do
     run 0 replay other.session --video other2.y4m --video-fps 40 --size 320x180 $look --json
-    check "a video with $look" "$(value video.frames) $(value equal)" "$frames true"
-    cmp -s other2.y4m plain.y4m && fail "$look is not to be seen"
+    check "video with $look: frames, equal" "$(value video.frames) $(value equal)" "$frames true"
+    cmp -s other2.y4m plain.y4m && fail "$look does not change the video"
     rm other2.y4m
 done
 # After a signal while an encoder runs, no part of the video may remain, neither immediately nor
@@ -95,16 +95,16 @@ wait_for() {
 wait_for encoder-began
 kill -TERM $!
 wait $!
-check "status of a replay that SIGTERM ended" $? 143
-check "files of its video" "$(ls -A | grep -E 'killed|part$|part\.')" ""
+check "exit status of a replay after SIGTERM" $? 143
+check "files of the video after SIGTERM" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 : >encoder-continues
 wait_for encoder-ended
-check "files of its video when the encoder has ended" "$(ls -A | grep -E 'killed|part$|part\.')" ""
+check "files of the video after the encoder has ended" "$(ls -A | grep -E 'killed|part$|part\.')" ""
 refuse 2 "unknown overlay" replay other.session --video other2.y4m --overlay chunk
 refuse 2 "v.avi: unknown format" replay other.session --video v.avi
 [ ! -e v.avi ] || fail "a video of an unknown format left a folder"
 run 0 replay other.session --verify --backend cpu:isa=scalar --ticks 61 --out half.nrrd --json
-check "half of it" "$(value ticks) $(value end_compared)" "61 false"
+check "replay with --ticks 61: ticks, end compared" "$(value ticks) $(value end_compared)" "61 false"
 
 # Tests inputs that must be refused: another bone, another tool, no bone, and a file that is not a
 # session.
@@ -112,8 +112,8 @@ refuse 2 "is not the bone of this session" replay short.session --bone whole.nrr
 refuse 2 "is not the tool 0 of this session" replay short.session --tool builtin:reamer --tool builtin:peg
 refuse 2 "1 tools given; the session has 2" replay short.session --tool builtin:peg
 mkdir moved && cp short.session moved/
-(cd moved && "$osteon" replay short.session 2>../err >/dev/null) && fail "a bone that is not there"
-(cd moved && "$osteon" replay short.session --bone ../bone.nrrd >/dev/null) || fail "a bone that was moved"
+(cd moved && "$osteon" replay short.session 2>../err >/dev/null) && fail "replay accepts a session whose bone is missing"
+(cd moved && "$osteon" replay short.session --bone ../bone.nrrd >/dev/null) || fail "replay refuses a bone in another folder"
 refuse 2 "not a session" replay bone.nrrd
 refuse 2 "No such file" replay nothing.session
 refuse 2 "--repair needs a session" info bone.nrrd --repair x.session
@@ -125,45 +125,45 @@ refuse 2 "is a session, not a CT" import short.session --out x.nrrd
 size=$(wc -c <whole.session | tr -d ' ')
 head -c $((size / 2)) whole.session >cut.session
 run 0 replay cut.session --json
-check "cut: equal" "$(value equal) $(value end_compared)" "true false"
-[ "$(value ticks)" -gt 1000 ] || fail "half of a session has $(value ticks) ticks"
-grep -q "the recording was cut off after tick" err || fail "cut: $(cat err)"
+check "truncated session: equal, end compared" "$(value equal) $(value end_compared)" "true false"
+[ "$(value ticks)" -gt 1000 ] || fail "the truncated session has $(value ticks) ticks, expected more than 1000"
+grep -q "the recording was cut off after tick" err || fail "wrong message for the truncated session: $(cat err)"
 # Tests the results of --verify: equal to the end, different, or equal up to the end of the file.
 run 0 replay whole.session --verify --json
-check "whole" "$(value complete) $(value equal) $(value verified_ticks) $(value recorded_ticks)" "true true $ticks $ticks"
+check "complete session: complete, equal, verified ticks, recorded ticks" "$(value complete) $(value equal) $(value verified_ticks) $(value recorded_ticks)" "true true $ticks $ticks"
 run 2 replay cut.session --verify --out cut.nrrd --json
-check "cut: verified in part" "$(value complete) $(value equal) $(value end_compared)" "false true false"
+check "truncated session with --verify: complete, equal, end compared" "$(value complete) $(value equal) $(value end_compared)" "false true false"
 verified=$(value verified_ticks)
-check "cut: ticks that can be seen" "$(value recorded_ticks)" "$verified"
-grep -qF "cut.session: verified only up to tick $verified of at least $verified; these are equal" err || fail "cut: $(cat err)"
-[ ! -e cut.nrrd ] || fail "a bone of a recording that was not verified to its end"
+check "truncated session: recorded ticks" "$(value recorded_ticks)" "$verified"
+grep -qF "cut.session: verified only up to tick $verified of at least $verified; these are equal" err || fail "wrong message for the truncated session: $(cat err)"
+[ ! -e cut.nrrd ] || fail "replay wrote a bone although the session was not verified to its end"
 run 0 replay cut.session --verify --ticks 100 --json
-check "cut: as many as asked for" "$(value complete) $(value verified_ticks)" "false 100"
+check "truncated session with --ticks: complete, verified ticks" "$(value complete) $(value verified_ticks)" "false 100"
 # If a block in the middle is damaged, the ticks before it must be compared, and the end record
 # gives the total.
 cp whole.session hole.session
 printf 'xxxx' | dd of=hole.session bs=1 seek=$((size / 2)) conv=notrunc 2>/dev/null
 run 2 replay hole.session --verify --json
 verified=$(value verified_ticks)
-check "hole" "$(value complete) $(value equal) $(value recorded_ticks)" "false true $ticks"
-[ "$verified" -gt 100 ] && [ "$verified" -lt "$ticks" ] || fail "hole: $verified of $ticks ticks verified"
-grep -qF "verified only up to tick $verified of $ticks; these are equal" err || fail "hole: $(cat err)"
+check "session with a damaged block: complete, equal, recorded ticks" "$(value complete) $(value equal) $(value recorded_ticks)" "false true $ticks"
+[ "$verified" -gt 100 ] && [ "$verified" -lt "$ticks" ] || fail "session with a damaged block: $verified of $ticks ticks were verified"
+grep -qF "verified only up to tick $verified of $ticks; these are equal" err || fail "wrong message for the session with a damaged block: $(cat err)"
 run 0 info cut.session --repair repaired.session --json
 complete_ticks=$(value replayable_ticks)
 run 0 info repaired.session --json
-check "repaired" "$(value replayable_ticks) $(value cut_bytes) $(value damaged_bytes)" "$complete_ticks 0 0"
+check "repaired session: replayable ticks, cut bytes, damaged bytes" "$(value replayable_ticks) $(value cut_bytes) $(value damaged_bytes)" "$complete_ticks 0 0"
 cp short.session damaged.session
 printf 'x' | dd of=damaged.session bs=1 seek=$(($(wc -c <short.session) - 100)) conv=notrunc 2>/dev/null
 run 0 info damaged.session
-grep -q "bytes" err || fail "damaged: $(cat err)"
+grep -q "bytes" err || fail "the message for a damaged session does not state the bytes: $(cat err)"
 
 # Without disk space, or with a link in place of the file, the operation must not start.
 ln -s victim link.session
 refuse 2 "link.session: is a symbolic link" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record link.session --quiet
-[ ! -e x.nrrd ] && [ ! -e victim ] || fail "a recording through a link"
+[ ! -e x.nrrd ] && [ ! -e victim ] || fail "ream recorded to a file through a link"
 if [ -w /dev/full ]; then
     refuse 2 "the disk is full" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path short.csv --out x.nrrd --record /dev/full --quiet
-    [ ! -e x.nrrd ] || fail "a bone without its recording"
+    [ ! -e x.nrrd ] || fail "ream wrote a bone although its session could not be recorded"
 fi
 # If the disk becomes full during the recording, the bone must be complete, and the command must
 # report the incomplete session.
@@ -172,18 +172,18 @@ fi
     "$osteon" ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path path.csv --out limited.nrrd --compress \
         --record limited.session >/dev/null 2>err
 )
-check "status of a recording that met a limit" $? 2
-grep -q "limit of a file's size is reached" err || fail "a limit: $(cat err)"
+check "exit status if the file size of the session is limited" $? 2
+grep -q "limit of a file's size is reached" err || fail "the error does not state that the file size is limited: $(cat err)"
 run 0 info limited.nrrd
 run 0 info limited.session --json
-[ "$(value replayable_ticks)" -gt 0 ] || fail "nothing is left of a recording that met a limit"
+[ "$(value replayable_ticks)" -gt 0 ] || fail "the session with a limited file size has no replayable ticks"
 
 # Another program, written only from docs/spec/session.md, reads the file. Then a recording is
 # changed.
 if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
     tool="$PYTHON3 $source_folder/tests/app/session_tool.py"
-    check "read by another program" "$($tool check whole.session)" "$ticks ended"
-    check "cut and repaired, by another program" "$($tool check repaired.session)" "$complete_ticks cut off"
+    check "complete session read by session_tool.py" "$($tool check whole.session)" "$ticks ended"
+    check "repaired session read by session_tool.py" "$($tool check repaired.session)" "$complete_ticks cut off"
     fields='digest tool'
     [ "$long" = 1 ] && fields='digest removed tool'
     for field in $fields; do
@@ -191,15 +191,15 @@ if [ -n "${PYTHON3:-}" ] && [ "$PYTHON3" != no ]; then
         "$osteon" replay changed.session --verify --json >out 2>err
         status=$?
         if [ $field = tool ]; then
-            check "tick 70 with another tool: ticks as recorded" "$status $(value first_difference.tick)" "1 70"
+            check "session with another tool in tick 70: exit status, first difference" "$status $(value first_difference.tick)" "1 70"
         else
-            check "tick 70, $field changed" "$status $(value equal) $(value first_difference.tick) $(value first_difference.other_agrees_with_recording)" \
+            check "session with a changed $field in tick 70: exit status, equal, first difference, the other backend agrees" "$status $(value equal) $(value first_difference.tick) $(value first_difference.other_agrees_with_recording)" \
                 "1 false 70 false"
             has first_difference.chunks.0
         fi
     done
     run 1 replay changed.session
-    grep -q "differs from what was recorded from tick 70 on; pass --verify to find where" out || fail "without --verify: $(cat out)"
+    grep -q "differs from what was recorded from tick 70 on; pass --verify to find where" out || fail "wrong message without --verify: $(cat out)"
 fi
 
 # With a wrong backend, the tick, chunk and voxel of the difference must be reported.
@@ -209,17 +209,17 @@ if cp "$build/.libs/mirror.so" . 2>/dev/null; then
     run 0 replay short.session --verify --backend plugin:./mirror.so --json
     # The backend omits its 62nd removal, the first with the reamer.
     run 1 replay short.session --verify --backend plugin:./mirror.so,break=forgets --json
-    check "forgotten" "$(value equal) $(value first_difference.tick) $(value first_difference.other_backend) $(value first_difference.other_agrees_with_recording)" \
+    check "backend that omits a removal: equal, tick, other backend, the other backend agrees" "$(value equal) $(value first_difference.tick) $(value first_difference.other_backend) $(value first_difference.other_agrees_with_recording)" \
         "false 61 ref true"
-    [ "$(value first_difference.density_here)" -ge 120 ] || fail "forgotten: $(value first_difference.density_here)"
-    check "the reference removed it" "$(value first_difference.density_there)" 0
+    [ "$(value first_difference.density_here)" -ge 120 ] || fail "backend that omits a removal: density $(value first_difference.density_here), expected at least 120"
+    check "backend that omits a removal: density of the reference" "$(value first_difference.density_there)" 0
 fi
 if [ -e mirror.so ] && [ "$long" = 1 ]; then
     # After the 20th removal a distant voxel becomes bone. The digest of a tick cannot show this.
     run 1 replay short.session --verify --backend plugin:./mirror.so,break=slips --json
-    check "slipped" "$(value first_difference.at) $(value first_difference.tick) $(value first_difference.chunk) \
+    check "backend that adds a voxel: position, tick, chunk" "$(value first_difference.at) $(value first_difference.tick) $(value first_difference.chunk) \
 $(value first_difference.voxel.0) $(value first_difference.voxel.1) $(value first_difference.voxel.2)" "end 19 0 1 2 3"
-    check "slipped: densities" "$(value first_difference.density_here) $(value first_difference.different_voxels)" "777 1"
+    check "backend that adds a voxel: its density, number of different voxels" "$(value first_difference.density_here) $(value first_difference.different_voxels)" "777 1"
 fi
 
 # If the command is killed while reaming, the recorded part must replay bit-identically.
@@ -240,6 +240,6 @@ while [ $k -lt $kills ]; do
     expected=2
     [ "$(value ended)" = true ] && expected=0
     run $expected replay killed.session --verify --json
-    check "killed: equal" "$(value equal)" true
+    check "session of a killed command: equal" "$(value equal)" true
 done
 finish

@@ -17,24 +17,24 @@ run 0 export felt.session --out felt.csv --json
 has ticks
 first=$(value file_sha256)
 run 0 export felt.session --out again.csv --json
-check "the same bytes again" "$(value file_sha256)" "$first"
-check "a line for each tick" "$(grep -vc '^#\|^t_s' felt.csv)" 2000
+check "digest of a second export" "$(value file_sha256)" "$first"
+check "lines of the table" "$(grep -vc '^#\|^t_s' felt.csv)" 2000
 felt=$(awk -F, 'NR > 1 && !/^#/ && ($21 != 0 || $22 != 0 || $23 != 0) { n++ } END { print n + 0 }' felt.csv)
-[ "$felt" -gt 100 ] || fail "hardly any force: $felt"
+[ "$felt" -gt 100 ] || fail "$felt ticks with a force, expected more than 100"
 run 0 replay felt.session --json
-check "as many voxels as a replay removes" "$(awk -F, 'NR > 1 && !/^#/ { n += $14 } END { print n + 0 }' felt.csv)" "$(value removed_voxels)"
+check "removed voxels in the table and in a replay" "$(awk -F, 'NR > 1 && !/^#/ { n += $14 } END { print n + 0 }' felt.csv)" "$(value removed_voxels)"
 
 # The table must begin with the columns of the path.
 run 0 export early.session --out table.csv
 awk -F, 'NR > 1 && !/^#/ { print $1 + 0, $2 + 0, $4 + 0, $9 }' table.csv >got
 printf '%s\n' "-0.5 0 0 0" "-0.25 0 1 1" "0.125 0 2 0" >expected
-cmp -s got expected || fail "the table of a path: $(cat got)"
+cmp -s got expected || fail "the columns of the path differ from the recorded path: $(cat got)"
 
 for kind in mcap h5 hdf5; do
     refuse 2 "export the session to a table, --out FILE.csv" export felt.session --out x.$kind
-    [ ! -e x.$kind ] || fail "a file in a format that was removed"
+    [ ! -e x.$kind ] || fail "a refused export left x.$kind"
 done
 refuse 2 "not a session" export bone.nrrd --out x.csv
 refuse 2 "cannot write:" export felt.session --out nowhere/x.csv
-[ ! -e x.csv ] || fail "a file of nothing"
+[ ! -e x.csv ] || fail "a refused export left x.csv"
 finish

@@ -8,7 +8,7 @@
 #
 # The test takes minutes, so it is skipped without OST_TEST_LONG=1.
 # Covers: REQ-REPLAY
-[ "${OST_TEST_LONG:-0}" = 1 ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
+[ "${OST_TEST_LONG:-0}" = 1 ] || { echo "skipped: runs only with OST_TEST_LONG=1"; exit 77; }
 . "${srcdir:-.}/tests/app/lib.sh"
 seconds=${OST_SESSION_SECONDS:-300}
 
@@ -18,23 +18,23 @@ run 0 import ct.nrrd --out bone.nrrd
 # remaining time the simulated operator stays at its end.
 run 0 sim --headless --no-clock --bone bone.nrrd --device sim:tremor=300,friction=60 --tool builtin:peg --path builtin:peg-hole \
     --tool builtin:reamer --path builtin:glenoid-ream --seconds "$seconds" --record long.session --json
-check "ticks" "$(value ticks)" $((seconds * 1000))
-[ "$(value removed_voxels)" -gt 1000 ] || [ "$seconds" -lt 10 ] || fail "little was removed: $(value removed_voxels)"
+check "ticks of the operation" "$(value ticks)" $((seconds * 1000))
+[ "$(value removed_voxels)" -gt 1000 ] || [ "$seconds" -lt 10 ] || fail "$(value removed_voxels) voxels were removed, expected more than 1000"
 grid=$(value sha256)
 
-again() {
+replay_on() {
     run 0 replay long.session --verify --backend "$1" --json || return
-    check "$1" "$(value equal) $(value ticks) $(value sha256)" "true $((seconds * 1000)) $grid"
+    check "replay on $1: equal, ticks, digest" "$(value equal) $(value ticks) $(value sha256)" "true $((seconds * 1000)) $grid"
 }
-again ref
+replay_on ref
 "$osteon" devices --json >devices.json 2>/dev/null
 i=0
 while isa=$("$json_get" backends.0.isas.$i <devices.json 2>/dev/null); do
     for threads in 1 2 3; do
-        again "cpu:isa=$isa,threads=$threads"
+        replay_on "cpu:isa=$isa,threads=$threads"
     done
     i=$((i + 1))
 done
-[ $i -gt 0 ] || fail "devices names no instruction set"
-"$osteon" devices | grep -q "^  cl *yes" && again cl
+[ $i -gt 0 ] || fail "osteon devices lists no instruction set"
+"$osteon" devices | grep -q "^  cl *yes" && replay_on cl
 finish

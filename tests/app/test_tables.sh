@@ -13,7 +13,7 @@ first=${backends%% *}
 # model KIND RECT CUBIC CHUNKS: checks the dimensions of a model
 model() {
     run 0 phantom "$1" --out model.nrrd --json || return
-    check "$1: dims" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
+    check "$1: dimensions of the CT" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
     for backend in $backends; do
         run 0 import model.nrrd --out bone.nrrd --json --backend "$backend" || return
         check "$1: rect dims" "$(value rect_dims.0) $(value rect_dims.1) $(value rect_dims.2)" "$2"
@@ -37,8 +37,8 @@ fi
 reamer() {
     for backend in $backends; do
         run 0 voxelize reamer.stl --voxel "$1" --out reamer.nrrd --json --backend "$backend" || return
-        check "reamer at $1" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
-        check "reamer at $1: leaks" "$(value leaking_rows)" 0
+        check "dimensions of the reamer at $1" "$(value dims.0) $(value dims.1) $(value dims.2)" "$2"
+        check "leaking rows of the reamer at $1" "$(value leaking_rows)" 0
         [ "$backend" = "$first" ] && expected_digests=$(value sha256)
         check "reamer at $1: digest by $backend" "$(value sha256)" "$expected_digests"
     done

@@ -10,7 +10,7 @@
 run 0 --help
 cp out help_all
 run 0 --version
-grep -q '^osteon [0-9.]*, arithmetic version [0-9]*$' out || fail "--version: $(cat out)"
+grep -q '^osteon [0-9.]*, arithmetic version [0-9]*$' out || fail "the output of --version is wrong: $(cat out)"
 verbs=$(sed -n '/^verbs$/,/^$/s/^  \([a-z]*\) .*/\1/p' help_all)
 checks=$((checks + 1))
 for page in "$source_folder"/man/osteon-*.1; do
@@ -22,7 +22,7 @@ for verb in $verbs; do
     check "$verb --help: usage" "$(grep -c "^usage: osteon $verb " out)" 1
     check "$verb --help: example" "$(grep -c '^example$' out)" 1
     check "$verb --help: lines over 90 columns" "$(awk 'length > 90' out | wc -l | tr -d ' ')" 0
-    check "$verb --help: words on standard error" "$(wc -c <err | tr -d ' ')" 0
+    check "$verb --help: bytes on standard error" "$(wc -c <err | tr -d ' ')" 0
     page=$source_folder/man/osteon-$verb.1
     [ -f "$page" ] || fail "no man page $page"
     grep -o '^  --[a-z-]*' out | tr -d ' ' | grep -vxE -- '--(backend|threads|json|quiet|help)' | sort >options_help
@@ -102,7 +102,7 @@ OSTEON_ISA=sse9
 export OSTEON_ISA
 refuse 2 "OSTEON_ISA: unknown instruction set 'sse9'" $peg
 run 0 devices
-grep -q "^  cpu *no *OSTEON_ISA" out || fail "devices with a wrong OSTEON_ISA: $(head -c 300 out)"
+grep -q "^  cpu *no *OSTEON_ISA" out || fail "osteon devices does not report the invalid OSTEON_ISA: $(head -c 300 out)"
 unset OSTEON_ISA
 "$osteon" devices | grep -q '^  embree *yes' || refuse 3 'libembree-dev' $peg --backend cpu:voxelizer=embree
 
@@ -111,17 +111,17 @@ unset OSTEON_ISA
 value_of() { # value_of KEY
     "$osteon" devices --json | "$json_get" "backends.0.$1"
 }
-check "first backend" "$(value_of name)" cpu
-check "OSTEON_ISA is heard" "$(OSTEON_ISA=scalar value_of isa)" scalar
-check "OMP_NUM_THREADS is heard" "$(OMP_NUM_THREADS=3 value_of threads)" "$("$osteon" devices --threads 3 --json | "$json_get" backends.0.threads)"
+check "name of the first backend" "$(value_of name)" cpu
+check "instruction set with OSTEON_ISA=scalar" "$(OSTEON_ISA=scalar value_of isa)" scalar
+check "threads with OMP_NUM_THREADS=3" "$(OMP_NUM_THREADS=3 value_of threads)" "$("$osteon" devices --threads 3 --json | "$json_get" backends.0.threads)"
 for isa in scalar avx2 avx512 avx512vbmi neon; do
     if "$osteon" devices | grep -q "works with.*there are.*\<$isa\>"; then
-        check "OSTEON_ISA=$isa is heard" "$(OSTEON_ISA=$isa value_of isa)" $isa
+        check "instruction set with OSTEON_ISA=$isa" "$(OSTEON_ISA=$isa value_of isa)" $isa
     else
         refuse 3 "instruction set '$isa' is not available here" $peg --backend cpu:isa=$isa
     fi
 done
-check "files left behind by refusals" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
+check "files that refused commands left" "$(ls | grep -v '^\(out\|err\|help_all\|options_\)' | tr '\n' ' ')" ""
 
 # If a library terminates the process by exit(1), as OpenMP does without memory for a thread's stack,
 # there must be no verdict.
@@ -130,24 +130,24 @@ OMP_STACKSIZE=1000000G "$osteon" import threads.txt --threads 2 --out threads.nr
 status=$?
 case $status in
 0 | 2) ;;
-*) fail "import without room for threads: status $status: $(head -c 300 err)" ;;
+*) fail "import without memory for the threads: status $status: $(head -c 300 err)" ;;
 esac
-[ $status -ne 2 ] || [ ! -e threads.nrrd ] || fail "import without room for threads left an output"
+[ $status -ne 2 ] || [ ! -e threads.nrrd ] || fail "import without memory for the threads left an output"
 
 # A closed or full standard stream must be an error and must never be replaced by another file.
 "$osteon" devices >/dev/full 2>err
-check "devices > /dev/full" $? 2
-grep -q 'standard output' err || fail "devices > /dev/full says: $(cat err)"
+check "exit status of devices > /dev/full" $? 2
+grep -q 'standard output' err || fail "the error of devices > /dev/full does not name standard output: $(cat err)"
 "$osteon" devices >&- 2>err
-check "devices with standard output closed" $? 2
+check "exit status of devices with standard output closed" $? 2
 "$osteon" devices <&- >out 2>err
-check "devices with standard input closed" $? 0
+check "exit status of devices with standard input closed" $? 0
 "$osteon" tool peg --out closed.stl >&- 2>/dev/null <&-
 "$osteon" tool peg --out open.stl >/dev/null
-cmp -s closed.stl open.stl || fail "with standard output closed another file was written"
+cmp -s closed.stl open.stl || fail "the file written with standard output closed differs"
 (
     trap '' PIPE
     "$osteon" ream --help
 ) 2>err | head -1 >/dev/null
-check "words into a closed pipe" "$(cat err)" ""
+check "error after writing to a closed pipe" "$(cat err)" ""
 finish

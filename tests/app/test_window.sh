@@ -22,7 +22,7 @@ refuse 3 "pass --headless to run without a window" sim
 unset DISPLAY
 if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
     [ $failures -eq 0 ] || finish
-    echo "SKIP: no Xvfb and xdotool to open a window with (Debian: xvfb, xdotool)"
+    echo "SKIP: Xvfb or xdotool is not installed (Debian: xvfb, xdotool)"
     exit 77
 fi
 
@@ -46,45 +46,45 @@ xdotool key F1 key F1 key F3 key F8 key F10 key F10 key Tab key shift+Tab key Ho
 xdotool windowsize "$window" 500 333 windowmove "$window" 30 40
 sleep 0.2
 if "$osteon" devices | grep -q '^  png *yes'; then
-    same_picture "the window"
+    same_picture "the window after keys and clicks"
 else
     xdotool key F12
 fi
 xdotool windowunmap "$window"
 sleep 0.1
 xdotool windowmap "$window"
-on_screen || fail "the window, shown again: $(cat differs)"
+on_screen || fail "the window after it was hidden and shown again: $(cat differs)"
 xdotool windowunmap "$window"
 xdotool windowsize "$window" 1 1 windowmap "$window" windowsize "$window" 3000 40 windowsize "$window" 500 333
 sleep 0.1
 xdotool mousemove --window "$window" 250 160 keydown ctrl key q keyup ctrl
-ended "Ctrl Q"
-check "the end's status" $status 0
+ended "after Ctrl Q"
+check "exit status after Ctrl Q" $status 0
 has renderer.frames renderer.fps ticks sha256
-check "what ended it" "$(value end)" "it was interrupted"
-[ "$(value removed_voxels)" -gt 0 ] || fail "the mouse removed nothing"
-[ "$(value faults)" = 0 ] || fail "the mouse's hand was in a fault"
+check "reason of the end" "$(value end)" "it was interrupted"
+[ "$(value removed_voxels)" -gt 0 ] || fail "the mouse as the device removed no voxel"
+[ "$(value faults)" = 0 ] || fail "the mouse as the device caused a fault"
 if [ -e osteon-001.png ]; then
     size=$(od -An -tu1 -j16 -N8 osteon-001.png | awk '{ print $1 * 16777216 + $2 * 65536 + $3 * 256 + $4, $5 * 16777216 + $6 * 65536 + $7 * 256 + $8 }')
-    check "the picture is as large as the window" "$size" "500 333"
+    check "size of the stored picture" "$size" "500 333"
 fi
 removed=$(value sha256)
 run 0 replay window.session --verify --json
-check "what was done, again" "$(value equal) $(value sha256)" "true $removed"
+check "replay of the session: equal, digest" "$(value equal) $(value sha256)" "true $removed"
 
-# lost TEXT: checks for status 3, one line that contains TEXT, and a complete session
-lost() {
-    ended "what the test did"
-    check "$1: the status" $status 3
+# check_lost TEXT: checks for status 3, one line that contains TEXT, and a complete session
+check_lost() {
+    ended "$1"
+    check "$1: exit status" $status 3
     check "$1: lines on standard error" "$(grep -vc '^osteon sim: device' err)" 1
-    grep -qF "$1" err || fail "'$(cat err)' does not say '$1'"
+    grep -qF "$1" err || fail "standard error '$(cat err)' does not contain '$1'"
     run 0 info "$recorded" --json
-    check "$1: the session" "$(value ended) $(value missing)" "true "
+    check "$1: session: ended, missing" "$(value ended) $(value missing)" "true "
 }
 opened destroyed.session --quiet --tool builtin:burr
 xdotool windowclose "$window"
-lost "another program destroyed the window"
+check_lost "another program destroyed the window"
 opened gone.session --quiet --tool builtin:burr
 kill $xvfb
-lost "lost the connection to the display"
+check_lost "lost the connection to the display"
 finish

@@ -7,11 +7,11 @@
 # sequence.
 # Covers: REQ-WINDOW
 seconds=${OST_STORM_SECONDS:-600}
-[ "${OST_TEST_LONG:-0}" = 1 ] || [ -n "${OST_STORM_SECONDS:-}" ] || { echo "only with OST_TEST_LONG=1"; exit 77; }
+[ "${OST_TEST_LONG:-0}" = 1 ] || [ -n "${OST_STORM_SECONDS:-}" ] || { echo "skipped: runs only with OST_TEST_LONG=1"; exit 77; }
 . "${srcdir:-.}/tests/app/lib.sh"
 need_part window "built without a window"
 if ! command -v Xvfb >/dev/null || ! command -v xdotool >/dev/null; then
-    echo "SKIP: no Xvfb and xdotool to open a window with (Debian: xvfb, xdotool)"
+    echo "SKIP: Xvfb or xdotool is not installed (Debian: xvfb, xdotool)"
     exit 77
 fi
 . "$source_folder/tests/app/display.sh"
@@ -61,15 +61,15 @@ while kill -0 $storm 2>/dev/null && kill -0 $pid 2>/dev/null && [ "$(date +%s)" 
     rm -f osteon-*.png
     sleep 2
 done
-kill -0 $pid 2>/dev/null || fail "it ended in the storm: $(tail -c 2000 err)"
+kill -0 $pid 2>/dev/null || fail "osteon sim ended during the random events: $(tail -c 2000 err)"
 kill $storm 2>/dev/null
 wait $storm 2>/dev/null
 sleep 0.5
 for key in w s e Left Up plus minus space shift; do xdotool keyup $key; done
 xdotool mouseup 1 mouseup 2 mouseup 3 windowsize "$window" 640 400
 xdotool windowmap "$window" mousemove --window "$window" 250 160 key Escape keydown ctrl key q keyup ctrl
-ended "Ctrl Q"
-check "the end's status" $status 0
+ended "after Ctrl Q"
+check "exit status after Ctrl Q" $status 0
 [ $status -eq 0 ] || tail -c 3000 err
 # Compares the last fifth of the records with the second fifth.
 if [ "$(wc -l <kept)" -ge 10 ]; then
@@ -79,13 +79,13 @@ if [ "$(wc -l <kept)" -ge 10 ]; then
         for (i = 1; i <= n; i++) { early += m[n + i] / n; late += m[NR - n + i] / n; files += (f[NR - n + i] - f[n + i]) / n; threads += (t[NR - n + i] - t[n + i]) / n }
         printf "memory %d kB early, %d kB late, %d kB at most; files %+.1f, threads %+.1f\n", early, late, top, files, threads
         exit late - early > 24000 || files > 2 || threads > 2
-    }' kept || fail "it keeps what it was given"
+    }' kept || fail "memory, files or threads increase: $(tail -n 1 kept)"
 fi
 if [ $status -eq 0 ]; then
     echo "$(value renderer.frames) frames, $(value ticks) ticks, $(value missed) missed"
     check "faults" "$(value faults)" 0
     removed=$(value sha256)
     run 0 replay storm.session --json
-    check "what was done, again" "$(value equal) $(value sha256)" "true $removed"
+    check "replay of the session: equal, digest" "$(value equal) $(value sha256)" "true $removed"
 fi
 finish
