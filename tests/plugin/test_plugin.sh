@@ -15,7 +15,7 @@ ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}handle_segv=0
 export ASAN_OPTIONS
 for file in mirror thesis_f32 broken_abi broken_size broken_slot broken_arithmetic broken_refuses old_table; do
     cp "$build/.libs/$file.so" . || {
-        echo "skipped: no shared objects were built here"
+        echo "skipped: the plugins are not built, because this build has no shared objects"
         exit 77
     }
 done
@@ -41,39 +41,39 @@ ream 2 "does not support" --backend plugin:broken_refuses.so
 ream 2 "xxxx" --backend plugin:mirror.so,break=options
 ream 3 "but no object" --backend plugin:mirror.so,break=nothing
 ream 2 "contract=on or contract=off" --backend plugin:thesis_f32.so,contract=maybe
-[ ! -e x.nrrd ] || fail "an output was left by a plugin that was refused"
+[ ! -e x.nrrd ] || fail "a command with a refused plugin left an output"
 
 # The reference as a plugin must equal the reference at every stage.
 for case in import/1 mesh/1 sweep/1; do
     run 0 validate --only $case --backends plugin:mirror.so --json
-    check "$case equal" "$(value equal)" true
+    check "case $case: equal" "$(value equal)" true
 done
 
 # The same must be true if each stage receives the reference's grids.
 run 0 compare plugin:mirror.so --only sweep/1 --apart
 
-# fails WHAT TEXT CASE: checks that an error at run time is reported in a line with TEXT and fails
+# check_failure WHAT TEXT CASE: checks that an error at run time is reported in a line with TEXT and fails
 # only this case
-fails() {
+check_failure() {
     run 1 validate --only "$3" --backends "plugin:mirror.so,break=$1" || return
     checks=$((checks + 1))
-    grep -qF -- "$2" out || fail "$1: '$(cat out)' does not say '$2'"
+    grep -qF -- "$2" out || fail "$1: the output '$(cat out)' does not contain '$2'"
 }
-fails crash "ended by signal 11" sweep/1
-fails status "remove returned 77, which is not a status" sweep/1
-fails lost "the device?went away" sweep/1
-fails report "reported chunk -3" sweep/1
-fails stats "-1 active chunks" sweep/1
-fails voxelize "but no object" mesh/1
+check_failure crash "ended by signal 11" sweep/1
+check_failure status "remove returned 77, which is not a status" sweep/1
+check_failure lost "the device?went away" sweep/1
+check_failure report "reported chunk -3" sweep/1
+check_failure stats "-1 active chunks" sweep/1
+check_failure voxelize "but no object" mesh/1
 # Steps that a plugin computes itself must be compared, and a wrong step must be named. A plugin
 # with an older table has no slot for the steps and receives the host's steps.
-fails snap "snap 0: mesh digest is" mesh/1
-fails steps "steps 0: step yz (pose 1) is" sweep/1
+check_failure snap "snap 0: mesh digest is" mesh/1
+check_failure steps "steps 0: step yz (pose 1) is" sweep/1
 run 0 validate --only sweep/1 --backends plugin:mirror.so
 checks=$((checks + 2))
-grep -q '^ *computed by the backend itself and compared: [0-9]* records of stages snap and steps$' out || fail "own steps are not named: $(cat out)"
+grep -q '^ *computed by the backend itself and compared: [0-9]* records of stages snap and steps$' out || fail "the output does not state that the plugin computed the steps: $(cat out)"
 run 0 validate --only sweep/1 --backends plugin:old_table.so
-grep -q '^ *supplied by src/core and not compared: sweep, map, boxes, poses and snapping$' out || fail "supplied steps are not named: $(cat out)"
+grep -q '^ *supplied by src/core and not compared: sweep, map, boxes, poses and snapping$' out || fail "the output does not state that the host supplied the steps: $(cat out)"
 refuse 2 "ended by signal 11" validate --only mesh/1 --backends plugin:mirror.so,break=open
 refuse 2 "slot collide of its table is NULL" validate --only mesh/1 --backends plugin:broken_slot.so
 
@@ -83,10 +83,10 @@ if [ "${MAKE:-}" ] && [ -z "${OST_SAN_CFLAGS:-}" ]; then
     cp -r "$source_folder/examples/plugin" example
     chmod -R u+w example
     checks=$((checks + 1))
-    MAKEFLAGS='' MFLAGS='' "$MAKE" -s -C example CC="$CC" CPPFLAGS="-I$source_folder/include" >log 2>&1 || fail "its own Makefile: $(tail -n 3 log)"
+    MAKEFLAGS='' MFLAGS='' "$MAKE" -s -C example CC="$CC" CPPFLAGS="-I$source_folder/include" >log 2>&1 || fail "the Makefile of the example plugin fails: $(tail -n 3 log)"
     run 1 validate --only import/1 --backends plugin:example/thesis_f32.so
     grep "import/1 on" out | sed 's/.*so: //' >differs
     run 1 validate --only import/1 --backends plugin:thesis_f32.so
-    check "the first difference" "$(grep 'import/1 on' out | sed 's/.*so: //')" "$(cat differs)"
+    check "first difference of the two builds of the example plugin" "$(grep 'import/1 on' out | sed 's/.*so: //')" "$(cat differs)"
 fi
 finish

@@ -14,17 +14,17 @@
 . "${srcdir:-.}/tests/app/lib.sh"
 
 long=${OST_TEST_LONG:-}
-grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || { echo "built without OpenCL"; exit 77; }
+grep -q '^#define HAVE_OPENCL 1' "$build/config.h" || { echo "skipped: built without OpenCL"; exit 77; }
 if [ -n "$long" ]; then
     "$osteon" devices --json >out 2>err
-    "$osteon" validate --backends cl --only mesh/0 >out 2>err || { echo "no OpenCL device is equal here: $(tail -n 1 err)"; exit 77; }
+    "$osteon" validate --backends cl --only mesh/0 >out 2>err || { echo "skipped: no OpenCL device gives equal results: $(tail -n 1 err)"; exit 77; }
 fi
 
 export XDG_CACHE_HOME="$scratch/cache" POCL_CACHE_DIR="$scratch/pocl"
 
-# broken NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: changes one line of each kernel, in
+# check_kernel NAME CASES STAGE CLASS FILE FROM TO [FILE FROM TO]: changes one line of each kernel, in
 # the set for CPUs and in the set for GPUs, and checks the finding
-broken() {
+check_kernel() {
     name=$1 cases=$2 stage=$3 class=$4
     shift 4
     rm -rf kernels
@@ -43,35 +43,35 @@ broken() {
     [ -n "$long" ] || return 0
     rm -f "$build/tests/validation/broken_embedded.c"
     if ! make -C "$build" -s tests/validation/osteon_broken BROKEN_KERNELS="$scratch/kernels" >make.log 2>&1; then
-        fail "$name: $(tail -n 5 make.log)"
+        fail "$name: osteon_broken cannot be built: $(tail -n 5 make.log)"
         return
     fi
     right=$osteon
     osteon=$build/tests/validation/osteon_broken
     run 1 validate --only "$cases" --backends cl:device=0 --limit 900 --out "b-$name" --json
-    check "$name: verdict" "$(value equal)" false
+    check "$name: equal" "$(value equal)" false
     check "$name: stage" "$(value findings.0.stage)" "$stage"
     check "$name: class" "$(value findings.0.class)" "$class"
     small=$(value findings.0.reproduce)
-    [ -f "b-$name/$small" ] || fail "$name: no small case"
+    [ -f "b-$name/$small" ] || fail "$name: the bundle has no small case"
     run 1 validate --case "b-$name/$small" --backends cl:device=0 --limit 900 --json
     check "$name: stage of the small case" "$(value findings.0.stage)" "$stage"
     check "$name: class of the small case" "$(value findings.0.class)" "$class"
     run 0 verify "b-$name" --rerun
-    grep -q "osteon validate --case $small" "b-$name/report.html" || fail "$name: the report does not say how to do it again"
+    grep -q "osteon validate --case $small" "b-$name/report.html" || fail "$name: the report does not contain the command for the small case"
     osteon=$right
     run 0 validate --case "b-$name/$small" --backends cl:device=0 --limit 900 --json
     [ -z "${OST_TEST_KEEP:-}" ] || cp -R "b-$name" "$OST_TEST_KEEP/"
 }
 
-broken removal-report sweep/0 tick report-only \
+check_kernel removal-report sweep/0 tick report-only \
     remove_cpu.cl 'counts &= d >= border' 'counts &= d > border' \
     remove.cl 'd >= border ? 1u' 'd > border ? 1u'
-broken removal-map sweep/0 tick boundary-layer \
+check_kernel removal-map sweep/0 tick boundary-layer \
     remove_cpu.cl '(uint)entry->base[a] + 0x40000000u' '(uint)entry->base[a] + 0x40001000u' \
     remove.cl 'ux = entry.base[0] + j' 'ux = entry.base[0] + 4096 + j'
-broken voxelize mesh/ tool column-parity voxelize.cl 'e0 < 0 ||' 'e0 <= 0 ||'
-broken resampling sweep/0 cubic shift import.cl 'ost_floor_div(t, 2 * s);' 'ost_floor_div(t > 0 ? t - 1 : 0, 2 * s);'
-[ -n "$long" ] || [ $failures -gt 0 ] || { echo "the lines to change are there; the rest only with OST_TEST_LONG"; exit 77; }
+check_kernel voxelize mesh/ tool column-parity voxelize.cl 'e0 < 0 ||' 'e0 <= 0 ||'
+check_kernel resampling sweep/0 cubic shift import.cl 'ost_floor_div(t, 2 * s);' 'ost_floor_div(t > 0 ? t - 1 : 0, 2 * s);'
+[ -n "$long" ] || [ $failures -gt 0 ] || { echo "skipped: the lines to change exist; the other checks run only with OST_TEST_LONG=1"; exit 77; }
 rm -f "$build/tests/validation/osteon_broken" "$build/tests/validation/broken_embedded.c"
 finish

@@ -24,7 +24,7 @@ check "rows without a patch" "$(sed -n 's/^| \([a-z]*-[a-z-]*\) |.*/\1/p' "$tabl
 check "at least twenty" "$([ "$(ls "$source_folder"/tests/validation/defects | grep -c 'patch$')" -ge 20 ] && echo yes)" yes
 [ -n "${OST_TEST_LONG:-}" ] || finish
 
-command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }
+command -v python3 >/dev/null || { echo "skipped: python3 is not installed"; exit 77; }
 for one in "$source_folder"/tests/validation/defects/"${OST_TEST_ONLY:-}"*.patch; do
     name=$(basename "$one" .patch)
     tier=$(awk -F' *[|] *' -v name="$name" '$2 == name { print $4 }' "$table") # smoke, standard, or "not"
@@ -32,7 +32,7 @@ for one in "$source_folder"/tests/validation/defects/"${OST_TEST_ONLY:-}"*.patch
     "$source_folder/validation/try-patch" --build "$build" --tier "$first" --keep "$scratch" "$one" >out 2>err
     status=$?
     rm -rf "$scratch"/try-patch-*
-    [ "$tier:$status" = not:0 ] && echo "$name is noticed now, which the table does not say yet: $(head -n 1 out)"
+    [ "$tier:$status" = not:0 ] && echo "$name is noticed now, but defects.md lists it as unnoticed: $(head -n 1 out)"
     [ "$tier" = not ] && [ $status -lt 2 ] && continue
     check "$name in tier $tier: $(cat out err | head -n 1)" $status 0
 done

@@ -7,21 +7,21 @@ root=${srcdir:-.}
 ledger=$root/docs/qualification/gates.md
 status=0
 
-# named FILE: prints the names after "gate" and "check". The name fuzz-${target##*/} is printed as
+# gate_names FILE: prints the names after "gate" and "check". The name fuzz-${target##*/} is printed as
 # fuzz-*.
-named() {
+gate_names() {
     sed -nE 's/^[[:blank:]]*(gate|check) "?([a-z][a-z-]*)(\$\{[^}]*\})?"? .*/\2\3/p' "$1" | sed 's/\$.*/*/' | sort -u
 }
 
-# rows PART: prints the first column of the section whose heading contains PART.
-rows() {
+# listed_names PART: prints the first column of the section whose heading contains PART.
+listed_names() {
     awk -v part="$1" '/^## / { on = index($0, part) > 0 } on && /^\| `/ { split($0, cell, "`"); print cell[2] }' "$ledger" | sort
 }
 
 for script in run long; do
-    names=$(named "$root/.ci/$script")
-    [ "$(printf '%s\n' "$names" | wc -l)" -ge 5 ] || { echo "no gates found in .ci/$script"; status=1; }
-    listed=$(rows ".ci/$script")
+    names=$(gate_names "$root/.ci/$script")
+    [ "$(printf '%s\n' "$names" | wc -l)" -ge 5 ] || { echo ".ci/$script contains fewer than 5 gates"; status=1; }
+    listed=$(listed_names ".ci/$script")
     for name in $(printf '%s\n%s\n' "$names" "$listed" | sort -u | sed 's/\*/STAR/'); do
         name=$(echo "$name" | sed 's/STAR/*/')
         printf '%s\n' "$names" | grep -qxF -- "$name" || { echo "$ledger: .ci/$script has no gate '$name'"; status=1; }
@@ -36,8 +36,8 @@ for file in "$root"/docs/qualification/*; do
     count=$((count + 1))
     [ "$name" = README.md ] || [ "$(grep -cF "| [$name]($name) |" "$index")" -eq 1 ] || { echo "$index: $name needs one row"; status=1; }
 done
-[ "$count" -ge 15 ] || { echo "$root/docs/qualification has $count files"; status=1; }
+[ "$count" -ge 15 ] || { echo "$root/docs/qualification has $count files, expected at least 15"; status=1; }
 for name in $(sed -n 's/^| \[\([^]]*\)\].*/\1/p' "$index"); do
-    [ -e "$root/docs/qualification/$name" ] || { echo "$index: there is no file $name"; status=1; }
+    [ -e "$root/docs/qualification/$name" ] || { echo "$index lists $name, which does not exist"; status=1; }
 done
 exit $status

@@ -11,11 +11,11 @@
 run 0 validate --cpu-only --only import/0 --out b --json
 for threads in 2 3 7; do
     checks=$((checks + 1))
-    grep -q "\"name\": \"cpu:isa=[a-z0-9]*,threads=$threads,grain=1\"" b/protocol.json || fail "no backend with $threads threads that share the smallest work"
+    grep -q "\"name\": \"cpu:isa=[a-z0-9]*,threads=$threads,grain=1\"" b/protocol.json || fail "the protocol has no backend with $threads threads and grain 1"
     run 0 validate --backends "cpu:isa=scalar,threads=$threads,grain=1" --only operation/0 --json
     for kind in 'scatter' 'copy of a grid' 'conversion to chunks' 'upload of a bone' 'digest' 'sort of triangles' 'voxelization' 'download of a tool' 'removal and collision'; do
         checks=$((checks + 1))
-        grep -q "\"$kind on $threads threads\": *[1-9]" out || fail "$kind is not shared on $threads threads"
+        grep -q "\"$kind on $threads threads\": *[1-9]" out || fail "work of kind $kind was not divided among $threads threads"
     done
 done
 
@@ -28,25 +28,25 @@ if [ -e "$build/.libs/mirror.so" ]; then
     cp "$build/.libs/mirror.so" "$build/.libs/thesis_f32.so" .
     run 1 verify b --rerun --backend plugin:./thesis_f32.so
     checks=$((checks + 1))
-    grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "another result than the bundle's: $(cat out)"
+    grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "verify --rerun does not report the changed result: $(cat out)"
 
     # A backend that does not end must be stopped after the limit, and its case must have a verdict
     # of its own.
     run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
-    check "late" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
-    check "the other backend" "$(value results.equal)" 1
+    check "backend that does not end: verdict, backend" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
+    check "equal results of the other backend" "$(value results.equal)" 1
     run 0 verify late
 
     # junit.xml has one test for each case on each backend. Differing results are failures, and
     # absent backends are skipped.
     run 1 validate --only mesh/1 --backends 'cpu:isa=scalar,threads=1;plugin:mirror.so,break=snap;cl:platform=77' --out j
-    suite() { grep -A2 "<testsuite name=\"$1\"" j/junit.xml; }
+    suite_line() { grep -A2 "<testsuite name=\"$1\"" j/junit.xml; }
     for expected in 'cpu:isa=scalar,threads=1|failures="0" errors="0" skipped="0"|time="[0-9.]*"/>' \
         'plugin:mirror.so,break=snap|failures="1" errors="0" skipped="0"|<failure message="snap 0: ' 'cl:platform=77|failures="0" errors="0" skipped="1"|<skipped message="'; do
         name=${expected%%|*} rest=${expected#*|}
         checks=$((checks + 2))
-        suite "$name" | grep -q "tests=\"1\" ${rest%%|*} time=\"[0-9.]*\" timestamp=\"20[0-9T:-]*\" hostname=\"" || fail "junit.xml, $name: $(suite "$name")"
-        suite "$name" | grep -q "<testcase classname=\"$name\" name=\"mesh/1\".*${rest##*|}" || fail "junit.xml, the case on $name: $(suite "$name")"
+        suite_line "$name" | grep -q "tests=\"1\" ${rest%%|*} time=\"[0-9.]*\" timestamp=\"20[0-9T:-]*\" hostname=\"" || fail "junit.xml: wrong test suite of $name: $(suite_line "$name")"
+        suite_line "$name" | grep -q "<testcase classname=\"$name\" name=\"mesh/1\".*${rest##*|}" || fail "junit.xml: wrong case of $name: $(suite_line "$name")"
     done
     check "failures in junit.xml" "$(grep -c '<failure' j/junit.xml)" 1
     run 0 verify j
@@ -54,8 +54,8 @@ if [ -e "$build/.libs/mirror.so" ]; then
     mv other j/junit.xml
     run 1 verify j
     checks=$((checks + 1))
-    grep -q 'junit.xml does not follow from the files' out || fail "a failure that became a skip: $(cat out)"
+    grep -q 'junit.xml does not follow from the files' out || fail "verify does not report the changed junit.xml: $(cat out)"
 else
-    echo "no shared objects: limits and junit.xml were not tried"
+    echo "not tested, because this build has no shared objects: time limits and junit.xml"
 fi
 finish

@@ -11,7 +11,7 @@
 # OST_TEST_LONG=1. OST_TEST_TIER selects another tier.
 # Covers: REQ-EVIDENCE REQ-SHARDS
 . "${srcdir:-.}/tests/app/lib.sh"
-[ -n "${OST_TEST_LONG:-}" ] || { echo "only with OST_TEST_LONG"; exit 77; }
+[ -n "${OST_TEST_LONG:-}" ] || { echo "skipped: runs only with OST_TEST_LONG=1"; exit 77; }
 tier=${OST_TEST_TIER:-smoke} only=
 "$osteon" devices --json >out 2>err
 "$osteon" validate --backends cl --only mesh/0 >out 2>err || only=--cpu-only
@@ -20,7 +20,7 @@ tier=${OST_TEST_TIER:-smoke} only=
 varying() {
     sed -n '/^## What differs/,$s/^| \([a-z.]*\) |.*/\1/p' "$1/README.md" | grep '\.'
 }
-# shellcheck disable=SC2086 # no word or one
+# shellcheck disable=SC2086 # an empty variable must give no argument
 {
     run 0 validate --tier "$tier" $only --out one --quiet
     run 0 validate --tier "$tier" $only --out two --quiet
@@ -28,7 +28,7 @@ varying() {
     for i in 1 2 3; do run 0 validate --tier "$tier" $only --shard $i/3 --out shards/$i --quiet; done
 }
 run 0 validate --merge shards --out merged --quiet
-check "what may differ" "$(varying one | tr '\n' ' ')" "audit.log times.json environment.json junit.xml report.html manifest.json "
+check "files that may differ" "$(varying one | tr '\n' ' ')" "audit.log times.json environment.json junit.xml report.html manifest.json "
 for other in two merged; do
     check "files of $other" "$(cd $other && find . -type f | sort)" "$(cd one && find . -type f | sort)"
     same=0 bytes=0
@@ -38,7 +38,7 @@ for other in two merged; do
         if cmp -s "one/$file" "$other/$file"; then
             same=$((same + 1)) bytes=$((bytes + $(wc -c <"one/$file")))
         else
-            fail "$other/$file is not that of the first run"
+            fail "$other/$file differs from the file of the first run"
         fi
     done
     check "results_root of $other" "$("$json_get" results_root <$other/manifest.json)" "$("$json_get" results_root <one/manifest.json)"

@@ -16,7 +16,7 @@ export PATH
 # that Slurm sets; returns the worst status
 cat >bin/sbatch <<'END'
 #!/bin/sh
-[ "$1" = --wait ] && case $2 in --array=1-[0-9]*) ;; *) false ;; esac || { echo "sbatch $*: not as it was documented" >&2; exit 64; }
+[ "$1" = --wait ] && case $2 in --array=1-[0-9]*) ;; *) false ;; esac || { echo "sbatch $*: the arguments differ from those documented in campaigns.md" >&2; exit 64; }
 n=${2#--array=1-} worst=0
 shift 2
 script=$1
@@ -34,19 +34,19 @@ chmod +x bin/sbatch
 # Writes each block of the section to a file, and replaces large parameters by small ones.
 awk '/^## /{ on = $0 == "## Many machines" } on && /^```/{ if (open) close(file); else file = "block-" ++n; open = !open; next } on && open { print >file }' \
     "$source_folder/docs/reference/campaigns.md"
-check "blocks" "$(echo block-*)" "block-1 block-2"
+check "blocks of commands in the document" "$(echo block-*)" "block-1 block-2"
 # shellcheck disable=SC2086 # words
 run 0 validate $small --out whole --quiet
 for block in block-1 block-2; do
     if grep -q '^parallel' $block && ! parallel --version 2>/dev/null | grep -q '^GNU parallel'; then
-        echo "no GNU parallel: its command is not tried"
+        echo "not tested, because GNU parallel is not installed: its command"
         continue
     fi
     sed "s|--tier full|$small|; s|1-8|1-2|; s|/8|/2|; s|seq 8|seq 2|" $block >small
-    check "$block: what is made small" "$(diff $block small | grep -c '^>')" 1
+    check "$block: lines with parameters that were replaced by small ones" "$(diff $block small | grep -c '^>')" 1
     checks=$((checks + 1))
-    sh -eu small >out 2>err || fail "$block: status $?: $(tail -n 3 err out)"
-    grep -q '^EQUAL: 8 cases from 2 shards$' out || fail "$block: $(cat out)"
+    sh -eu small >out 2>err || fail "$block: status $?, expected 0: $(tail -n 3 err out)"
+    grep -q '^EQUAL: 8 cases from 2 shards$' out || fail "$block: the merged bundle is not EQUAL: $(cat out)"
     check "$block: results_root" "$("$json_get" results_root <bundle/manifest.json)" "$("$json_get" results_root <whole/manifest.json)"
     run 0 verify bundle
     rm -rf shards bundle
@@ -55,6 +55,6 @@ done
 # Runs one of many tasks again, as described in the script's comment.
 mkdir shards
 # shellcheck disable=SC2086 # words
-SHARDS=2 SLURM_ARRAY_TASK_COUNT=1 SLURM_ARRAY_TASK_ID=2 examples/cluster/shards.sbatch $small >out 2>err || fail "one task: $(cat err)"
-check "its shard" "$("$json_get" shard.0 shard.1 <shards/2/protocol.json | tr '\n' ' ')" "2 2 "
+SHARDS=2 SLURM_ARRAY_TASK_COUNT=1 SLURM_ARRAY_TASK_ID=2 examples/cluster/shards.sbatch $small >out 2>err || fail "running one task again failed: $(cat err)"
+check "shard of the repeated task" "$("$json_get" shard.0 shard.1 <shards/2/protocol.json | tr '\n' ' ')" "2 2 "
 finish

@@ -6,8 +6,8 @@
 # too large, or of another bundle or key must be reported in one line.
 # Covers: REQ-SIGN
 . "${srcdir:-.}/tests/app/lib.sh"
-command -v openssl >/dev/null || { echo "skipped: no openssl"; exit 77; }
-python=$(command -v python3) || { echo "skipped: no python3"; exit 77; }
+command -v openssl >/dev/null || { echo "skipped: openssl is not installed"; exit 77; }
+python=$(command -v python3) || { echo "skipped: python3 is not installed"; exit 77; }
 
 openssl genpkey -algorithm ed25519 -out tester.key 2>/dev/null
 openssl genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out reviewer.key 2>/dev/null
@@ -24,11 +24,11 @@ echo shut >wrong
 one='cpu:isa=scalar,threads=1'
 run 0 validate --only import/0 --backends "$one" --out b --sign tester.key --quiet
 run 0 verify b
-grep -q "signatures were not checked" out || fail "verify without --trust: $(cat out)"
+grep -q "signatures were not checked" out || fail "verify without --trust does not state that signatures were not checked: $(cat out)"
 run 0 verify b --trust trusted --json
-check "checked" "$(value signatures_checked)" true
-check "its meaning" "$(value signatures.0.meaning)" "performed as the protocol says"
-check "its key" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
+check "signatures_checked" "$(value signatures_checked)" true
+check "meaning of the first signature" "$(value signatures.0.meaning)" "performed as the protocol says"
+check "key of the first signature" "$(value signatures.0.keys.0)" "$(openssl pkey -in tester.key -pubout -outform DER | sha256sum | cut -d' ' -f1)"
 
 # A reviewer also signs, with an encrypted key of the other type.
 sleep 1
@@ -36,8 +36,8 @@ run 0 sign b --key reviewer.key --by "A. Reviewer" --meaning "reviewed and accep
 sleep 1
 run 0 sign b --key locked.key --passphrase-file passphrase --meaning "archived"
 run 0 verify b --trust trusted/tester.pem --trust trusted/reviewer.pem --json
-check "who reviewed" "$(value signatures.1.by)" "A. Reviewer"
-check "three signatures" "$(value signatures.2.meaning)" archived
+check "signer of the second signature" "$(value signatures.1.by)" "A. Reviewer"
+check "meaning of the third signature" "$(value signatures.2.meaning)" archived
 refuse 2 "passphrase" sign b --key locked.key --passphrase-file wrong --meaning x
 refuse 2 "another kind than Ed25519 and ECDSA P-256" sign b --key p384.key --meaning x
 refuse 2 "no readable private key" sign b --key trusted/tester.pem --meaning x
@@ -53,17 +53,17 @@ refuse 2 "No such file" verify b --trust nowhere.pem
 refuse 2 "--timestamp-ca needs --trust" verify b --timestamp-ca trusted/tester.pem
 refuse 2 "--sign needs --out" validate --sign tester.key
 refuse 2 "line of UTF-8" sign b --key tester.key --meaning "$(printf 'two\nlines')"
-if grep -rl "PRIVATE KEY" b; then fail "a private key is in the bundle"; fi
+if grep -rl "PRIVATE KEY" b; then fail "the bundle contains a private key"; fi
 
 # The digest of the bundle must be the same with and without signatures.
 run 0 validate --only import/0 --backends "$one" --out plain --quiet
-check "results_root" "$("$json_get" results_root <b/manifest.json)" "$("$json_get" results_root <plain/manifest.json)"
+check "results_root with and without signatures" "$("$json_get" results_root <b/manifest.json)" "$("$json_get" results_root <plain/manifest.json)"
 run 1 verify plain --trust trusted
-grep -q "signatures/ has no signature" out || fail "no signature: $(cat out)"
+grep -q "signatures/ has no signature" out || fail "the output does not state that there is no signature: $(cat out)"
 
 # Verifies the signature independently: the test computes the PAE (pre-authentication encoding), and
 # openssl verifies the signature.
-"$python" - b trusted <<'PY' || fail "openssl and the specification do not agree"
+"$python" - b trusted <<'PY' || fail "openssl refuses a signature over the PAE of the specification"
 import base64, glob, hashlib, json, subprocess, sys
 bundle, keys = sys.argv[1:]
 assert b"DSSEv1 29 http://example.com/HelloWorld 11 hello world" == b"DSSEv1 %d %s %d %s" % (29, b"http://example.com/HelloWorld", 11, b"hello world")
@@ -92,14 +92,14 @@ for name, key in zip(envelopes, ("tester", "reviewer", "tester")):
 PY
 
 # ---------------------------------------------------------------- forgeries
-# broken TEXT: checks that bundle x, with the trusted keys, gives status 1 and a line that
+# check_forgery TEXT: checks that bundle x, with the trusted keys, gives status 1 and a line that
 # contains TEXT
-broken() {
+check_forgery() {
     run 1 verify x --trust trusted
-    check "lines about: $1" "$(grep -c '^  signatures' out)" 1
-    grep -qF -- "$1" out || fail "'$(cat out)' does not say '$1'"
+    check "lines about signatures for: $1" "$(grep -c '^  signatures' out)" 1
+    grep -qF -- "$1" out || fail "the output '$(cat out)' does not contain '$1'"
 }
-fresh() {
+sign_copy() {
     rm -rf x
     cp -r plain x
     run 0 sign x --key tester.key --meaning "performed"
@@ -117,52 +117,52 @@ exec(how)
 open(name, "w").write(json.dumps(e))
 PY
 }
-fresh
+sign_copy
 run 0 verify x --trust trusted
 edit 'e["payload"] = e["payload"].replace("+", "-").replace("/", "_"); s["keyid"] = "somebody"; e["more"] = 1'
 run 0 verify x --trust trusted # DSSE allows URL-safe base64, a wrong key hint and an unknown field
 edit 'del s["keyid"]'
 run 0 verify x --trust trusted
-fresh; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; broken "wrong signature: the key that it names did not sign this"
-fresh; edit 'p["predicate"]["result"] = "PASSED"; e["payload"] = pack(p); s["keyid"] = ""'; broken "by no trusted key"
-fresh; edit 's["sig"] = s["sig"][:-4] + "AAA="'; broken "signature"
-fresh; edit 's["sig"] = s["sig"][:-1]'; broken "not base64"
-fresh; edit 's["sig"] = "*" + s["sig"][1:]'; broken "not base64"
-fresh; edit 's["sig"] = ""'; broken "wrong signature"
-fresh; edit 's["sig"] = 7'; broken "not {keyid, sig}"
-fresh; edit 'e["payload"] = "\n" + e["payload"]'; broken "not base64"
-fresh; edit 'e["payloadType"] = "application/json"'; broken "payloadType"
-fresh; edit 'e["signatures"] = []'; broken "no signature, or more than 16"
-fresh; edit 'e["signatures"] = [s] * 17'; broken "no signature, or more than 16"
-fresh; edit 'e["signatures"] = [s, s]'; broken "two signatures by one key"
-fresh; edit 'e["signatures"] = [s, {"sig": "AAAA"}]'; broken "by no trusted key"
-fresh; edit 'del e["payload"]'; broken "lacks payload"
-fresh; echo '{"payload": "", "payload": "", "payloadType": "x", "signatures": []}' >"$envelope"; broken "not one JSON object"
-fresh; "$python" -c 'print("[" * 100000)' >"$envelope"; broken "not one JSON object"
-fresh; : >"$envelope"; broken "not one JSON object"
-fresh; cat "$envelope" "$envelope" >two; mv two "$envelope"; broken "not one JSON object"
-fresh; truncate -s 17M "$envelope"; broken "larger than a signature can be"
-fresh; rm "$envelope"; mkfifo "$envelope"; broken "not a regular file"
-fresh; mv "$envelope" e; ln -s "$PWD/e" "$envelope"; broken "not a regular file"
-fresh; echo hello >x/signatures/note.txt; broken "neither an envelope"
-fresh; echo hello >x/signatures/note.intoto.jsonl.tsr; broken "neither an envelope"
-fresh; mkdir x/signatures/more; broken "neither an envelope"
-fresh; mv x/signatures y; ln -s "$PWD/y" x/signatures; broken "is not a folder"
+sign_copy; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; check_forgery "wrong signature: the key that it names did not sign this"
+sign_copy; edit 'p["predicate"]["result"] = "PASSED"; e["payload"] = pack(p); s["keyid"] = ""'; check_forgery "by no trusted key"
+sign_copy; edit 's["sig"] = s["sig"][:-4] + "AAA="'; check_forgery "signature"
+sign_copy; edit 's["sig"] = s["sig"][:-1]'; check_forgery "not base64"
+sign_copy; edit 's["sig"] = "*" + s["sig"][1:]'; check_forgery "not base64"
+sign_copy; edit 's["sig"] = ""'; check_forgery "wrong signature"
+sign_copy; edit 's["sig"] = 7'; check_forgery "not {keyid, sig}"
+sign_copy; edit 'e["payload"] = "\n" + e["payload"]'; check_forgery "not base64"
+sign_copy; edit 'e["payloadType"] = "application/json"'; check_forgery "payloadType"
+sign_copy; edit 'e["signatures"] = []'; check_forgery "no signature, or more than 16"
+sign_copy; edit 'e["signatures"] = [s] * 17'; check_forgery "no signature, or more than 16"
+sign_copy; edit 'e["signatures"] = [s, s]'; check_forgery "two signatures by one key"
+sign_copy; edit 'e["signatures"] = [s, {"sig": "AAAA"}]'; check_forgery "by no trusted key"
+sign_copy; edit 'del e["payload"]'; check_forgery "lacks payload"
+sign_copy; echo '{"payload": "", "payload": "", "payloadType": "x", "signatures": []}' >"$envelope"; check_forgery "not one JSON object"
+sign_copy; "$python" -c 'print("[" * 100000)' >"$envelope"; check_forgery "not one JSON object"
+sign_copy; : >"$envelope"; check_forgery "not one JSON object"
+sign_copy; cat "$envelope" "$envelope" >two; mv two "$envelope"; check_forgery "not one JSON object"
+sign_copy; truncate -s 17M "$envelope"; check_forgery "larger than a signature can be"
+sign_copy; rm "$envelope"; mkfifo "$envelope"; check_forgery "not a regular file"
+sign_copy; mv "$envelope" e; ln -s "$PWD/e" "$envelope"; check_forgery "not a regular file"
+sign_copy; echo hello >x/signatures/note.txt; check_forgery "neither an envelope"
+sign_copy; echo hello >x/signatures/note.intoto.jsonl.tsr; check_forgery "neither an envelope"
+sign_copy; mkdir x/signatures/more; check_forgery "neither an envelope"
+sign_copy; mv x/signatures y; ln -s "$PWD/y" x/signatures; check_forgery "is not a folder"
 rm -rf x y; cp -r b x
 run 1 verify x --trust trusted/reviewer.pem
-check "signers that are not trusted" "$(grep -c 'by no trusted key' out)" 2
+check "number of signatures by no trusted key" "$(grep -c 'by no trusted key' out)" 2
 run 1 verify x --trust stranger.pem
 # Tests a valid signature by a trusted key that belongs to another bundle.
 run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet
-fresh; rm "$envelope"; cp other/signatures/* x/signatures/; broken "about another bundle"
+sign_copy; rm "$envelope"; cp other/signatures/* x/signatures/; check_forgery "about another bundle"
 # The contents of the envelope must be compared even without --trust.
 run 1 verify x
-grep -q "about another bundle" out || fail "another bundle's envelope without --trust: $(cat out)"
+grep -q "about another bundle" out || fail "verify without --trust does not report the envelope of another bundle: $(cat out)"
 # osteon sign must refuse a changed bundle and a bundle with broken signatures.
 rm -rf x; cp -r plain x; echo >>x/README.md
 run 1 sign x --key tester.key --meaning performed
 [ ! -e x/signatures ] || fail "a changed bundle was signed"
-fresh; echo hello >x/signatures/note.txt
+sign_copy; echo hello >x/signatures/note.txt
 run 1 sign x --key tester.key --meaning performed
 
 # ------------------------------------------------------------- time stamps
@@ -193,32 +193,32 @@ stamp() {
     openssl ts -query -data "$1" -sha256 -cert -out query.tsq 2>/dev/null
     openssl ts -reply -config tsa.cnf -queryfile query.tsq -signer tsa.pem -inkey tsa.key -out "$1.tsr" 2>/dev/null || fail "openssl ts made no response"
 }
-fresh
+sign_copy
 run 1 verify x --trust trusted --timestamp-ca ca.pem
-grep -q "has no time stamp" out || fail "no time stamp: $(cat out)"
+grep -q "has no time stamp" out || fail "the output does not state that there is no time stamp: $(cat out)"
 stamp "$envelope"
 run 0 verify x --trust trusted --json
-check "a time stamp without its authority" "$(value signatures.0.stamped) '$(value signatures.0.time_stamp)'" "true ''"
+check "time stamp without a trusted authority: stamped, time_stamp" "$(value signatures.0.stamped) '$(value signatures.0.time_stamp)'" "true ''"
 run 0 verify x --trust trusted --timestamp-ca ca.pem --json
 case $(value signatures.0.time_stamp) in
 20??-??-??T??:??:??Z) ;;
-*) fail "the time of a stamp: $(value signatures.0.time_stamp)" ;;
+*) fail "wrong time of the time stamp: $(value signatures.0.time_stamp)" ;;
 esac
 run 1 verify x --trust trusted --timestamp-ca no.pem
-grep -q "no time stamp of this envelope" out || fail "another authority: $(cat out)"
+grep -q "no time stamp of this envelope" out || fail "verify accepts a time stamp of another authority: $(cat out)"
 refuse 2 "no certificate" verify x --trust trusted --timestamp-ca tester.key
 cp "$envelope.tsr" of_another.tsr
-fresh
+sign_copy
 edit 'e["more"] = 1' # the signature is valid, but the time stamp was made for other bytes
 cp of_another.tsr "$envelope.tsr"
 run 1 verify x --trust trusted --timestamp-ca ca.pem
-grep -q "no time stamp of this envelope" out || fail "another envelope's stamp: $(cat out)"
+grep -q "no time stamp of this envelope" out || fail "verify accepts the time stamp of another envelope: $(cat out)"
 echo hello >"$envelope.tsr"
 run 1 verify x --trust trusted --timestamp-ca ca.pem
-grep -q "no response of a time-stamping authority" out || fail "no response: $(cat out)"
+grep -q "no response of a time-stamping authority" out || fail "verify accepts a file that is not a response of an authority: $(cat out)"
 
 # -------------------------------------------------- in-toto's own tools
-"$python" -c "import securesystemslib.dsse, in_toto_attestation.v1.statement" 2>/dev/null || { echo "not done: securesystemslib and in-toto-attestation are not installed"; finish; }
+"$python" -c "import securesystemslib.dsse, in_toto_attestation.v1.statement" 2>/dev/null || { echo "not tested, because securesystemslib or in-toto-attestation is not installed: the tools of in-toto"; finish; }
 "$python" - b trusted <<'PY' || fail "in-toto's own tools refuse the envelopes"
 import glob, json, sys
 from cryptography.hazmat.primitives.serialization import load_pem_public_key

@@ -27,40 +27,40 @@ echo text >plain/tests/run-test
 refuse 2 "no program that can be executed" $campaign --with-suite plain --out b
 refuse 2 "no program that can be executed" $campaign --with-suite folder --out b
 checks=$((checks + 1))
-[ ! -e b ] || fail "a refused suite leaves a bundle"
+[ ! -e b ] || fail "a campaign with a refused suite left a bundle"
 
 # One test passes. Absent tests are skipped, and the reason is given.
 run 0 $campaign --with-suite suite --out b --json
 named=$(sed 1d b/requirements.csv | grep -v '^,' | cut -d, -f4 | tr ';' '\n' | grep . | sort -u | wc -l | tr -d ' ')
-check "passed" "$(value suite.passed)" 1
-check "skipped" "$(value suite.skipped)" $((named - 1))
-check "limit in the protocol" "$("$json_get" suite.limit_s <b/protocol.json)" 1800
+check "passed tests of the suite" "$(value suite.passed)" 1
+check "skipped tests of the suite" "$(value suite.skipped)" $((named - 1))
+check "time limit in the protocol" "$("$json_get" suite.limit_s <b/protocol.json)" 1800
 checks=$((checks + 1))
-grep -q '"output_bytes": 7,' b/suite.json && grep -q "\"output_sha256\": \"$(echo "5 of 5" | sha256sum | cut -d' ' -f1)\"" b/suite.json || fail "the output of a test is not in suite.json"
+grep -q '"output_bytes": 7,' b/suite.json && grep -q "\"output_sha256\": \"$(echo "5 of 5" | sha256sum | cut -d' ' -f1)\"" b/suite.json || fail "suite.json does not contain the size and the digest of a test's output"
 checks=$((checks + 1))
 grep '^requirement,"AR-POSE-1",' b/trace.csv | grep -q '; the test suite",".*; tests: 1 passed","common.json suite.json"$' || fail "AR-POSE-1 is not traced to its test: $(grep AR-POSE-1 b/trace.csv)"
 checks=$((checks + 1))
-grep '^requirement,"REQ-CLI-HELP",' b/trace.csv | grep -q '"not by this bundle; tests: 0 passed; tests/app/test_guide.sh skipped: it is not built' || fail "a skipped test shows something"
+grep '^requirement,"REQ-CLI-HELP",' b/trace.csv | grep -q '"not by this bundle; tests: 0 passed; tests/app/test_guide.sh skipped: it is not built' || fail "trace.csv does not state that a skipped test verifies nothing"
 checks=$((checks + 1))
-grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || fail "the report does not have the suite, or says that it failed"
+grep -q 'id="suite"' b/report.html && ! grep -q 'SUITE FAILED' b/report.html || fail "the report does not contain the suite, or states that it failed"
 run 0 verify b --json
-check "verify's count" "$(value suite.passed)" 1
+check "passed tests according to verify" "$(value suite.passed)" 1
 
 # The suite of a shard must be part of the merged bundle.
 mkdir shards
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 1/2 --with-suite suite --out shards/1
 run 0 validate --only import --backends cpu:isa=scalar,threads=1 --shard 2/2 --out shards/2
 run 0 validate --merge shards --out merged --json
-check "passed in the merged bundle" "$(value suite.passed)" 1
+check "passed tests in the merged bundle" "$(value suite.passed)" 1
 run 0 verify merged
 
 # If no test ran, there must be no evidence.
 printf '#!/bin/sh\nexit 77\n' >suite/tests/run-test
 run 3 $campaign --with-suite suite --out none
 checks=$((checks + 1))
-grep -q 'no test of the suite ran' err || fail "a suite that did not run: $(cat err)"
+grep -q 'no test of the suite ran' err || fail "the error does not state that no test ran: $(cat err)"
 run 0 verify none
-check "results_root of other results of the suite" "$("$json_get" results_root <none/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
+check "results_root with other results of the suite" "$("$json_get" results_root <none/manifest.json)" "$("$json_get" results_root <b/manifest.json)"
 
 # The tests fail in every way. None of their processes may continue, and none of their output may be stored.
 cat >suite/tests/run-test <<END
@@ -79,64 +79,64 @@ esac
 END
 run 1 $campaign --with-suite suite --suite-limit 3 --out failed
 checks=$((checks + 1))
-grep -q '^TEST SUITE FAILED: .* 2 passed, 6 failed' out && grep -q 'verdict .*; the test suite FAILED' out || fail "failed tests: $(cat out)"
-one() { # TEST: prints its object on one line
+grep -q '^TEST SUITE FAILED: .* 2 passed, 6 failed' out && grep -q 'verdict .*; the test suite FAILED' out || fail "the output does not state that the suite failed: $(cat out)"
+object_of() { # object_of TEST: prints the object of TEST in suite.json on one line
     tr '\n' ' ' <failed/suite.json | sed 's/},/}\n/g' | grep -F "\"test\": \"$1\""
 }
-says() { # TEST TEXT...: checks that the object of TEST contains each string
+check_object() { # check_object TEST TEXT...: checks that the object of TEST contains each TEXT
     test=$1
     shift
     for text in "$@"; do
         checks=$((checks + 1))
-        one "$test" | grep -qF "$text" || fail "$test: '$(one "$test")' does not have '$text'"
+        object_of "$test" | grep -qF "$text" || fail "$test: the object '$(object_of "$test")' does not contain '$text'"
     done
 }
-says tests/core/test_grid.c '"result": "failed"' '"status": 1' 'ended with status 1; it printed last: 3 is not 4'
-says tests/core/test_integer.c '"result": "failed"' '"status": -11' 'was ended by signal 11'
-says tests/core/test_digest.c '"result": "failed"' '"stopped": "time"' 'ran longer than 3 s and was stopped'
-says tests/core/test_decimal.c '"result": "failed"' '"stopped": "output"' 'printed more than 67108864 bytes and was stopped'
-says tests/core/test_motor.c '"result": "failed"' '"status": 99' 'it printed last: no?plain ?[31mtext'
-says tests/core/test_report.c '"result": "passed"'
-says tests/ref/test_map.c '"result": "failed"' '"reason": "ended with status 3"'
+check_object tests/core/test_grid.c '"result": "failed"' '"status": 1' 'ended with status 1; it printed last: 3 is not 4'
+check_object tests/core/test_integer.c '"result": "failed"' '"status": -11' 'was ended by signal 11'
+check_object tests/core/test_digest.c '"result": "failed"' '"stopped": "time"' 'ran longer than 3 s and was stopped'
+check_object tests/core/test_decimal.c '"result": "failed"' '"stopped": "output"' 'printed more than 67108864 bytes and was stopped'
+check_object tests/core/test_motor.c '"result": "failed"' '"status": 99' 'it printed last: no?plain ?[31mtext'
+check_object tests/core/test_report.c '"result": "passed"'
+check_object tests/ref/test_map.c '"result": "failed"' '"reason": "ended with status 3"'
 for left in hung left; do
     checks=$((checks + 1))
-    ! kill -0 "$(cat $left)" 2>/dev/null || grep -q '^State:.*Z' "/proc/$(cat $left)/status" 2>/dev/null || fail "a process of a test goes on"
+    ! kill -0 "$(cat $left)" 2>/dev/null || grep -q '^State:.*Z' "/proc/$(cat $left)/status" 2>/dev/null || fail "a process of a test continues to run"
 done
 checks=$((checks + 1))
-grep -q 'THE TEST SUITE FAILED' failed/report.html || fail "the report does not say that the suite failed"
+grep -q 'THE TEST SUITE FAILED' failed/report.html || fail "the report does not state that the suite failed"
 run 0 verify failed
 checks=$((checks + 1))
-grep -q 'the test suite FAILED: 2 passed, 6 failed' out || fail "verify does not say that the suite failed: $(cat out)"
+grep -q 'the test suite FAILED: 2 passed, 6 failed' out || fail "verify does not state that the suite failed: $(cat out)"
 
 # Files are forged without correcting the manifest and the log. verify must name suite.json and the error.
 cp -r failed forged
 sed 's/"failed": 6/"failed": 5/' failed/suite.json >forged/suite.json
 run 1 verify forged
 checks=$((checks + 1))
-grep -q 'suite.json says 5 failed, and its results give 6' out || fail "a wrong count: $(cat out)"
+grep -q 'suite.json says 5 failed, and its results give 6' out || fail "verify does not report the forged count: $(cat out)"
 sed 's/"result": "failed"/"result": "passed"/' failed/suite.json >forged/suite.json
 run 1 verify forged
 checks=$((checks + 1))
-grep -q "says 'passed', and status 1 gives 'failed'" out || fail "a failure that is called passed: $(cat out)"
+grep -q "says 'passed', and status 1 gives 'failed'" out || fail "verify does not report the failed test that is listed as passed: $(cat out)"
 sed 's/"result": "failed"/"result": "skipped"/;s/"status": 1,/"status": 77,/;s/"limit_s": 3/"limit_s": 4/' failed/suite.json >forged/suite.json
 run 1 verify forged
 checks=$((checks + 1))
-grep -q "has another limit of time" out || fail "another limit: $(cat out)"
+grep -q "has another limit of time" out || fail "verify does not report the forged time limit: $(cat out)"
 sed 's,tests/core/test_pose.c,tests/core/test_posf.c,' failed/suite.json >forged/suite.json
 run 1 verify forged
 checks=$((checks + 1))
-grep -q "has a result of 'tests/core/test_posf.c' where requirements.csv gives tests/core/test_pose.c" out || fail "another test: $(cat out)"
+grep -q "has a result of 'tests/core/test_posf.c' where requirements.csv gives tests/core/test_pose.c" out || fail "verify does not report the forged name of a test: $(cat out)"
 printf '[' >forged/suite.json
 run 1 verify forged
 rm forged/suite.json
 run 2 verify forged
 checks=$((checks + 1))
-grep -q 'suite.json is missing' out err || fail "a suite that was taken out: $(cat out)"
+grep -q 'suite.json is missing' out err || fail "verify does not report the removed suite: $(cat out)"
 run 0 $campaign --out without
 cp failed/suite.json without/suite.json
 run 1 verify without
 checks=$((checks + 1))
-grep -q 'suite.json belongs to no bundle of this protocol' out || fail "a suite put in: $(cat out)"
+grep -q 'suite.json belongs to no bundle of this protocol' out || fail "verify does not report the added suite: $(cat out)"
 
 # The program tests/run-test of the build must run a test in the same way as make check.
 if [ -x "$build/tests/core/test_pose" ]; then

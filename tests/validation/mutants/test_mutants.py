@@ -98,7 +98,7 @@ class Generator(unittest.TestCase):
         self.assertEqual(len({m.id for m in mutants}), len(mutants))
 
     def test_backends_of_files(self):
-        """A file without known backends would count as survived, so every file that is built here must have some."""
+        """The mutants of a file that no known backend runs would count as survived. Each file that is built must have one."""
         lists = (["ref", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=2", "cpu:isa=avx512,threads=2",
                   "cpu:voxelizer=embree,threads=2", "cl:platform=0,device=0"],
                  ["ref", "dense", "cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=3,grain=1", "cpu:isa=avx512,threads=1",
