@@ -15,7 +15,7 @@ def half_even(numerator, denominator):
 
 
 def half_up(numerator, denominator):
-    """The mistake: a tie is rounded up."""
+    """Makes a deliberate mistake: rounds a tie up."""
     return math.floor(Fraction(numerator, denominator) + Fraction(1, 2))
 
 
@@ -26,7 +26,7 @@ def coordinates(bone_shape, m, rhe):
     for z, y, x in np.ndindex(*blocks):
         for a in range(3):
             exact = m.origin[a] + 16 * (x * m.column[0][a] + y * m.column[1][a] + z * m.column[2][a])
-            # a far block is far outside; the limit only keeps the number within int64
+            # The base of a far block is limited, so that it fits int64. The block is outside of the tool in any case.
             base[z, y, x, a] = max(-2**40, min(2**40, rhe(exact, m.divisor)))
     step = [[rhe(m.column[b][a], m.divisor) for a in range(3)] for b in range(3)]
     z, y, x = np.ogrid[tuple(slice(n) for n in bone_shape)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Segmentation, spheres and landmarks, compared with the results of the command."""
+"""Compares segmentation, spheres and landmarks with the results of the command."""
 import numpy as np
 import pytest
 
@@ -25,7 +25,7 @@ def mm(point):
     return [osteon.to_mm(v) for v in point]
 
 
-def test_landmarks_are_those_of_the_command(tmp_path, backend, scapula, command):
+def test_landmarks_equal_command(tmp_path, backend, scapula, command):
     report = command.json("import", scapula, "--landmarks", "auto", "--out", tmp_path / "bone.nrrd")
     expected = report["landmarks_proposed"]
     bone = backend.read_bone(scapula)
@@ -52,7 +52,7 @@ def test_landmarks_are_those_of_the_command(tmp_path, backend, scapula, command)
 
 @pytest.fixture(scope="module")
 def blocks():
-    """A CT of blocks: two with a hole, one of them with air, two small ones, a dumbbell, and a soft rim."""
+    """Returns a CT of two blocks with a hole (one with air), two small blocks, a dumbbell, and a soft rim."""
     hu = np.full((40, 40, 90), -1000, np.int16)
     hu[2:18, 2:18, 2:18] = 500
     hu[8:10, 8:10, 8:10] = 50
@@ -80,7 +80,7 @@ def blocks():
     (["--cut-ball", "37,25,22.5,6"], {"cuts": [segmentation.Cut.ball((37, 25, "22.5"), 6)]}, 4, 0),
     (["--cut-plane", "40,0,0,2,0,0.5"], {"cuts": [segmentation.Cut.plane((40, 0, 0), (2, 0, 0.5))]}, 3, 0),
 ])
-def test_segmentation_is_that_of_the_command(tmp_path, blocks, command, options, keywords, count, filled):
+def test_segmentation_equals_command(tmp_path, blocks, command, options, keywords, count, filled):
     blocks.write(tmp_path / "ct.nrrd")
     command("segment", tmp_path / "ct.nrrd", "--out", tmp_path / "labels.nrrd", *options)
     found, expected = segmentation.segment(blocks, **keywords), osteon.Volume.read(tmp_path / "labels.nrrd")
@@ -124,7 +124,7 @@ def test_spheres(shoulder):
     assert found == sorted(found, key=lambda s: -s.coverage) and 17 <= osteon.to_mm(found[0].radius_pm) <= 32
     near = anatomy.spheres(ct, near_mm=mm(found[0].centre_pm), reach_mm=5, most=1)
     assert near == found[:1]
-    # a sphere on the surface: bone inside, none outside
+    # a point 2 mm inside the sphere must be bone
     centre = (np.array(found[0].centre_pm) - ct.geometry.origin_pm) / ct.geometry.spacing_pm
     inside = centre + (osteon.to_mm(found[0].radius_pm) - 2) * np.array(found[0].facing)
     assert ct.voxels[tuple(np.rint(inside[::-1]).astype(int))] >= 120

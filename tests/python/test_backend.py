@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Backends and bones: imports, copies, digests, events, lifetimes and threads."""
+"""Tests backends and bones: imports, copies, digests, events, lifetimes and threads."""
 import gc
 import multiprocessing
 import os
@@ -22,7 +22,7 @@ def test_lists():
         assert backend.name == "cpu" and backend.settings["threads"] == 2
 
 
-def test_import_is_that_of_the_command(tmp_path, backend, inputs, command):
+def test_import_equals_command(tmp_path, backend, inputs, command):
     bone = backend.read_bone(inputs / "ct.nrrd", digests=True)
     bone.write(tmp_path / "p.nrrd")
     assert (tmp_path / "p.nrrd").read_bytes() == (inputs / "bone.nrrd").read_bytes()
@@ -104,7 +104,7 @@ def test_objects_are_freed_in_order(inputs):
 
 
 def test_objects_are_freed_after_a_call(backend, inputs):
-    """A progress function closes a bone of the backend that is importing; the bone is freed after the import."""
+    """A progress function closes a bone of the backend during an import. The bone must be freed after the import."""
     bones = [backend.read_bone(inputs / "ct.nrrd") for _ in range(2)]
     waiting = []
 
@@ -120,14 +120,14 @@ def test_objects_are_freed_after_a_call(backend, inputs):
     assert not backend._lock.waiting
 
 
-def test_objects_may_outlive_main():
+def test_objects_that_exist_at_exit():
     code = ("import osteon\nb = osteon.Backend()\nx = b.bone(osteon.phantom.ct('glenoid'))\n"
             "w = osteon.World(x, [b.voxelize(osteon.phantom.tool('peg'))])\nprint(x.info.active_voxels > 0)")
     done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
     assert done.stdout.strip() == b"True"
 
 
-def test_threads_take_turns(scene):
+def test_threads_share_a_backend(scene):
     bone, tool, path = scene
     pose = path.poses()[len(path) // 2]
     expected = bone.collide(tool, pose)
@@ -146,8 +146,8 @@ def test_threads_take_turns(scene):
     assert not wrong
 
 
-def test_the_gil_is_released(backend, inputs):
-    """Another thread runs during calls of the library, although Python itself never switches threads."""
+def test_gil_is_released(backend, inputs):
+    """Another thread must run during calls of the library, although Python itself never switches threads."""
     ended, counted = threading.Event(), [0]
 
     def count():
@@ -174,7 +174,7 @@ def test_the_gil_is_released(backend, inputs):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
-def test_a_forked_child_is_refused(backend, inputs):
+def test_forked_process_is_refused(backend, inputs):
     bone = backend.read_bone(inputs / "ct.nrrd")
 
     def child(queue):

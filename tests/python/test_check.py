@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""osteon.check: a right implementation is equal; wrong ones are found, located and minimised."""
+"""Tests osteon.check: a correct implementation is equal; wrong implementations are detected, located and minimised."""
 import numpy as np
 import pytest
 from removal import half_up, removal
@@ -8,14 +8,14 @@ import osteon
 
 
 def small(voxels, tool, pose=osteon.Pose(), **options):
-    """A case of one pose: 1 mm voxels, the tool's corner at 0."""
+    """Returns a case of one pose with voxels of 1 mm. The corner of the tool's grid is at 0."""
     voxels, tool = np.asarray(voxels, np.int16), np.asarray(tool, np.uint8)
     return osteon.Case.of(osteon.Volume(voxels, osteon.Geometry.of(voxels.shape, 1, (0.5, 0.5, 0.5))),
                           [osteon.ToolVolume(tool, osteon.ToolGeometry(tool.shape[::-1], 10**9, (0, 0, 0)))],
                           osteon.Path.of_poses([pose]), **options)
 
 
-def test_a_right_implementation_is_equal():
+def test_correct_implementation_is_equal():
     result = osteon.check(removal(), list(osteon.campaign_cases("poses")) + list(osteon.campaign_cases("reach/3"))
                           + list(osteon.tie_cases()))
     assert result and result.verdict == "EQUAL" and result.touched_compared
@@ -23,37 +23,37 @@ def test_a_right_implementation_is_equal():
     result.raise_if_different()
 
 
-def test_a_tie_rounded_up_is_found_and_located():
+def test_wrong_tie_is_located():
     result = osteon.check(removal(rhe=half_up), "ties")
     assert [f.case for f in result.findings] == [f"ties/{name}-{a}" for a in "xyz" for name in ("base", "step")]
     for finding, at in zip(result.findings, [a for a in range(3) for _ in range(2)]):
         assert finding.kind == "missed" and finding.voxel == (1, 1, 1) and finding.different == 1
         assert finding.operands[0].u[at] == 4 * 2**20 - 1 and finding.operands[0].tool_voxel == (3, 3, 3)
-        assert finding.margin == 1  # one unit behind the coordinate, the tool does not cut
+        assert finding.margin == 1  # a coordinate that is one unit greater lies outside the cutting voxels
         assert np.count_nonzero(finding.minimised.bone.voxels) == 1 == len(finding.minimised.maps)
     border = osteon.check(removal(lower_border=True), "ties")
     assert [f.case for f in border.findings] == [f"ties/border-{a}" for a in "xyz"]
     assert {f.margin for f in border.findings} == {1}
 
 
-def test_a_lost_layer_is_found_located_and_minimised(tmp_path):
+def test_lost_layer_is_located_and_minimised(tmp_path):
     lost = removal(lost_layers=1)
     tool = np.ones((3, 4, 5), np.uint8)
     case = small(np.full((40, 40, 40), 500), tool, osteon.Pose.of((20, 17, 30)), name="mine")
     result = osteon.check(lost, case)
     finding, = result.findings
-    # the tool covers the voxels 20-24, 17-20, 30-32; the last layer along z is 32
+    # the tool covers the voxels 20 to 24, 17 to 20 and 30 to 32 along x, y and z, so its last layer is at z = 32
     assert finding.kind == "missed" and finding.voxel == (20, 17, 32) and finding.different == 20
     assert finding.box == ((20, 17, 32), (25, 21, 33)) and finding.chunk == (0, 0, 1)
     assert (finding.before, finding.expected, finding.got) == (500, 0, 500)
     assert finding.operands[0].tool_voxel == (0, 0, 2) and finding.operands[0].u == (2**19, 2**19, 2 * 2**20 + 2**19)
-    assert finding.margin == 2**19 + 0  # the centre of a voxel of 2^20 units; the lower neighbours are outside
+    assert finding.margin == 2**19 + 0  # the voxel is 2^20 units wide, and its lower neighbours are outside
     small_case = finding.minimised
     assert len(small_case.maps) == 1 and np.count_nonzero(small_case.bone.voxels) == 1
     assert np.count_nonzero(small_case.tool.voxels) == 1
-    assert small_case.bone.geometry.dims == (20 - 16 + 1, 17 - 16 + 1, 1)  # cropped at borders of blocks
+    assert small_case.bone.geometry.dims == (20 - 16 + 1, 17 - 16 + 1, 1)  # the case is cropped at borders of blocks
     assert small_case.tool.geometry.dims == (1, 1, 1)
-    # the small case can be stored, shows the difference again, and is equal for a right implementation
+    # the small case can be stored; it shows the difference again, but none with a correct implementation
     small_case.save(tmp_path / "case.json")
     again = osteon.EventCase.load(tmp_path / "case.json")
     repeated = osteon.check(lost, again)
@@ -66,14 +66,14 @@ def test_a_lost_layer_is_found_located_and_minimised(tmp_path):
         result.raise_if_different()
 
 
-def test_cases_of_the_campaign_find_a_lost_layer():
+def test_campaign_cases_detect_lost_layer():
     findings = osteon.check(removal(lost_layers=1), "poses").findings
     assert [f.case for f in findings] == ["poses/4"]
     assert findings[0].minimised is not None and findings[0].minimised.bone.voxels.size <= 16 * 16 * 16
 
 
-def test_the_position_is_that_of_the_command(tmp_path, command):
-    """The grids of a wrong function, compared by `osteon compare` as a dump: the same voxel, operand and margin."""
+def test_position_equals_command(tmp_path, command):
+    """For a dump of a wrong function's grids, `osteon compare` must report the same voxel, operand and margin."""
     wrong = removal(lost_layers=1)
     case, = osteon.campaign_cases("poses/4")
     folder = tmp_path / "dump" / "poses-4"
@@ -86,12 +86,13 @@ def test_the_position_is_that_of_the_command(tmp_path, command):
                              removal_period_ns=case.removal_period_ns)
         for number, _ in enumerate(world.steps(case.path)):
             bone.voxels().tofile(folder / f"tick-{number}.raw")
-    told, = command.json("compare", tmp_path / "dump", status=1)["cases"]
+    reported, = command.json("compare", tmp_path / "dump", status=1)["cases"]
     found, = osteon.check(wrong, case).findings
-    assert (told["stage"], told["item"]) == ("tick", found.tick) and told["different_voxels"] == found.different
-    assert (told["voxel"], told["chunk"]) == (list(found.voxel), list(found.chunk))
-    assert (told["reference"], told["got"]) == (found.expected, found.got)
-    operand = next(o["value"] for o in told["operands"] if o["name"] == "pose 1 of 1")
+    assert (reported["stage"], reported["item"]) == ("tick", found.tick)
+    assert reported["different_voxels"] == found.different
+    assert (reported["voxel"], reported["chunk"]) == (list(found.voxel), list(found.chunk))
+    assert (reported["reference"], reported["got"]) == (found.expected, found.got)
+    operand = next(o["value"] for o in reported["operands"] if o["name"] == "pose 1 of 1")
     assert f"point {found.operands[0].u} / 2^20" in operand
     assert f"tool voxel {found.operands[0].tool_voxel}, cutting; {found.margin} / 2^20" in operand
 
@@ -102,7 +103,7 @@ def test_too_much_removed():
     finding, = osteon.check(removal(removes_touched=True), small(np.full((8, 8, 8), 500), tool)).findings
     assert finding.kind == "extra" and finding.voxel == (0, 0, 0) and finding.different == 4
     assert (finding.expected, finding.got) == (500, 0) and finding.operands[0].tool_class == 2
-    assert finding.margin == 2**19  # from the centre of the voxel to the cutting layer above
+    assert finding.margin == 2**19  # distance from the centre of the voxel to the cutting layer above it
 
 
 def test_other_differences():
@@ -141,7 +142,7 @@ def test_other_differences():
     assert finding.kind == "error" and isinstance(finding.error, osteon.UsageError)
 
 
-def test_a_function_that_remembers_is_not_minimised():
+def test_function_with_state_is_not_minimised():
     calls = []
 
     def every_second(voxels, cutter, event):
@@ -171,7 +172,7 @@ def test_stop_progress_and_minimise():
     assert len(osteon.check(nothing, cases).findings) == 3
 
 
-def test_the_command_must_exist(monkeypatch, tmp_path):
+def test_missing_command(monkeypatch, tmp_path):
     with pytest.raises(osteon.UsageError, match="nocase"):
         list(osteon.campaign_cases("nocase"))
     monkeypatch.setattr("osteon.cases.text", lambda _: "")
@@ -190,7 +191,7 @@ def test_damaged_case_files(tmp_path):
 
 
 def test_function_backend(inputs, tmp_path):
-    """A function is a backend: a session recorded with it is replayed on cpu, and its files are equal."""
+    """A session that is recorded with a function as the backend must replay on cpu with equal grids."""
     volume = osteon.phantom.ct("glenoid", spacing_mm="1")
     digests = []
     with osteon.FunctionBackend(removal()) as mine, osteon.Backend() as cpu:
@@ -210,7 +211,7 @@ def test_function_backend(inputs, tmp_path):
         osteon.FunctionBackend(3)
 
 
-def test_exceptions_of_the_function_are_causes():
+def test_exceptions_of_function_are_chained():
     def fails(voxels, cutter, event):
         raise KeyError("here")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""osteon.diff: the same verdict, counts and classes as the command."""
+"""Tests that osteon.diff returns the same verdict, counts and classes as the command."""
 import numpy as np
 import pytest
 
@@ -13,13 +13,13 @@ def test_bones_before_and_after(tmp_path, scene, command):
     totals = osteon.World(bone, [tool]).run(path)
     bone.write(tmp_path / "b.nrrd")
     found = osteon.diff(start, bone)
-    told = command.json("diff", tmp_path / "a.nrrd", tmp_path / "b.nrrd", status=1)
-    assert not found and found.different == totals.removed_voxels == told["different_voxels"]
-    assert found.by_kind == {c["name"]: c["voxels"] for c in told["classes"]}
-    assert found.pattern == told["pattern"]
-    assert [p._asdict() for p in found.patterns] == told["patterns"]
+    reported = command.json("diff", tmp_path / "a.nrrd", tmp_path / "b.nrrd", status=1)
+    assert not found and found.different == totals.removed_voxels == reported["different_voxels"]
+    assert found.by_kind == {c["name"]: c["voxels"] for c in reported["classes"]}
+    assert found.pattern == reported["pattern"]
+    assert [p._asdict() for p in found.patterns] == reported["patterns"]
     assert [(list(c.chunk), c.different) for c in found.chunks] == [
-        (c["chunk"], c["different_voxels"]) for c in told["chunks"]]
+        (c["chunk"], c["different_voxels"]) for c in reported["chunks"]]
     assert "only-removed" in str(found) and f"{found.different} voxels" in str(found)
     files = osteon.diff(tmp_path / "a.nrrd", str(tmp_path / "b.nrrd"))
     assert (files.different, files.pattern, files.first) == (found.different, found.pattern, found.first)
@@ -74,9 +74,9 @@ def test_tools(tmp_path, backend, inputs, command):
     changed = osteon.ToolVolume(voxels, tools[0].geometry)
     changed.write(tmp_path / "b.nrrd")
     tools[0].write(tmp_path / "a.nrrd")
-    told = command.json("diff", tmp_path / "a.nrrd", tmp_path / "b.nrrd", status=1)
+    reported = command.json("diff", tmp_path / "a.nrrd", tmp_path / "b.nrrd", status=1)
     found = osteon.diff(tools[0], tmp_path / "b.nrrd")
-    assert (found.pattern, found.different) == (told["pattern"], told["different_voxels"]) == ("tool-class", 5)
+    assert (found.pattern, found.different) == (reported["pattern"], reported["different_voxels"]) == ("tool-class", 5)
     assert not osteon.diff(tools[0], tools[2]).same_dims
     with pytest.raises(osteon.UsageError):
         osteon.diff(tools[0], inputs / "bone.nrrd")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exceptions, and the agreement of the package with the library."""
+"""Tests the exceptions, and that the package agrees with the library."""
 import inspect
 import os
 import pkgutil

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sessions as pandas frames, HDF5 and MCAP, read back by the libraries of these formats."""
+"""Tests sessions as pandas frames, HDF5 and MCAP. The files are read by the libraries of these formats."""
 import json
 import sys
 
@@ -14,7 +14,7 @@ EVENTS, POSES = "physics_data/intermittent_data/", "physics_data/continuous_data
 
 @pytest.fixture
 def recorded(tmp_path, scene):
-    """The start of a session of a peg hole, with a note, and the bone before it. Some ticks get a force."""
+    """Returns a session of a peg hole with a note and with a force in some ticks, the bone before it, and the tool."""
     bone, tool, path = scene
     start, world = bone.copy(), osteon.World(bone, [tool])
     with session.Recorder(tmp_path / "s.session", session.header_of(world), sync=False) as recorder:
@@ -93,7 +93,7 @@ def test_hdf5_with_voxels(tmp_path, recorded):
         made.write_hdf5(tmp_path / "w.hdf5", osteon.World(start, [tool]))
     with pytest.raises(osteon.FileError, match="none"):
         made.write_hdf5(tmp_path / "none" / "w.hdf5")
-    made.header["note"] = "\0"  # h5py refuses it after the file was opened
+    made.header["note"] = "\0"  # h5py refuses this text, after the file was opened
     with pytest.raises(ValueError):
         made.write_hdf5(tmp_path / "w.hdf5")
     assert sorted(item.name for item in tmp_path.iterdir() if item.is_file()) == ["s.session", "v.hdf5"]
@@ -134,7 +134,7 @@ def test_mcap(tmp_path, recorded):
     assert [content["message"] for _, content in found["/note"][1]] == ['a "note"']
 
 
-def test_an_empty_session(tmp_path, scene):
+def test_empty_session(tmp_path, scene):
     bone, tool, _ = scene
     with session.Recorder(tmp_path / "e.session", session.header_of(osteon.World(bone, [tool])), sync=False):
         pass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The force, against a closed form of docs/reference/force.md, and its parameters against those of the command."""
+"""Compares the force with a closed form of docs/reference/force.md, and its parameters with those of the command."""
 import math
 import re
 
@@ -10,7 +10,7 @@ import osteon
 
 
 def block(backend, hu):
-    """A block of bone of one density whose face is at z = 0, and a ball of radius 5 mm."""
+    """Returns a block of bone with a uniform density whose face is at z = 0, and a ball of radius 5 mm as the tool."""
     geometry = osteon.Geometry.of((40, 60, 60), 0.5, (-15, -15, -20))
     bone = backend.bone(osteon.Volume(np.full(geometry.shape, hu, np.int16), geometry))
     n = 23
@@ -20,7 +20,7 @@ def block(backend, hu):
     return bone, tool
 
 
-def test_a_tool_that_does_not_cut_stretches_the_coupling(backend):
+def test_coupling_of_tool_that_does_not_cut(backend):
     bone, tool = block(backend, 1000)
     force = osteon.Force(bone, [tool], osteon.ForceParams(stiffness=250), rpm=0)
     top = 5.0
@@ -35,8 +35,8 @@ def test_a_tool_that_does_not_cut_stretches_the_coupling(backend):
 
 
 def test_cutting_power_is_energy_per_volume(backend):
-    """docs/reference/force.md: hemispherical reaming at speed v needs the power u v pi R^2, and the force
-    2 pi u R v / (mu w) (pi/4 - r0 / 2R), as a point within r0 = 1 mm of the axis counts as if it were 1 mm from it."""
+    """Tests hemispherical reaming at speed v (docs/reference/force.md). The power is u v pi R^2, and the force is
+    2 pi u R v / (mu w) (pi/4 - r0 / 2R). Points nearer to the axis than r0 = 1 mm are treated as 1 mm from the axis."""
     bone, tool = block(backend, 1000)
     params = osteon.ForceParams(density_per_hu=0, density_at_0=1.95, energy=1e6)
     force, world = osteon.Force(bone, [tool], params), osteon.World(bone, [tool])
@@ -47,19 +47,19 @@ def test_cutting_power_is_energy_per_volume(backend):
         if step >= 2500:
             powers.append(felt.power_w)
             forces.append(felt.axial_n)
-    speed = 3e-3  # m/s; the hand's speed, and in the steady state the tool's
+    speed = 3e-3  # in m/s; the speed of the hand, which the tool reaches in the steady state
     assert np.mean(powers) == pytest.approx(1e6 * speed * math.pi * 0.005 ** 2, rel=0.1)
     turns = 200 * 2 * math.pi / 60  # rad/s
     assert np.mean(forces) == pytest.approx(2 * math.pi * 1e6 * 0.005 * speed / (0.5 * turns) * (math.pi / 4 - 0.1),
                                             rel=0.05)
 
 
-def test_parameters_are_those_of_the_command(tmp_path, command):
+def test_parameters_equal_command(tmp_path, command):
     defaults = osteon.ForceParams().values
     printed = command("sim", "--print-force-params", "--device", "sim")
     for name, value in re.findall(r"^(\w+): ([-+.\de]+)", printed, re.M):
         assert defaults[name] == pytest.approx(float(value)), name
-    # each parameter, set by its name, is the one that the library reads by this name
+    # a parameter that is set by its name must be the parameter that the library reads under this name
     changed = {name: {"dead_man": 2, "stale_ticks": 7}.get(name, min(key.hi, defaults[name] * 1.5 + 1e-3))
                for name, key in osteon.ForceParams.KEYS.items()}
     assert osteon.ForceParams(**changed).values == changed
@@ -91,7 +91,7 @@ def test_errors(tmp_path, backend, scene):
 
 
 def test_density_and_energy():
-    """energy * (density / reference_density)^2 (docs/reference/force.md)."""
+    """The energy must be energy * (density / reference_density)^2 (docs/reference/force.md)."""
     params = osteon.ForceParams()
     assert params.density(1000) > params.density(300) > 0
     ratio = params.density(1000) / params.density(300)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Units, geometries, arrays and volumes."""
+"""Tests units, geometries, arrays and volumes."""
 from decimal import Decimal
 
 import numpy as np
@@ -84,7 +84,7 @@ def test_conversions_of_arrays():
         as_voxels(np.zeros((1, 1, 1), complex))
 
 
-class OnDevice:
+class ArrayOnDevice:
     """An array whose DLPack capsule cannot be read, like a tensor on a GPU."""
 
     def __dlpack__(self, **_):
@@ -95,7 +95,7 @@ class OnDevice:
 
 
 def test_dlpack(inputs):
-    class Tensor:  # has DLPack and nothing else
+    class Tensor:  # an object that offers DLPack and no other interface
         def __init__(self, array):
             self.array = array
 
@@ -108,7 +108,7 @@ def test_dlpack(inputs):
     array = osteon.Volume.read(inputs / "ct.nrrd").voxels
     assert np.shares_memory(as_voxels(Tensor(array)), array)
     with pytest.raises(osteon.UsageError, match="copy it to the host"):
-        as_voxels(OnDevice())
+        as_voxels(ArrayOnDevice())
 
 
 def test_files_and_digests(tmp_path, inputs, command):

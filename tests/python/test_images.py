@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Images of SimpleITK and nibabel: the same voxels and the same geometry as the library reads from the file."""
+"""Tests that images of SimpleITK and nibabel have the voxels and the geometry that the library reads from the file."""
 import itertools
 import sys
 

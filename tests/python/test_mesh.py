@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes, tool grids and voxelization."""
+"""Tests meshes, tool grids and voxelization."""
 import numpy as np
 import pytest
 

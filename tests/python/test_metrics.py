@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The metrics of an operation, compared with the debrief of the command."""
+"""Compares the metrics of an operation with the debrief of the command."""
 import numpy as np
 import pytest
 
@@ -9,7 +9,7 @@ from osteon import metrics, session
 
 @pytest.fixture(scope="module")
 def debriefs(tmp_path_factory, inputs, command):
-    """A peg hole and a reaming by the command: the session of each, and the metrics that the command reports."""
+    """Drills a peg hole and reams with the command. Returns the session and the reported metrics of both operations."""
     folder, bone, found = tmp_path_factory.mktemp("debriefs"), inputs / "ct.nrrd", []
     for tool, path in (("peg", "peg-hole"), ("reamer", "glenoid-ream")):
         mesh = osteon.Mesh.read(inputs / f"{tool}.stl")
@@ -35,7 +35,7 @@ def measured(backend, name, tool_file, session_file):
 
 
 @pytest.mark.parametrize("index", [0, 1])
-def test_the_values_are_those_of_the_command(backend, debriefs, index):
+def test_values_equal_command(backend, debriefs, index):
     *files, expected = debriefs[index]
     made, ways, plan = measured(backend, *files)
     found = {**made.values, "removed_by_class_mm3": made.removed_by_class_mm3}

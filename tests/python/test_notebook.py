@@ -28,7 +28,7 @@ def test_every_cell_runs(tmp_path, monkeypatch):
         for number, cell in enumerate(cells):
             exec(compile(cell, f"cell {number}", "exec"), scope)  # pylint: disable=exec-used
     assert len(cells) >= 8 and all(os.path.getsize(picture) > 1000 for picture in pictures) and len(pictures) == 2
-    # what the text of the notebook says
+    # the results that the text of the notebook states
     assert scope["left"] and scope["missed"].by_kind["removed"] > 0
     assert scope["result"].findings[0].margin == 2 and isinstance(scope["result"], osteon.CheckResult)
     assert "equal=True" in printed.getvalue()

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The OpenIGTLink server in a process of its own, with a client of pyigtl in another one, and with hostile clients.
+"""Tests the OpenIGTLink server, which runs in its own process, with a client of pyigtl in another process and with
+hostile clients.
 
 All connections are on the loopback address, on ports that the system chooses. No test depends on a time limit, except
-that a server that no longer answers fails after a minute.
+that a test fails if the server does not answer within a minute.
 """
 import json
 import os
@@ -198,12 +199,12 @@ client.stop()
 
 
 @pytest.mark.parametrize("frame", ["ras", "lps"])
-def test_a_client_of_pyigtl_reams(tmp_path, inputs, serve, poses, command, frame):
+def test_reaming_by_client_of_pyigtl(tmp_path, inputs, serve, poses, command, frame):
     server = serve("--frame", frame, "--record", tmp_path / "s.session", "--out", tmp_path / "out.nrrd", "--image-rate",
                    "20")
     turned = [FLIP @ pose @ FLIP for pose in poses] if frame == "ras" else poses
     np.save(tmp_path / "poses.npy", turned)
-    viewer = Peer(server)  # a second client, as 3D Slicer beside a tracker
+    viewer = Peer(server)  # a second client, like 3D Slicer in addition to a tracker
     messages = []
     thread = threading.Thread(target=viewer.collect, args=(messages,))
     thread.start()
@@ -216,7 +217,7 @@ def test_a_client_of_pyigtl_reams(tmp_path, inputs, serve, poses, command, frame
     server.wait_for("closed: by the client (168 poses")
     report = server.end()
     thread.join(60)
-    # the recorded ticks give the bone that the server wrote
+    # a replay of the recorded ticks must give the bone that the server wrote
     assert "are as recorded" in command("replay", tmp_path / "s.session")
     after = osteon.Volume.read(tmp_path / "out.nrrd")
     with osteon.Backend() as backend:
@@ -224,7 +225,7 @@ def test_a_client_of_pyigtl_reams(tmp_path, inputs, serve, poses, command, frame
         removed, digest = int(((before.voxels() > 0) & (after.voxels == 0)).sum()), backend.bone(after).digest()
     assert removed > 1000 and f"{removed} voxels removed" in report and report.endswith(digest)
     assert session.read(tmp_path / "s.session").ticks["removed"].sum() == removed
-    # the viewer received every event, and its last image is the bone in the box that changed
+    # the viewer must have received every event, and its last image must show the bone in the box that changed
     events, image, state = [], None, None
     for message in messages:
         if message.device_name == "Event":
@@ -257,8 +258,8 @@ def before_of(inputs):
 
 
 @pytest.mark.parametrize("frame", ["ras", "lps"])
-def test_an_answer_follows_each_pose(serve, poses, frame):
-    """The tool of the answers approaches the poses; the force is in the frame of the poses."""
+def test_each_pose_is_answered(serve, poses, frame):
+    """The tool in the answers must follow the poses, and the force must be in the frame of the poses."""
     server = serve("--frame", frame, "--rate", "0.001", "--motor-off")
     peer = Peer(server)
     if frame == "ras":
@@ -272,7 +273,7 @@ def test_an_answer_follows_each_pose(serve, poses, frame):
     axis = poses[0][:3, :3] @ [0, 0, 1]  # away from the bone, since the tool works towards -z
     force, tool = np.array(answer[1].values), answer[0].matrix
     assert force @ axis > 0.9 * np.linalg.norm(force) > 0.1 and answer[3].values[0] > 1
-    behind = (tool[:3, 3] - poses[89][:3, 3]) @ axis  # the bone holds the tool back, because the motor is off
+    behind = (tool[:3, 3] - poses[89][:3, 3]) @ axis  # the motor is off, so the bone stops the tool before the pose
     assert 0.1 < behind < 10 and np.abs(tool[:3, :3] @ [0, 0, 1] - axis).max() < 0.1
     times = [m.timestamp for m in answer]
     assert max(times) - min(times) < 1e-6 and abs(times[0] - time.time()) < 60
@@ -348,7 +349,7 @@ def test_two_clients(serve):
     first.send(moved(FAR))
     first.until("HandForce")
     server.wait_for("moves the tool")
-    # the first client keeps moving the tool, until the second one is refused
+    # the first client moves the tool until the second client is refused
     until = time.monotonic() + 60
     while not server.lines("moves the tool; it is ignored"):
         assert time.monotonic() < until
@@ -356,13 +357,13 @@ def test_two_clients(serve):
         second.send(moved(FAR), text("Motor", "off"))
         time.sleep(0.01)
     assert len(server.lines("moves the tool; it is ignored")) == 1
-    # the first one is silent: the motor stops, and the second one can take over
+    # after the first client has sent nothing for 500 ms, the motor must stop, and the second client may move the tool
     assert first.event("silent")["t_s"] > 0
     first.until_motor(False)
     second.send(moved(FAR))
     server.wait_for("moves the tool", 3)
     first.until_motor(True, second)
-    # the motor stops when the client disconnects
+    # when the client disconnects, the motor must stop
     second.close()
     first.until_motor(False)
     first.send(moved(FAR))
@@ -378,7 +379,7 @@ def test_two_clients(serve):
     server.end()
 
 
-def test_a_jump_cuts_nothing_on_the_way(serve, poses):
+def test_jump_removes_nothing(serve, poses):
     server = serve("--frame", "lps", "--force", "off")
     there, back = poses[80].copy(), poses[80].copy()
     axis = there[:3, :3] @ [0, 0, 1]
@@ -394,10 +395,10 @@ def test_a_jump_cuts_nothing_on_the_way(serve, poses):
     assert " 0 voxels removed, " in server.end()
 
 
-def test_a_client_that_does_not_read(serve, poses):
+def test_client_that_does_not_read(serve, poses):
     server = serve("--frame", "lps", "--rate", "1000", "--image-rate", "100")
-    deaf, peer = Peer(server), Peer(server)
-    deaf.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    slow, peer = Peer(server), Peer(server)
+    slow.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     memory, number = server.memory_kb(), 0
     until = time.monotonic() + 60
     while not server.lines("does not read fast enough"):
@@ -409,8 +410,8 @@ def test_a_client_that_does_not_read(serve, poses):
     server.end()
 
 
-def test_the_bytes_of_a_sensor_message():
-    """The layout of the specification of OpenIGTLink 3, SENSOR and UNIT."""
+def test_bytes_of_sensor_message():
+    """The expected layout is that of SENSOR and UNIT in the specification of OpenIGTLink 3."""
     packed = openigtlink.SensorMessage([1.5, -2.0, 0.0], openigtlink.NEWTON_METRE, 3.0, "HandTorque").pack()
     assert packed[:2] == b"\0\1" and packed[2:14] == b"SENSOR\0\0\0\0\0\0"
     assert packed[14:34] == b"HandTorque" + bytes(10) and packed[34:42] == b"\0\0\0\3\0\0\0\0"

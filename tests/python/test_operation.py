@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operations: ticks of the program and of the servo loop, against those of `osteon sim`."""
+"""Compares operations, whose ticks are made by a program or by the servo loop, with those of `osteon sim`."""
 import os
 import subprocess
 import sys
@@ -21,11 +21,11 @@ def reamer(backend, inputs):
 
 
 def hand(bone, tool, name="glenoid-ream"):
-    """A path of the hand; an operation adds the rotation of the motor."""
+    """Returns a path of the hand. An operation adds the rotation of the motor."""
     return osteon.Path.builtin(name, osteon.Glenoid.of_meta(bone.meta), tool)
 
 
-def test_the_loop_is_that_of_the_command(tmp_path, backend, inputs, reamer, command):
+def test_loop_equals_command(tmp_path, backend, inputs, reamer, command):
     bone = backend.read_bone(inputs / "ct.nrrd")
     hand(bone, reamer).write_csv(tmp_path / "p.csv")
     command("sim", "--headless", "--bone", inputs / "ct.nrrd", "--tool", inputs / "reamer.stl", "--device",
@@ -64,7 +64,7 @@ def test_ticks_of_a_program(tmp_path, backend, inputs, reamer, command):
     assert "are as recorded" in command("replay", tmp_path / "p.session")
 
 
-def test_without_a_force_the_tool_is_at_the_pose(backend, inputs, reamer):
+def test_tool_is_at_pose_without_force(backend, inputs, reamer):
     bone = backend.read_bone(inputs / "ct.nrrd")
     other = bone.copy()
     path = hand(bone, reamer)
@@ -98,7 +98,7 @@ def test_motor_faults_and_drop_outs(backend, inputs, reamer):
     assert 0.09 < max(float(np.linalg.norm(limited.tick(pose).force_n)) for pose in poses[:1500]) <= 0.1
 
 
-def test_a_loop_that_follows_poses(backend, inputs, reamer):
+def test_loop_follows_poses(backend, inputs, reamer):
     bone = backend.read_bone(inputs / "ct.nrrd")
     start, path = bone.voxels(), hand(bone, reamer)
     poses = path.poses()
@@ -157,8 +157,8 @@ def test_errors(tmp_path, backend, inputs, reamer):
         operation.start()
 
 
-def test_a_program_that_ends_while_the_loop_runs(inputs):
-    """The objects of the backend are freed at exit, after the loop has ended."""
+def test_exit_while_loop_runs(inputs):
+    """If the program exits while the loop runs, the objects of the backend must be freed after the end of the loop."""
     text = f"""
 import osteon
 backend = osteon.Backend("cpu:threads=2")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as arrays, phantoms, and the documents."""
+"""Tests pictures as arrays, phantoms, and the code in the documents."""
 import doctest
 import importlib
 import os
@@ -14,7 +14,7 @@ import pytest
 import osteon
 
 
-def test_render_is_that_of_the_command(tmp_path, scene, command):
+def test_render_equals_command(tmp_path, scene, command):
     bone, tool, path = scene
     bone.write(tmp_path / "a.nrrd")
     start = bone.copy()
@@ -111,7 +111,7 @@ def test_code_of_the_guide(tmp_path, command):
     assert len(code) >= 5
     (tmp_path / "guide.py").write_text("\n".join(code))
     subprocess.run([sys.executable, "guide.py"], cwd=tmp_path, check=True, env=dict(os.environ))
-    # the same file as that of the command
+    # the file must equal the file of the command
     text = code[0]
     at = re.search(r"at_mm=\((.*?)\)", text).group(1).replace(" ", "")
     axis = re.search(r"axis=\((.*?)\)", text).group(1).replace(" ", "")
@@ -120,6 +120,6 @@ def test_code_of_the_guide(tmp_path, command):
     assert (tmp_path / "reamed.nrrd").read_bytes() == (tmp_path / "c.nrrd").read_bytes()
 
 
-def test_the_example_of_the_readme_is_that_of_the_guide():
+def test_readme_example_equals_guide():
     assert blocks("README.md")[0] == blocks("docs/guide/python.md")[0]
     assert len(blocks("README.md")[0].strip().splitlines()) <= 10

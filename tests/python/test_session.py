@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sessions: recorded here and replayed by the command, and the other way round."""
+"""Tests sessions that the package records and the command replays, and sessions recorded by the command."""
 import numpy as np
 import pytest
 
@@ -22,7 +22,7 @@ def test_record_and_replay(tmp_path, scene, command):
     assert np.array_equal(osteon.Path.read(tmp_path / "p.session").ticks, path.ticks)
 
 
-def test_replay_of_a_session_of_the_command(tmp_path, inputs, command):
+def test_replay_of_command_session(tmp_path, inputs, command):
     command("ream", "--bone", inputs / "ct.nrrd", "--tool", inputs / "peg.stl", "--path", "builtin:peg-hole",
             "--out", tmp_path / "c.nrrd", "--record", tmp_path / "c.session")
     with osteon.Backend("ref") as backend:
@@ -36,13 +36,13 @@ def test_replay_of_a_session_of_the_command(tmp_path, inputs, command):
     assert {key: header[key] for key in names} == {key: mine[key] for key in names}
 
 
-def test_a_difference_is_located(tmp_path, scene):
+def test_difference_is_located(tmp_path, scene):
     bone, tool, path = scene
     first = next(number for number, step in enumerate(osteon.World(bone.copy(), [tool]).steps(path)) if step.removed)
     whole = bone.copy()
     session.record(osteon.World(bone, [tool]), path, tmp_path / "p.session", sync=False)
     data = whole.voxels()
-    data[data > 0] += 1  # the densities of the report differ from the first removed voxel on
+    data[data > 0] += 1  # from the first removed voxel on, the densities of the reports differ
     whole.upload(data)
     result = session.replay(tmp_path / "p.session", osteon.World(whole, [tool]))
     assert not result.equal and result.first_difference == first

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The calculation of the module for 3D Slicer, without Slicer, and the layout of the module."""
+"""Tests the calculation of the module for 3D Slicer, without Slicer, and the layout of the module."""
 import ast
 import os
 import sys
@@ -33,7 +33,7 @@ def matrix_of(ct):
 
 
 def landmarks(ct, radius=12.0):
-    """Points around the glenoid of a phantom, and a medial point, in RAS."""
+    """Returns points around the glenoid of a phantom, a medial point, and the glenoid's centre and axis, in RAS."""
     glenoid = osteon.Glenoid.of_meta(ct.meta)
     centre = np.array([osteon.to_mm(v) for v in glenoid.at_pm])
     axis = np.array(glenoid.axis) / np.linalg.norm(glenoid.axis)
@@ -45,14 +45,14 @@ def landmarks(ct, radius=12.0):
         axis @ FLIP[:3, :3]
 
 
-def test_the_face_and_the_bone(reaming, backend, ct):
+def test_face_and_bone(reaming, backend, ct):
     rim, medial, centre, axis = landmarks(ct)
     tool = reaming.tool_mesh(diameter_mm=30)
     result = reaming.ream(ct.voxels, matrix_of(ct), rim, medial, tool)
     assert result.axis_ras == pytest.approx(axis, abs=1e-6)
     off = result.centre_ras - centre
     assert np.linalg.norm(off - (off @ axis) * axis) < 1e-5 and abs(off @ axis) < 1  # on the axis, at the face
-    # the same reaming with the package alone
+    # repeats the reaming with the package and without the module
     bone, cutter = backend.bone(ct), backend.voxelize(osteon.phantom.tool("reamer", diameter_mm=30))
     before = bone.voxels()
     face = osteon.Glenoid.of(np.round(result.centre_ras @ FLIP[:3, :3], 6), result.axis_ras @ FLIP[:3, :3])
@@ -66,7 +66,7 @@ def test_the_face_and_the_bone(reaming, backend, ct):
 
 
 def test_any_order_of_the_axes(reaming, ct):
-    """A CT whose rows, columns or slices run in the other direction gives the same bone."""
+    """A CT whose rows, columns or slices are stored in the other direction must give the same bone."""
     rim, medial, _, _ = landmarks(ct)
     tool = reaming.tool_mesh(diameter_mm=30)
     expected = reaming.ream(ct.voxels, matrix_of(ct), rim, medial, tool)
@@ -86,14 +86,14 @@ def test_depth_mask_and_model(reaming, ct):
     assert np.array_equal(model.vertices_pm, mesh.vertices_pm) and np.array_equal(model.triangles, mesh.triangles)
     expected = reaming.ream(ct.voxels, matrix_of(ct), rim, medial, reaming.tool_mesh(diameter_mm=30))
     result = reaming.ream(ct.voxels, matrix_of(ct), rim, medial, model)
-    assert np.array_equal(result.bone, expected.bone)  # a model of Slicer in RAS is the same tool
+    assert np.array_equal(result.bone, expected.bone)  # a tool given as a model of Slicer, in RAS
     deepest = {}
     for depth in (1.0, 3.0, 5.0):
         result = reaming.ream(ct.voxels, matrix_of(ct), rim, medial, model, depth_mm=depth)
         k, j, i = np.nonzero(result.removed)
         points = (result.ijk_to_ras @ np.array([i, j, k, np.ones(len(i))]))[:3].T
         deepest[depth] = ((points - result.centre_ras) @ axis).max()
-        assert deepest[depth] == pytest.approx(depth, abs=1.0)  # the sizes of the voxels
+        assert deepest[depth] == pytest.approx(depth, abs=1.0)  # the allowed error is the size of the voxels
     assert deepest[1.0] + 1.5 < deepest[3.0] < deepest[5.0] - 1.5
     half = np.ones(ct.voxels.shape, np.uint8)
     half[:ct.voxels.shape[0] // 2] = 0
@@ -125,7 +125,7 @@ def test_errors(reaming, ct):
 
 
 def test_layout():
-    """The file of the module defines the classes that Slicer looks for, and CMake installs its files."""
+    """The file of the module must define the classes that Slicer searches for, and CMake must install its files."""
     with open(os.path.join(MODULE, "OsteonReaming.py"), encoding="utf-8") as file:
         tree = ast.parse(file.read())
     found = {node.name: [base.id for base in node.bases] for node in tree.body if isinstance(node, ast.ClassDef)}

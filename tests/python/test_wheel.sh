@@ -25,12 +25,12 @@ case $? in
     ;;
 esac
 build venv "$python" -m venv --system-site-packages --without-pip venv
-# numpy and cffi are those of the interpreter, which may itself be that of a virtual environment
+# numpy and cffi are used from the interpreter, which may itself belong to a virtual environment
 "$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))' \
     >"$(venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/base.pth"
 build install "$python" -W ignore -m pip --python venv/bin/python install -q --no-index --no-deps dist/osteon-*manylinux*.whl
 
-# Everything that has the name osteon, and the library's own libraries, comes from the environment.
+# The package osteon, the command osteon and the library with its libraries must come from the environment.
 "$work/venv/bin/python" - "$work/venv/" <<'END' || exit 1
 import sys
 import osteon

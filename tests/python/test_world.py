@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses, paths and worlds."""
+"""Tests poses, paths and worlds."""
 import numpy as np
 import pytest
 
@@ -17,7 +17,7 @@ def test_poses():
         osteon.Pose(q30=(0, 0, 0, 0)).check()
 
 
-def test_map_is_the_example_of_the_specification():
+def test_map_equals_example_of_specification():
     bone = osteon.Geometry((300, 300, 300), (470_000_000,) * 3, (-57_340_000_000, -54_755_000_000, 0))
     tool = osteon.ToolGeometry((74, 74, 42), 500_000_000, (-18_500_000_000, -18_500_000_000, -500_000_000))
     found = osteon.Map.of(osteon.Pose((12_000_000_000, -7_500_000_000, 30_250_000_000),
@@ -75,7 +75,7 @@ def test_steps_and_totals(scene):
     assert other.bone.digest() == bone.digest()
 
 
-def test_the_report_belongs_to_the_last_step(scene):
+def test_report_is_that_of_last_step(scene):
     bone, tool, path = scene
     world = osteon.World(bone, [tool])
     assert world.report is None
@@ -114,8 +114,8 @@ def test_options(scene):
         osteon.World(bone, [tool], classes=[("a", 5), ("b", 5)])
 
 
-def test_ream_is_that_of_the_command(tmp_path, inputs, command):
-    """The example of docs/guide/python.md: the same bytes as the file of the command."""
+def test_ream_equals_command(tmp_path, inputs, command):
+    """The file written by the example of docs/guide/python.md must equal the file of the command."""
     facts = osteon.Volume.read(inputs / "ct.nii.gz").meta
     at, axis = facts["glenoid_at_mm"].split(), [float(v) for v in facts["glenoid_axis"].split()]
     backend = osteon.Backend()
@@ -131,7 +131,7 @@ def test_ream_is_that_of_the_command(tmp_path, inputs, command):
     assert (tmp_path / "p.nrrd").read_bytes() == (tmp_path / "c.nrrd").read_bytes()
 
 
-def test_paths_that_press(scene, backend, inputs):
+def test_pressing_paths(scene, backend, inputs):
     bone, tool, _ = scene
     glenoid = osteon.Glenoid.of_meta(bone.meta)
     for count in (1, 500):
@@ -144,7 +144,7 @@ def test_paths_that_press(scene, backend, inputs):
 
 
 def test_sweeps(scene):
-    """A sweep removes what World.step removes, and has as many poses."""
+    """A sweep must remove the same voxels as World.step and have the same number of poses."""
     bone, tool, path = scene
     ticks = path.ticks[::40]
     again, world, poses = bone.copy(), osteon.World(bone, [tool]), osteon.Path(ticks).poses()
@@ -164,7 +164,7 @@ def test_sweeps(scene):
         osteon.Pose().sweep_to(turned, tool.geometry, bone.geometry.spacing_pm[0])
 
 
-def test_the_bone_at_a_glenoid(scene):
+def test_bone_at_glenoid(scene):
     bone, _, _ = scene
     glenoid = osteon.Glenoid.of_meta(bone.meta)
     inward, outward = bone.along_axis(glenoid)

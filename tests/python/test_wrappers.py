@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every public function of the C library is called by the package, or docs/guide/python.md says why it is left out."""
+"""Checks that the package calls every public function of the C library, except those listed in docs/guide/python.md."""
 import os
 import re
 from pathlib import Path
@@ -15,30 +15,30 @@ def read(pattern):
 
 
 def public():
-    """The functions that the headers declare. A declaration may extend over several lines."""
+    """Returns the functions that the headers declare. A declaration may extend over several lines."""
     return set(re.findall(r"\bOST_API\b[^;(]*?\b(ost_\w+)\(", read("include/osteon/*.h")))
 
 
 def called():
-    """The functions that Python calls, and those that the C code of the extension module calls."""
+    """Returns the functions that Python calls, and those that the C code of the extension module calls."""
     loop = re.search(r'^LOOP_SOURCE = """(.*?)^"""', read("python/build_osteon.py"), re.M | re.S).group(1)
     return (set(re.findall(r"\blib\.(ost_\w+)", read("python/osteon/*.py")))
             | set(re.findall(r"(?<!osteon_py_)\b(ost_\w+)\(", loop)))
 
 
 def left_out():
-    """The functions in the first column of the table of the guide, in their order."""
+    """Returns the functions in the first column of the table of the guide, in their order."""
     section = read("docs/guide/python.md").split(HEADING + "\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| (`.*?) \| .*? \|$", section, re.M)
     return [name for row in rows for name in re.findall(r"`(ost_\w+)`", row)]
 
 
-def test_no_function_is_forgotten():
+def test_every_function_is_called_or_listed():
     assert len(public()) > 250 and len(called()) > 150
     assert sorted(public() - called() - set(left_out())) == []
 
 
-def test_the_list_of_the_guide():
+def test_list_of_the_guide():
     listed = left_out()
     assert sorted(set(listed) & called()) == []
     assert sorted(set(listed) - public()) == []
