@@ -30,17 +30,17 @@ def cell(value, column):
 def check_item(folder, name):
     with open(os.path.join(folder, name), encoding="utf-8") as f:
         item = json.load(f)
-    expect(item["format"] == "osteon-reproduction-1", f"{name}: format {item['format']}")
-    expect(item["item"] + ".json" == name, f"{name}: item {item['item']}")
+    expect(item["format"] == "osteon-reproduction-1", f"{name}: unexpected format {item['format']}")
+    expect(item["item"] + ".json" == name, f"{name}: the file contains the item {item['item']}")
     for picture in item["pictures"]:
-        expect(os.path.isfile(os.path.join(folder, picture["file"])), f"{name}: no picture {picture['file']}")
+        expect(os.path.isfile(os.path.join(folder, picture["file"])), f"{name}: the picture {picture['file']} does not exist")
     keys = {c["key"] for c in item["columns"]}
     for plot in item["plots"]:
         for key in [plot["x"], *plot["values"], *([plot["group"]] if plot["group"] else [])]:
-            expect(key in keys, f"{name}: a plot refers to {key}")
+            expect(key in keys, f"{name}: a plot refers to {key}, which is not a column")
     for finding in item["findings"]:
-        expect(finding["reason"] and finding["claim"] and finding["source"], f"{name}: an empty finding")
-        expect("nan" not in finding["reason"] and "inf" not in finding["reason"], f"{name}: {finding['reason']}")
+        expect(finding["reason"] and finding["claim"] and finding["source"], f"{name}: a finding has an empty text")
+        expect("nan" not in finding["reason"] and "inf" not in finding["reason"], f"{name}: the reason of a finding contains an invalid number: {finding['reason']}")
     if not item["rows"]:
         return
     with open(os.path.join(folder, name[:-5] + ".csv"), encoding="utf-8", newline="") as f:
@@ -48,10 +48,10 @@ def check_item(folder, name):
     head = ["machine"]
     for c in item["columns"]:
         head += [c["key"]] + ([c["key"] + "_thesis"] if c["thesis"] else [])
-    expect(rows[0] == head, f"{name}: heads {rows[0]} and {head}")
+    expect(rows[0] == head, f"{name}: columns {rows[0]} in CSV, {head} in JSON")
     expect(len(rows) == len(item["rows"]) + 1, f"{name}: {len(rows) - 1} rows of CSV, {len(item['rows'])} of JSON")
     for line, row in zip(rows[1:], item["rows"]):
-        expect(line[0] == item["machines"][row["machine"]]["label"], f"{name}: machine {line[0]}")
+        expect(line[0] == item["machines"][row["machine"]]["label"], f"{name}: the machine {line[0]} in CSV differs from JSON")
         values = [v for c in item["columns"] for v in cell(row[c["key"]], c)]
         for text, value in zip(line[1:], values):
             if isinstance(value, float):
@@ -77,7 +77,7 @@ class Page(html.parser.HTMLParser):
     def handle_endtag(self, tag):
         if tag in ("path", "rect", "circle"):
             return
-        expect(self.open and self.open.pop() == tag, f"report: </{tag}> closes nothing")
+        expect(self.open and self.open.pop() == tag, f"report: </{tag}> closes no open element")
 
 
 for folder in sys.argv[1:]:
@@ -94,7 +94,7 @@ for folder in sys.argv[1:]:
     page = Page()
     with open(os.path.join(folder, "report.html"), encoding="utf-8") as f:
         page.feed(f.read())
-    expect(not page.open, f"{folder}/report.html: not closed: {page.open}")
+    expect(not page.open, f"{folder}/report.html: elements that are not closed: {page.open}")
 for problem in problems[:20]:
     print(problem)
 sys.exit(1 if problems else 0)

@@ -12,7 +12,7 @@ def screen(path):
     data = open(path, "rb").read()
     head = struct.unpack(">25I", data[:100])
     size, width, height, order, bits, line, colours = head[0], head[4], head[5], head[7], head[11], head[12], head[19]
-    assert bits == 32 and order == 0, "not what is expected of Xvfb"
+    assert bits == 32 and order == 0, "unexpected format of a file of Xvfb"
     begin = size + 12 * colours
     return data[begin:begin + line * height], line, width, height
 

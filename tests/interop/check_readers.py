@@ -9,7 +9,7 @@
 
 A voxel agrees if its centre lies within an eighth of a voxel of the centre of a voxel that the reader returns, both
 grids have equal numbers of voxels, and the values are equal. Densities that are not integers are rounded to the
-nearest, ties to even. A voxel of a bone agrees if it differs by at most one from the interpolated density, or if it
+nearest integer, ties to even. A voxel of a bone agrees if it differs by at most one from the interpolated density, or if it
 is 0 and the interpolated density is below the threshold. An oblique CT is imported with --resample-oblique and
 --resample nearest; a voxel then agrees if its value occurs within 1.25 voxels on each axis, since both steps move by
 at most half a voxel.
@@ -202,9 +202,9 @@ def check_sensitivity():
     for changed in (readers.Image(image.values + 2, image.affine), readers.Image(image.values, shifted),
                     readers.Image(image.values[:, ::-1], image.affine)):
         if not compare(changed, image)[0] or not compare_bone(changed, image, 120):
-            raise AssertionError("a comparison misses a change")
+            raise AssertionError("a comparison reports no difference for a changed volume")
     if compare(image, image)[0] or compare_bone(image, image, 120):
-        raise AssertionError("a comparison reports equal volumes")
+        raise AssertionError("a comparison reports a difference for equal volumes")
 
 
 # ------------------------------------------------------------------ generated inputs
@@ -288,7 +288,7 @@ def main():
         print("skipped: none of SimpleITK, pydicom and nibabel is installed")
         return SKIP
     if not os.access(OSTEON, os.X_OK):
-        print(f"skipped: no command at {OSTEON}")
+        print(f"skipped: {OSTEON} does not exist")
         return SKIP
     check_sensitivity()
     print(f"readers: {', '.join(sorted(readers.READERS))}; seed {SEED}")

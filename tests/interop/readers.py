@@ -6,7 +6,7 @@ the position of a voxel's centre in LPS millimetres. A reader whose package is n
     SimpleITK   SimpleITK   .nrrd .nhdr .nii .nii.gz .hdr .mha .mhd, folders with DICOM files
     nibabel     nibabel     .nii .nii.gz .hdr
     pydicom     pydicom     folders with DICOM files
-    plain       (numpy)     .nrrd .nhdr, by the few lines below, so that one package is enough for every comparison
+    plain       (numpy)     .nrrd .nhdr, by the function in this file, so that a comparison needs only one package
 """
 
 import gzip
@@ -97,7 +97,7 @@ try:
             reader = SimpleITK.ImageSeriesReader()
             series = [(f, uid) for f in folders for uid in reader.GetGDCMSeriesIDs(f)]
             if len(series) != 1:
-                raise Unreadable(f"{len(series)} series")
+                raise Unreadable(f"{len(series)} DICOM series, expected 1")
             reader.SetFileNames(reader.GetGDCMSeriesFileNames(*series[0]))
             image = reader.Execute()
         else:
@@ -105,7 +105,7 @@ try:
         if image.GetDimension() == 4 and image.GetSize()[3] == 1:
             image = image[:, :, :, 0]
         if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
-            raise Unreadable("not a volume of single values")
+            raise Unreadable("not a volume with one value per voxel")
         values = SimpleITK.GetArrayFromImage(image).transpose(2, 1, 0)
         return Image(values, affine_of(image.GetDirection(), image.GetSpacing(), image.GetOrigin()))
 

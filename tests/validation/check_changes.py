@@ -87,7 +87,7 @@ class Changes:
     def any(self):
         return self.rng.choice(sorted(self.files))
 
-    def bit_turned(self, f):
+    def bit_flipped(self, f):
         name = self.any()
         data = bytearray(f[name])
         data[self.rng.randrange(len(data))] ^= 1 << self.rng.randrange(8)
@@ -102,19 +102,19 @@ class Changes:
         f[name] = bytes(data)
         return [name]
 
-    def byte_put_in(self, f):
+    def byte_inserted(self, f):
         name = self.any()
         at = self.rng.randrange(len(f[name]) + 1)
         f[name] = f[name][:at] + bytes([self.rng.randrange(256)]) + f[name][at:]
         return [name]
 
-    def byte_taken_out(self, f):
+    def byte_removed(self, f):
         name = self.any()
         at = self.rng.randrange(len(f[name]))
         f[name] = f[name][:at] + f[name][at + 1:]
         return [name]
 
-    def file_cut(self, f):
+    def file_truncated(self, f):
         name = self.any()
         f[name] = f[name][:self.rng.randrange(len(f[name]))]
         return [name]
@@ -151,12 +151,12 @@ class Changes:
         lines[a], lines[b] = lines[b], lines[a]
         return self.log(f, lines)
 
-    def log_line_taken_out(self, f):
+    def log_line_removed(self, f):
         lines = f["audit.log"].splitlines(True)
         del lines[self.rng.randrange(len(lines))]
         return self.log(f, lines)
 
-    def log_line_doubled(self, f):
+    def log_line_duplicated(self, f):
         lines = f["audit.log"].splitlines(True)
         at = self.rng.randrange(len(lines))
         return self.log(f, lines[:at] + [lines[at]] + lines[at:])
@@ -192,7 +192,7 @@ def main():
             subprocess.run([OSTEON, "validate", "--only", "import/", "--backends", "cpu:isa=scalar,threads=1", "--out", folder, "--quiet"], check=True)
         files = contents(folder)
         if manifest(files) != files["manifest.json"]:
-            missed.append("manifest.json is not what the manual says")
+            missed.append("manifest.json differs from the manifest that this test computes")
         changes = Changes(rng, files)
         kinds = [getattr(changes, k) for k in sorted(vars(Changes)) if k not in ("any", "exchange", "log") and not k.startswith("_")]
         # Exchanges two JSON files. The file that replaces the protocol contains no format number.
@@ -220,7 +220,8 @@ def main():
             named = any("  %s " % n in text for n in names) or "manifest.json" in names and "  " in text
             expected = 2 if any(n not in now for n in touched) and change.__name__ != "file_renamed" else 1
             if said.returncode != expected or not named:
-                missed.append("%s of %s: status %d, said: %s" % (change.__name__, names, said.returncode, text[:300]))
+                missed.append("%s of %s: verify ended with status %d, expected %d and the file's name; it printed: %s"
+                              % (change.__name__, names, said.returncode, expected, text[:300]))
             done[change.__name__] += 1
             for n in touched:
                 if n in files:
@@ -228,12 +229,12 @@ def main():
                 else:
                     os.remove(os.path.join(folder, n))
         if subprocess.run([OSTEON, "verify", folder, "--quiet"]).returncode != 0:
-            missed.append("the bundle as it was is not valid at the end")
+            missed.append("the restored bundle is not valid at the end")
     finally:
         shutil.rmtree(scratch)
     for kind, n in sorted(done.items()):
         print("%6d %s" % (n, kind.replace("_", " ")))
-    print("%d changes, %d missed" % (sum(done.values()), len(missed)))
+    print("%d changes, %d not detected" % (sum(done.values()), len(missed)))
     for text in missed:
         print("FAIL: " + text)
     return 1 if missed else 0

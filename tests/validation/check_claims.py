@@ -40,8 +40,8 @@ VOID = {"br", "img", "input", "meta", "path", "link"}
 BAD = ["differs", "failed", "crashed", "timed out"]
 
 
-class Unheld(Exception):
-    pass
+class WrongClaim(Exception):
+    """A claim of the page that does not follow from the files to which it links."""
 
 
 # ------------------------------------------------------------------- the page
@@ -70,7 +70,7 @@ class Page(html.parser.HTMLParser):
         self.blocks, self.open, self.tags, self.ids, self.skip = [], [], [], set(), 0
         self.feed(text)
         if self.tags:
-            raise Unheld("report.html: <%s> is not closed" % self.tags[-1])
+            raise WrongClaim("report.html: <%s> is not closed" % self.tags[-1])
         for block in self.blocks:
             block.clean()
 
@@ -101,7 +101,7 @@ class Page(html.parser.HTMLParser):
         if tag in VOID:
             return
         if not self.tags or self.tags[-1] != tag:
-            raise Unheld("report.html: </%s> closes %s" % (tag, self.tags[-1:]))
+            raise WrongClaim("report.html: </%s> closes the element %s" % (tag, self.tags[-1:]))
         self.tags.pop()
         if tag == "style":
             self.skip -= 1
@@ -197,9 +197,9 @@ class Claim:
 
     def file(self, block, name):
         if name not in block.links and name not in self.section.sources:
-            raise Unheld("%s: says what stands in %s and links to %s" % (block, name, ", ".join(block.links + self.section.sources) or "nothing"))
+            raise WrongClaim("%s: states a value of %s, but links to %s" % (block, name, ", ".join(block.links + self.section.sources) or "nothing"))
         if name not in self.bundle.names():
-            raise Unheld("%s: links to %s, which is not there" % (block, name))
+            raise WrongClaim("%s: links to %s, which does not exist" % (block, name))
         return self.bundle.parsed(name) if name.endswith((".json", ".jsonl", ".csv")) else self.bundle.raw(name)
 
     def leaves(self, block, name):
@@ -209,12 +209,12 @@ class Claim:
 
 def same(block, got, expected):
     if got != expected:
-        raise Unheld("%s: says %r; the file that it names has %r" % (block, got, expected))
+        raise WrongClaim("%s: states %r; the value in the linked file is %r" % (block, got, expected))
 
 
 def number(text):
     if not re.fullmatch(r"-?\d{1,3}(,\d{3})*", text):
-        raise Unheld("%r is no number as the page writes them" % text)
+        raise WrongClaim("%r is not a number in the form of the page" % text)
     return int(text.replace(",", ""))
 
 
@@ -322,7 +322,7 @@ def _(c, b, m):
         bad, good = sum(v in BAD for v in verdicts), verdicts.count("equal")
         if bad and [backend["what"]] + expect(bad, bad + good) == list(m.groups()):
             return list(m.groups())
-    raise Unheld("%s: no backend of cases.jsonl" % b)
+    raise WrongClaim("%s: names no backend of cases.jsonl" % b)
 
 
 @rule("", "li", r"Sensitivity: ([\d,]+) of ([\d,]+) deliberate mistakes, made in a second implementation and in no backend, were detected; "
@@ -376,7 +376,7 @@ def _(c, b, m):
         return None
     s = next((i for i, x in enumerate(backends_of(protocol)) if b.cells[0] == words("%s %s" % (x["what"], x["name"]))), None)
     if s is None:
-        raise Unheld("%s: no backend of protocol.json" % b)
+        raise WrongClaim("%s: names no backend of protocol.json" % b)
     one = backends_of(protocol)[s]
     if not one["available"]:
         same(b, b.cells[1:], [words("not run: " + one["reason"])])
@@ -810,7 +810,7 @@ def _(c, b, m):
         says = (version + "; " if version else "") + (one.get("fingerprint") or one.get("reason", ""))
         if b.cells == [words(t) for t in ("%s %s" % (one.get("name") or one.get("platform"), one["backend"]), says)]:
             return None
-    raise Unheld("%s: no device of devices.json" % b)
+    raise WrongClaim("%s: names no device of devices.json" % b)
 
 
 @rule("Made with", "p", r"(\d+) libraries were loaded, drivers included\. .*")
@@ -861,7 +861,7 @@ def check(bundle, text):
     try:
         page = Page(text)
         sections = sections_of(page)
-    except Unheld as e:
+    except WrongClaim as e:
         return [str(e)]
     for section in sections:
         claim = Claim(bundle, section)
@@ -869,11 +869,11 @@ def check(bundle, text):
             for link in block.links:
                 if link.startswith("#"):
                     if link[1:] not in page.ids:
-                        problems.append("%s: links to %s, which the page does not have" % (block, link))
+                        problems.append("%s: links to %s, which does not exist in the page" % (block, link))
                 elif link.startswith("data:image/png;base64,"):
                     files = [x for x in section.blocks[section.blocks.index(block) + 1].links]
                     if not files or bundle.names().isdisjoint(files) or base64.b64decode(link[22:]) != bundle.raw(files[0]):
-                        problems.append("%s: the picture is not the file %s" % (block, files))
+                        problems.append("%s: the picture differs from the file %s" % (block, files))
                 elif link not in bundle.names():
                     problems.append("%s: links to %s, which is not in the bundle" % (block, link))
                 else:
@@ -890,14 +890,14 @@ def check(bundle, text):
                     if expected is not None:
                         same(block, list(match.groups()), expected)
                     break
-            except Unheld as e:
+            except WrongClaim as e:
                 problems.append(str(e))
                 block.used = True
             except (LookupError, AttributeError, ValueError, TypeError, StopIteration) as e:
-                problems.append("%s: cannot be worked out from the files: %r" % (block, e))
+                problems.append("%s: cannot be computed from the files: %r" % (block, e))
                 block.used = True
             if not block.used and is_claim(block) and block.bold not in EXPLAINED:
-                problems.append("%s: nothing says where this comes from" % block)
+                problems.append("%s: no rule of this test computes this claim" % block)
     left = bundle.names() - linked - {"report.html"}
     if any(not n.startswith("signatures/") for n in left):
         problems.append("files that the page does not link to: %s" % ", ".join(sorted(left)))
@@ -918,7 +918,7 @@ def figures_of(text):
     return places
 
 
-def turned(text, at):
+def changed_digit(text, at):
     return text[:at] + str((int(text[at]) + 1) % 10) + text[at + 1:]
 
 
@@ -937,9 +937,9 @@ def examine(folder, rng, figures):
     places = figures_of(lean)
     chosen = places if figures is None or figures >= len(places) else sorted(rng.sample(places, figures))
     for at in chosen:
-        if not check(bundle, turned(lean, at)):
-            problems.append("nobody notices when %r becomes %s" % (context(lean, at), turned(lean, at)[at]))
-    print("%s: each claim is held; %d figures, a digit turned in %d of them, %d unnoticed" % (os.path.basename(folder), len(places), len(chosen), len(problems)))
+        if not check(bundle, changed_digit(lean, at)):
+            problems.append("the changed digit in %r is not detected; it became %s" % (context(lean, at), changed_digit(lean, at)[at]))
+    print("%s: all claims are correct; %d figures, one digit changed in each of %d figures, %d changes not detected" % (os.path.basename(folder), len(places), len(chosen), len(problems)))
     return problems
 
 
@@ -972,7 +972,7 @@ def made(scratch):
         folder = os.path.join(scratch, name)
         status = subprocess.run([OSTEON, "validate", "--out", folder, "--quiet"] + arguments, stderr=subprocess.DEVNULL).returncode
         if status not in (0, 1, 3) or not os.path.isdir(folder):
-            raise SystemExit("no bundle '%s': status %d" % (name, status))
+            raise SystemExit("the bundle '%s' was not made: status %d" % (name, status))
         yield folder
 
 

@@ -29,7 +29,7 @@ assert mistakes([], {DECISION}) == (1, "not reached, and no reason is listed: sr
 assert mistakes([[*DECISION, "why"]], {DECISION})[0] == 0
 assert mistakes([[*DECISION, "why"]], set()) == (1, "listed, but nothing that it names is missing: src/core/a.c | f | x * y > 2 | true\n")
 assert mistakes([[*DECISION, "sometimes: why"]], set())[0] == 0
-assert mistakes([[*DECISION, "why"]], set(), files=("src/core/b.c",))[0] == 0, "a file that this machine does not compile"
-assert mistakes([["src/core/a.c", "f", "x * z > 2", "true", "why"]], {DECISION})[0] == 2, "a single * of a condition is C's"
+assert mistakes([[*DECISION, "why"]], set(), files=("src/core/b.c",))[0] == 0, "a reason for a file that this machine does not compile is accepted"
+assert mistakes([["src/core/a.c", "f", "x * z > 2", "true", "why"]], {DECISION})[0] == 2, "a single * in a condition is the operator of C, not a wildcard"
 assert mistakes([["src/core/*", "*", "x **", "*", "why"]], {DECISION})[0] == 0
 assert len(decisions.reasons_of(os.path.join(root, "docs/qualification/coverage-reasons.csv"))) > 0

@@ -6,8 +6,8 @@
 
 A careful forger also recomputes the chain of the log and the manifest; the code for this is
 independent of osteon's (check_changes.py). Forgeries that can be found only with --rerun or a
-signature are tested too: for them verify must print "valid". Thus
-docs/qualification/forgeries.md, which lists all forgeries, stays correct.
+signature are tested too; for these, verify must print "valid". The rows of
+docs/qualification/forgeries.md must be exactly these forgeries.
 
     OST_FORGERY=NAME   tests only this forgery and prints the complete output of verify
 
@@ -112,7 +112,7 @@ def verdict_and_manifest_edited(f):
 
 
 @forgery("says 'equal', and its digests say 'differs', first at", of="different")
-def not_equal_said_equal(f):
+def different_case_stated_equal(f):
     lines = lines_of(f)
     differing(lines)[1]["verdict"] = "equal"
     put_lines(f, lines)
@@ -120,7 +120,7 @@ def not_equal_said_equal(f):
 
 
 @forgery("says 'equal', and its digest is not the reference's", of="different")
-def not_equal_said_equal_without_records(f):
+def different_case_stated_equal_without_records(f):
     lines = lines_of(f)
     r = differing(lines)[1]
     r["verdict"] = "equal"
@@ -130,7 +130,7 @@ def not_equal_said_equal_without_records(f):
 
 
 @forgery("its records do not give its sha256", of="different")
-def digest_of_the_reference_in_the_place_of_the_backends(f):
+def digest_of_the_reference_for_the_backend(f):
     lines = lines_of(f)
     one, r = differing(lines)
     r["sha256"], r["verdict"] = one["reference_sha256"], "equal"
@@ -147,7 +147,7 @@ def digest_of_the_reference_edited(f):
 
 
 @forgery("says 'crashed', and has the digest of a complete case")
-def equal_said_crashed(f):
+def equal_case_stated_crashed(f):
     lines = lines_of(f)
     lines[0]["results"][ONE]["verdict"] = "crashed"
     put_lines(f, lines)
@@ -155,7 +155,7 @@ def equal_said_crashed(f):
 
 
 @forgery("was not run, although it was available")
-def equal_said_not_run(f):
+def equal_case_stated_not_run(f):
     lines = lines_of(f)
     lines[0]["results"][ONE] = {"verdict": "not run"}
     put_lines(f, lines)
@@ -177,27 +177,27 @@ def lack(f, backend, stage):
 
 
 @forgery("says 'equal', and its digests say 'differs', first at sample 0")
-def sampling_of_a_processor_said_absent(f):
+def sampling_of_a_processor_stated_absent(f):
     lack(f, ONE, "sample")
 
 
 @forgery("says 'equal', and its digests say 'differs', first at upload 0")
-def upload_of_a_processor_said_absent(f):
+def upload_of_a_processor_stated_absent(f):
     lack(f, ONE, "upload")
 
 
 @forgery("says 'equal', and its digests say 'differs', first at cubic 0", of="processor")
-def import_of_the_second_implementation_said_absent(f):
+def import_of_the_second_implementation_stated_absent(f):
     lack(f, "dense", "cubic")
 
 
 @forgery("says 'equal', and its digests say 'differs', first at upload 0", of="processor")
-def upload_of_the_second_implementation_said_absent(f):
+def upload_of_the_second_implementation_stated_absent(f):
     lack(f, "dense", "upload")
 
 
 @forgery("valid", status=0, rerun="the reference here gives another result than the bundle states")
-def digests_of_reference_and_backend_made_up(f):
+def digests_of_reference_and_backend_invented(f):
     lines = lines_of(f)
     for one in lines:
         one["reference"][-1]["sha256"] = "0" * 64
@@ -247,7 +247,7 @@ def backend_dropped(f):
 
 
 @forgery("'accept' is not what tier, seed and options give")
-def criterion_softened(f):
+def criterion_relaxed(f):
     relabel(f, "accept", "Most records are equal.")
 
 
@@ -319,7 +319,7 @@ def times_of_another_run(f):
 
 
 @forgery("valid", status=0)
-def microcode_of_the_machine_made_up(f):
+def microcode_of_the_machine_invented(f):
     machine = get(f, "environment.json")
     machine["microcode"] = "1.0"
     put(f, "environment.json", machine)
@@ -345,7 +345,7 @@ def pipe(f):
 
 
 @forgery("pictures is a symbolic link")
-def folder_of_elsewhere(f):
+def pictures_is_a_link(f):
     for name in [n for n in f if n.startswith("pictures/")]:
         del f[name]
     f["pictures"] = lambda path: os.symlink("/", path)
@@ -407,7 +407,7 @@ def key_given_twice(f):
 
 
 @forgery("tier, seed and options give import/0")
-def name_of_a_case_in_other_letters(f):
+def name_of_a_case_with_other_letters(f):
     line_replaced(f, b'"id":"import/0"', '"id":"\u0456mport/0"'.encode())  # the first letter is Cyrillic
 
 
@@ -480,7 +480,7 @@ def bounded():
 def make(folder, *words, status=0):
     ran = osteon("validate", *words, "--out", folder, "--quiet")
     if ran.returncode != status:
-        raise SystemExit("validate %s: status %d: %s" % (" ".join(words), ran.returncode, ran.stdout.decode(errors="replace")[-500:]))
+        raise SystemExit("osteon validate %s: status %d: %s" % (" ".join(words), ran.returncode, ran.stdout.decode(errors="replace")[-500:]))
 
 
 def dump_with_a_difference(scratch):
@@ -488,7 +488,7 @@ def dump_with_a_difference(scratch):
     dump = os.path.join(scratch, "dump")
     ran = osteon("validate", "--worker", "ref", "--dump", dump, "--only", "import/0")
     if ran.returncode != 0:
-        raise SystemExit("no dump: %s" % ran.stdout.decode(errors="replace"))
+        raise SystemExit("osteon validate --dump failed: %s" % ran.stdout.decode(errors="replace"))
     name = next(os.path.join(top, n) for top, _, names in os.walk(dump) for n in names if "cubic" in n)
     with open(name, "r+b") as file:
         file.seek(-2, os.SEEK_END)
@@ -523,7 +523,7 @@ def main():
         for kind in ("equal", "different", "processor"):
             said = osteon("verify", path[kind])
             if said.returncode != 0:
-                failed.append("the bundle '%s' itself: %s" % (kind, said.stdout.decode(errors="replace")))
+                failed.append("verify reports problems in the unchanged bundle '%s': %s" % (kind, said.stdout.decode(errors="replace")))
         for name, change, expected, of, status, rerun in FORGERIES:
             if only and name != only:
                 continue
@@ -538,16 +538,16 @@ def main():
             if only:
                 print(text)
             if said.returncode != status or expected not in text:
-                failed.append("%s: status %d, expected %d and '%s'; said: %s" % (name, said.returncode, status, expected, text[:600]))
+                failed.append("%s: status %d, expected %d and '%s'; verify printed: %s" % (name, said.returncode, status, expected, text[:600]))
             if rerun:
                 text = osteon("verify", path["x"], "--rerun").stdout.decode(errors="replace")
                 if rerun not in text:
-                    failed.append("%s: --rerun says: %s" % (name, text[:400]))
+                    failed.append("%s: verify --rerun does not print '%s', but: %s" % (name, rerun, text[:400]))
         most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
         if most > 512 << 10 and not sanitized():
-            failed.append("%d KiB of memory: not bounded" % most)
+            failed.append("verify used %d KiB of memory, expected at most 512 MiB" % most)
         if not only and sorted(rows_of_document()) != sorted(x[0] for x in FORGERIES):
-            failed.append("docs/qualification/forgeries.md has other rows: %s" % sorted(set(rows_of_document()) ^ {x[0] for x in FORGERIES}))
+            failed.append("rows of docs/qualification/forgeries.md without a forgery, or forgeries without a row: %s" % sorted(set(rows_of_document()) ^ {x[0] for x in FORGERIES}))
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     for text in failed:

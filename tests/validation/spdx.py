@@ -46,7 +46,7 @@ def problems(d):
     for p in d.get("packages", []):
         who = p.get("name", "?")
         if not re.fullmatch(r"SPDXRef-[A-Za-z0-9.-]+", p.get("SPDXID", "")) or p["SPDXID"] in ids:
-            yield "%s: SPDXID %r is none, or there twice" % (who, p.get("SPDXID"))
+            yield "%s: SPDXID %r is invalid or not unique" % (who, p.get("SPDXID"))
         ids.add(p.get("SPDXID"))
         for key in ("name", "downloadLocation"):
             if not p.get(key):
@@ -55,26 +55,26 @@ def problems(d):
             if not licence(p.get(key, ""), extracted):
                 yield "%s: %s is %r" % (who, key, p.get(key))
         if p.get("filesAnalyzed") is not False:
-            yield "%s: files are said to be analysed" % who
+            yield "%s: filesAnalyzed is not false" % who
         if p.get("supplier") != "NOASSERTION" and not re.match(r"(Person|Organization): .+", p.get("supplier", "Organization: it is optional")):
             yield "%s: supplier is %r" % (who, p.get("supplier"))
         for c in p.get("checksums", []):
             if c.get("algorithm") != "SHA256" or not re.fullmatch("[0-9a-f]{64}", c.get("checksumValue", "")):
-                yield "%s: checksum %r" % (who, c)
+                yield "%s: checksum %r is invalid" % (who, c)
         for r in p.get("externalRefs", []):
             if r.get("referenceCategory") != "PACKAGE-MANAGER" or r.get("referenceType") != "purl" or \
                     not re.fullmatch(r"pkg:[a-z]+/[a-z0-9._-]+/[a-z0-9.+-]+@[A-Za-z0-9.~%_-]+", r.get("referenceLocator", "")):
-                yield "%s: reference %r" % (who, r)
+                yield "%s: external reference %r is invalid" % (who, r)
     described = 0
     for r in d.get("relationships", []):
         described += r.get("relationshipType") == "DESCRIBES" and r.get("spdxElementId") == "SPDXRef-DOCUMENT"
         if r.get("relationshipType") not in RELATIONS or r.get("spdxElementId") not in ids or r.get("relatedSpdxElement") not in ids:
-            yield "relationship %r" % r
+            yield "relationship %r has an unknown type or an end that does not exist" % r
     if described != 1:
-        yield "the document describes %d things" % described
+        yield "the document describes %d elements, expected 1" % described
     related = {x for r in d.get("relationships", []) for x in (r.get("spdxElementId"), r.get("relatedSpdxElement"))}
     for lost in sorted(ids - related):
-        yield "%s is in no relationship" % lost
+        yield "%s is not in any relationship" % lost
 
 
 if __name__ == "__main__":

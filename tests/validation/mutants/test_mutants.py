@@ -74,10 +74,10 @@ class Generator(unittest.TestCase):
         self.assertEqual(changes("if (a) b = 1;", "negation"), ["if (!(a)) b = 1;"])
         self.assertEqual(changes("a = b < c ? b : c;", "branches"), ["a = b < c ? c : b;"])
 
-    def test_last_turn(self):
+    def test_last_iteration(self):
         self.assertEqual(changes("for (int i = 0; i < n; i++) f(i);", "last"), ["for (int i = 0; i + 1 < n; i++) f(i);"])
 
-    def test_what_stays(self):
+    def test_text_without_mutants(self):
         for text in ("/* a < b */", "// a < 3\n", 'char *s = "a < 3";', "#if A < 3\n#endif\n", "assert(a < 3);", "_Static_assert(2 < 3, \"\");",
                      '#include <a.h>\n'):
             self.assertEqual([m for m in operators.mutants_of("src/core/a.c", text)], [], text)
@@ -85,7 +85,7 @@ class Generator(unittest.TestCase):
     def test_bodies_of_macros(self):
         self.assertEqual(changes("#define F(a) ((a) >> 4)\n", "shift"), ["#define F(a) ((a) >> 3)\n", "#define F(a) ((a) >> 5)\n"])
 
-    def test_identifiers_stay(self):
+    def test_identifiers_are_stable(self):
         one = {m.id: m.text for m in operators.mutants_of("src/core/a.c", "int a;\nb = c < 3;\n")}
         two = {m.id: m.text for m in operators.mutants_of("src/core/a.c", "/* more */\nint z;\nint a;\n   b = c < 3;\n")}
         self.assertTrue(one and set(one) <= set(two))
@@ -111,7 +111,7 @@ class Generator(unittest.TestCase):
                 self.assertTrue(found, file)
                 self.assertLessEqual(set(found), set(available))
 
-    def test_survivors_ran_everywhere(self):
+    def test_backends_of_survivors(self):
         """The result "survived" applies to a tier, so no backend of the tier that runs the file may be omitted."""
         cpu = ["cpu:isa=scalar,threads=1", "cpu:isa=scalar,threads=2,grain=1", "cpu:isa=avx2,threads=1", "cpu:isa=avx2,threads=3,grain=1",
                "cpu:isa=avx512,threads=7,grain=1", "cpu:isa=avx512vbmi,threads=1", "cpu:threads=3", "cpu:voxelizer=embree,threads=2"]
@@ -182,7 +182,7 @@ int main(int argc, char **argv)
 """
 
 
-class OnAToy(unittest.TestCase):
+class OnToyProgram(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="osteon-mutants-")
         self.addCleanup(shutil.rmtree, self.folder)
@@ -258,7 +258,7 @@ class Table(unittest.TestCase):
         self.assertEqual([made[c] for c in ("drawn", "not compiled", "identical", "differing", "equivalent", "smoke", "by crash or time", "survived")],
                          [6, 1, 1, 4, 1, 2, 1, 1])
 
-    def test_last_row_counts(self):
+    def test_last_row_is_used(self):
         """If a survivor is run again by name, its row must have the seed of its sample and the new outcome."""
         path = os.path.join(tempfile.mkdtemp(prefix="osteon-mutants-"), "r.csv")
         self.addCleanup(shutil.rmtree, os.path.dirname(path))
@@ -270,7 +270,7 @@ class Table(unittest.TestCase):
         row = table.read([path])["1"]
         self.assertEqual((row["outcome"], row["tiers"], row["seed"]), ("killed by standard", "smoke+standard", "7"))
 
-    def test_judgement(self):
+    def test_thresholds_and_missing_reasons(self):
         row = {"file": "src/core/a.c", "line": "1", "operator": "bound", "old": "<", "new": "<=", "text": "a", "how": "", "by": "", "tiers": "smoke"}
         rows = {str(i): {**row, "id": str(i), "outcome": o} for i, o in enumerate(["killed by smoke"] * 60 + ["survived"] * 40)}
         files = [table.count_file("src/core/a.c", 100, list(rows.values()), {})]
@@ -285,13 +285,13 @@ class Table(unittest.TestCase):
         self.assertEqual(len(table.judge(files, {}, {}, 0, False)), 0)
         self.assertEqual(len(table.judge([], {}, {}, 0, False)), 1)
 
-    def test_survivors_of_the_release_are_explained(self):
+    def test_survivors_of_release_have_reasons(self):
         path = os.path.join(SOURCE, "docs/qualification/mutants.md")
         if not os.path.exists(path):
             self.skipTest("no table")
         self.assertNotIn("not examined", read("docs/qualification/mutants.md"))
 
-    def test_reasons_are_of_mutants(self):
+    def test_rows_of_reasons(self):
         path = os.path.join(SOURCE, "docs/qualification/mutants-equivalent.csv")
         if not os.path.exists(path):
             self.skipTest("no reasons")
