@@ -47,10 +47,10 @@ check "last line of the page" "$(tail -n 1 o.html)" "</body></html>"
 grep -q "Peg hole: depth" o.html || fail "the page does not contain the hole"
 # The verdict must be first and agree with the numbers. Letters and a legend must show the
 # orientation of the map.
-said=$(printf 'As planned. Reamed %.1f mm deep of 3.0 planned, axis tilt 0.0 degrees, entry 0.0 mm off, over-reaming %.0f mm3, subchondral bone preserved %.0f %%, peg hole inside the bone.' \
+verdict=$(printf 'As planned. Reamed %.1f mm deep of 3.0 planned, axis tilt 0.0 degrees, entry 0.0 mm off, over-reaming %.0f mm3, subchondral bone preserved %.0f %%, peg hole inside the bone.' \
     "$(value metrics.reach_mm)" "$(value metrics.over_mm3)" "$(value metrics.plate_kept_percent)")
-check "the verdict" "$(value metrics.verdict)" "$said"
-grep -qF "$said" o.html || fail "the page does not contain the verdict: $said"
+check "the verdict" "$(value metrics.verdict)" "$verdict"
+grep -qF "$verdict" o.html || fail "the page does not contain the verdict: $verdict"
 check "the verdict is the first element of the page" "$(grep -n 'class="verdict\|<h1\|<table' o.html | head -n 1 | grep -c 'verdict good')" 1
 grep -q '>P</text>.*>A</text>' o.html || fail "for a right shoulder, P is not left of A in the map"
 grep -Eq '(src|href)="(http|/|[a-z]+\.)' o.html && fail "the page refers to other files"

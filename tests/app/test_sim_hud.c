@@ -53,7 +53,7 @@ static const sim_hud_box *box_of(const sim_hud_layout *l, int i)
     return i < 10 ? all[i] : NULL;
 }
 
-static bool within(const sim_hud_box *b, int x, int y)
+static bool contains(const sim_hud_box *b, int x, int y)
 {
     return x >= b->x && x < b->x + b->width && y >= b->y && y < b->y + b->height;
 }
@@ -93,7 +93,7 @@ static void check_layout(int width, int height, double scale, const sim_hud_fact
             for (int x = 0; x < width; x++) {
                 bool in = pixels[x + width * y] == blank;
                 for (int i = 0; box_of(&l, i) && !in; i++)
-                    in = box_of(&l, i)->width && within(box_of(&l, i), x, y);
+                    in = box_of(&l, i)->width && contains(box_of(&l, i), x, y);
                 if (!in)
                     fail_msg("%d x %d at scale %g: pixel %d, %d is drawn but is outside of all panels", width, height,
                              scale, x, y);
@@ -219,7 +219,7 @@ static void letter_size_follows_frame_size(void **state)
     hud = NULL;
 }
 
-static uint32_t mixed(uint32_t a, uint32_t b, unsigned share)
+static uint32_t blend(uint32_t a, uint32_t b, unsigned share)
 {
     uint32_t v = 0;
     for (int c = 0; c < 32; c += 8)
@@ -248,7 +248,7 @@ static void pixels_are_blended_independently(void **state)
         ost_sheet_box(&sheet, x, 1, width, 1, colour, alpha);
         for (int i = 0; i < W * H; i++) {
             const bool in = i / W == 1 && i % W >= x && i % W < x + width;
-            assert_int_equal(pixels[i], in ? mixed(before[i], colour | 0xff000000, alpha) : before[i]);
+            assert_int_equal(pixels[i], in ? blend(before[i], colour | 0xff000000, alpha) : before[i]);
         }
     }
 }

@@ -98,7 +98,7 @@ static void store_hand(void *user, const ost_headset_hand *now)
 
 static const ost_headset_calls calls = {.draw = draw, .hand = store_hand};
 
-static ost_headset *session(void)
+static ost_headset *open_session(void)
 {
     ost_error err = {0};
     ost_headset *h;
@@ -111,7 +111,7 @@ static ost_headset *session(void)
     return h;
 }
 
-static void run(ost_headset *h, int frames)
+static void run_frames(ost_headset *h, int frames)
 {
     ost_error err = {0};
     bool ended;
@@ -163,7 +163,7 @@ static int differing(int eye, const ost_headset_projection *p)
 static void eye_pictures_equal_symmetric_picture(void **state)
 {
     (void)state;
-    ost_headset *h = session();
+    ost_headset *h = open_session();
     /* For these angles, the eye's axis is at a whole pixel and the pixels are square. */
     const double focal = 1000, middle[2][2] = {{60, 70}, {100, 70}};
     for (int i = 0; i < 2; i++) {
@@ -172,7 +172,7 @@ static void eye_pictures_equal_symmetric_picture(void **state)
         fake->fov[i][2] = (float)atan(middle[i][1] / focal);
         fake->fov[i][3] = (float)-atan((FAKE_HEIGHT - middle[i][1]) / focal);
     }
-    run(h, 5);
+    run_frames(h, 5);
     assert_int_equal(fake->layers, 5);
     for (int i = 0; i < 2; i++) {
         const ost_headset_fov fov = {fake->fov[i][0], fake->fov[i][1], fake->fov[i][2], fake->fov[i][3]};
@@ -189,13 +189,13 @@ static void eye_pictures_equal_symmetric_picture(void **state)
 static void hand_and_buttons_are_passed_on(void **state)
 {
     (void)state;
-    ost_headset *h = session();
-    run(h, 2);
+    ost_headset *h = open_session();
+    run_frames(h, 2);
     assert_false(hand.tracked);
     fake->hand_tracked = true;
     fake->hand[1] = 0.25f;
     fake->buttons = 5;
-    run(h, 1);
+    run_frames(h, 1);
     assert_true(hand.tracked && hand.at[1] == 0.25 && hand.q[0] == 1);
     assert_int_equal(hand.buttons, OST_HEADSET_TRIGGER | OST_HEADSET_SQUEEZE);
     close_session(h);
@@ -204,10 +204,10 @@ static void hand_and_buttons_are_passed_on(void **state)
 static void missed_periods_are_counted(void **state)
 {
     (void)state;
-    ost_headset *h = session();
-    run(h, 3);
+    ost_headset *h = open_session();
+    run_frames(h, 3);
     fake->skip = 4;
-    run(h, 3);
+    run_frames(h, 3);
     const ost_headset_counts counts = ost_headset_counts_get(h);
     assert_int_equal(counts.frames, 6);
     assert_int_equal(counts.drawn, 6);
@@ -218,7 +218,7 @@ static void missed_periods_are_counted(void **state)
      * counted as missed.
      */
     fake->slow = 3;
-    run(h, 5);
+    run_frames(h, 5);
     assert_int_equal(ost_headset_counts_get(h).missed, 4 + 5 * 2);
     assert_true(fabs(ost_headset_counts_get(h).display_hz - 72) < 0.01);
     close_session(h);
@@ -231,20 +231,20 @@ static void missed_periods_are_counted(void **state)
 static void frames_without_picture_have_no_layer(void **state)
 {
     (void)state;
-    ost_headset *h = session();
+    ost_headset *h = open_session();
     fake->head_tracked = false;
-    run(h, 2);
+    run_frames(h, 2);
     assert_int_equal(ost_headset_counts_get(h).untracked, 2);
     fake->head_tracked = true;
     fake->hidden = true;
-    run(h, 2);
+    run_frames(h, 2);
     fake->hidden = false;
     fake->eye_x[1] = 50;
-    run(h, 2);
+    run_frames(h, 2);
     assert_int_equal(fake->frames, 6);
     assert_int_equal(fake->layers, 0);
     fake->eye_x[1] = 0.03f;
-    run(h, 1);
+    run_frames(h, 1);
     assert_int_equal(fake->layers, 1);
     close_session(h);
 }
@@ -255,7 +255,7 @@ static void lost_session_ends(void **state)
     ost_error err = {0};
     bool ended = false;
     int frames = 0;
-    ost_headset *h = session();
+    ost_headset *h = open_session();
     fake->lose_after = 3;
     while (!ended && frames < 20) {
         assert_ok(ost_headset_frame(h, &calls, &ended, &err));
@@ -271,7 +271,7 @@ static void each_failure_causes_one_error(void **state)
     static const char *const at_begin[] = {"CreateSession", "CreateSwapchain", "AttachSessionActionSets"},
                                    *const in_frame[] = {"PollEvent", "WaitFrame", "EndFrame", "AcquireSwapchainImage"};
     ost_error err = {0};
-    ost_headset *h = session();
+    ost_headset *h = open_session();
     close_session(h);
     fake->fail = "CreateInstance";
     assert_int_equal(ost_headset_open(&h, &err), OST_ERR_UNAVAILABLE);
@@ -290,8 +290,8 @@ static void each_failure_causes_one_error(void **state)
     for (size_t i = 0; i < sizeof in_frame / sizeof *in_frame; i++) {
         bool ended;
         reset(NULL);
-        h = session();
-        run(h, 2);
+        h = open_session();
+        run_frames(h, 2);
         fake->fail = in_frame[i];
         assert_int_equal(ost_headset_frame(h, &calls, &ended, &err), OST_ERR_UNAVAILABLE);
         assert_non_null(strstr(err.text, "fake result"));

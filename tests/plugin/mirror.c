@@ -458,7 +458,7 @@ static const ost_plugin table = {
     MIRROR_ARITHMETIC,
     0,
     "mirror",
-    "the reference, by way of the plugin interface",
+    "the reference, through the plugin interface",
     m_open,
     m_close,
     m_finish,

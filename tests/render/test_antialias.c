@@ -244,7 +244,7 @@ static bool disc_has(const double s[3], double x, double y)
     return hypot(x - s[0], y - s[1]) < s[2];
 }
 
-static double covered(shape_has *has, const double shape[3], int x, int y)
+static double coverage(shape_has *has, const double shape[3], int x, int y)
 {
     enum { N = 32 };
     int count = 0;
@@ -272,7 +272,7 @@ static void add_errors(shape_has *has, const double shape[3], errors *e)
     smooth_all(p, got);
     for (int y = MARGIN; y < HEIGHT_MAX - MARGIN; y++)
         for (int x = MARGIN; x < WIDTH_MAX - MARGIN; x++) {
-            const double exact = covered(has, shape, x, y),
+            const double exact = coverage(has, shape, x, y),
                          after = (double)(got[y * STRIDE + x] & 255) / BRIGHT - exact;
             e->before += pow((double)(*pixel(p, x, y) & 255) / BRIGHT - exact, 2);
             e->after += pow(after, 2);

@@ -295,7 +295,8 @@ static void build(ost_volume *v, const ost_volume *shape, bool open)
  * Draws the objects twice: with occlusion, by which hidden cells are skipped, and without it. The two pictures must be
  * bit-identical. Returns the number of cells that were skipped.
  */
-static int same_without(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count)
+static int compare_without_occlusion(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things,
+                                     int count)
 {
     ost_error err = {0};
     ost_gl_variant without = *variant;
@@ -355,7 +356,7 @@ static void test_occlusion(void **state)
             const ost_frame_thing things[2] = {
                 {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE},
                 {.surface = &tool, .eye = ost_eye_make_from(&c, &t.geometry, &pose), .paint = OST_PAINT_STEEL}};
-            hidden += same_without(names[i], &list[i], things, 1 + step % 2);
+            hidden += compare_without_occlusion(names[i], &list[i], things, 1 + step % 2);
         }
         /*
          * The camera stays in front of the wall. Most cells behind the wall are skipped until the
@@ -365,11 +366,11 @@ static void test_occlusion(void **state)
         const ost_frame_thing thing = {.surface = &s, .eye = ost_eye_make(&c, &v.geometry), .paint = OST_PAINT_BONE};
         int before = 0, after = 0;
         for (int k = 0; k < REST; k++)
-            before = same_without(names[i], &list[i], &thing, 1);
+            before = compare_without_occlusion(names[i], &list[i], &thing, 1);
         build(&v, &shape, true);
         assert_ok(ost_surface_set_volume(&s, &v, 120, &err));
         assert_ok(ost_surface_update(&s, &err));
-        after = same_without(names[i], &list[i], &thing, 1);
+        after = compare_without_occlusion(names[i], &list[i], &thing, 1);
         printf("# %-36s cells hidden: %d while the camera moves, %d before and %d after the window is opened\n",
                names[i], hidden, before, after);
         assert_in_range(hidden, 2000, STEPS * CELLS);

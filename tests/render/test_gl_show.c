@@ -130,7 +130,7 @@ static ost_status read_target(void *user, ost_error *err)
     return OST_OK;
 }
 
-static uint32_t *shown(ost_gl *from, bool antialiased, const layer *l, bool partly)
+static uint32_t *show_and_read(ost_gl *from, bool antialiased, const layer *l, bool partly)
 {
     ost_error err = {0};
     const ost_gl_sheet sheet = {
@@ -187,7 +187,7 @@ static void test_smoothed_colours(void **state)
         assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
         read_frame(&frame, &s, true);
         read_frame(&rough, &s, false);
-        uint32_t *smooth = shown(gl, true, &empty, false), *plain = shown(gl, false, &empty, false);
+        uint32_t *smooth = show_and_read(gl, true, &empty, false), *plain = show_and_read(gl, false, &empty, false);
         const int changed = differences(&rough, smooth, 1);
         printf("# %dx%d: antialiasing changes %d pixels\n", s.width, s.height, changed);
         assert_true(changed > s.width);
@@ -227,7 +227,7 @@ static void test_sheet(void **state)
         /* The changed cells are those of the previous sheet and those of the new one. */
         memset(l.pixels, 0, (size_t)s.width * (size_t)s.height * sizeof *l.pixels);
         draw_letters(&l.sheet, letters, step);
-        uint32_t *partly = shown(gl, true, &l, step > 0), *completely = shown(gl, true, &l, false);
+        uint32_t *partly = show_and_read(gl, true, &l, step > 0), *completely = show_and_read(gl, true, &l, false);
         assert_memory_equal(partly, completely, (size_t)s.width * (size_t)s.height * sizeof *partly);
         ost_frame frame;
         read_frame(&frame, &s, true);
@@ -264,7 +264,7 @@ static ost_status draw_in_current_context(void *user, ost_error *out)
     assert_ok(ost_gl_open(&options, &here, &err));
     g->info = ost_gl_info_get(here);
     assert_ok(ost_gl_draw(here, &ost_gl_ours, g->s->thing, 2, OST_STYLE_SMOOTH, &err));
-    g->pixels = shown(here, true, &empty, false);
+    g->pixels = show_and_read(here, true, &empty, false);
     ost_gl_close(here);
     assert_int_equal(glGetError(), GL_NO_ERROR);
     /* A renderer whose context was destroyed is freed without OpenGL; its objects remain in this context. */
@@ -285,14 +285,14 @@ static void test_current_context(void **state)
     guest g = {.s = &s};
     set_surfaces(&s);
     assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
-    uint32_t *before = shown(gl, true, &empty, false);
+    uint32_t *before = show_and_read(gl, true, &empty, false);
     assert_ok(ost_gl_do(gl, draw_in_current_context, &g, &err));
     assert_string_equal(g.info.way, "the window's context");
     assert_string_equal(g.info.driver, ost_gl_info_get(gl).driver);
     assert_memory_equal(before, g.pixels, (size_t)s.width * (size_t)s.height * sizeof *before);
     /* The renderer with its own context must still draw the same picture. */
     assert_ok(ost_gl_draw(gl, &ost_gl_ours, s.thing, 2, OST_STYLE_SMOOTH, &err));
-    uint32_t *after = shown(gl, true, &empty, false);
+    uint32_t *after = show_and_read(gl, true, &empty, false);
     assert_memory_equal(before, after, (size_t)s.width * (size_t)s.height * sizeof *before);
     free(before);
     free(after);

@@ -111,7 +111,7 @@ static uint32_t paint_of(uint32_t shade)
 
 /* ------------------------------------------------------------------- clip */
 
-static bool shown(const ost_clip *c, const int v[3])
+static bool is_not_clipped(const ost_clip *c, const int v[3])
 {
     return (int64_t)c->n[0] * v[0] + (int64_t)c->n[1] * v[1] + (int64_t)c->n[2] * v[2] <= c->d;
 }
@@ -125,13 +125,13 @@ static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shad
     check *c = user;
     bool cap = false;
     (void)block;
-    assert_true(shown(c->clip, v));
+    assert_true(is_not_clipped(c->clip, v));
     for (int f = 0; f < 6; f++) {
         int n[3] = {v[0], v[1], v[2]};
         n[f / 2] += f % 2 ? 1 : -1;
         const bool there = at(c->now, n[0], n[1], n[2]) >= 120;
-        assert_int_equal(point >> (OST_FACES_SHIFT + f) & 1, !there || !shown(c->clip, n));
-        cap |= there && !shown(c->clip, n);
+        assert_int_equal(point >> (OST_FACES_SHIFT + f) & 1, !there || !is_not_clipped(c->clip, n));
+        cap |= there && !is_not_clipped(c->clip, n);
     }
     const double share = (at(c->now, v[0], v[1], v[2]) + 100) / 1400.0;
     const int step = (int)floor((share > 1 ? 1 : share) * 126 + 0.5);
@@ -522,7 +522,7 @@ static void updated_blocks_equal_new_blocks(void **state)
     (void)state;
     enum { ROUNDS = 40, SLOTS = 64 };
     ost_error err = {0};
-    test_rng rng = rng_seeded("anew");
+    test_rng rng = rng_seeded("updates");
     ost_volume before, now;
     make_bone(&rng, &before, &now);
     for (int isa = 0; isa < OST_ISA_COUNT; isa++) {

@@ -12,7 +12,7 @@
 #include "reproduction/plot.h"
 
 /* Draws a plot to memory that the caller must free. */
-static char *drawn(const plot *p)
+static char *draw_to_memory(const plot *p)
 {
     ost_memory_stream memory;
     FILE *to = ost_memory_stream_open(&memory);
@@ -102,7 +102,7 @@ static void test_lines(void **state)
               .count = 2,
               .series = {{.label = "ours", .count = 3, .x = x, .y = y},
                          {.label = "thesis: <GTX>", .thesis = true, .count = 3, .x = x, .y = thesis}}};
-    char *svg = drawn(&p);
+    char *svg = draw_to_memory(&p);
     assert_well_formed(svg);
     assert_non_null(strstr(svg, "a &lt;b&gt; &amp; &quot;c&quot;"));
     assert_non_null(strstr(svg, "thesis: &lt;GTX&gt;"));
@@ -128,7 +128,7 @@ static void test_bars(void **state)
               .categories = 2,
               .count = 1,
               .series = {{.label = "ours", .count = 2, .x = x, .y = y}}};
-    char *svg = drawn(&p);
+    char *svg = draw_to_memory(&p);
     assert_well_formed(svg);
     assert_non_null(strstr(svg, "R&amp;D"));
     /* two bars; there is no legend, because the title names the only series */
@@ -146,7 +146,7 @@ static void test_empty(void **state)
               .log_y = true,
               .count = 1,
               .series = {{.label = "none", .count = 1, .x = x, .y = y}}};
-    char *svg = drawn(&p);
+    char *svg = draw_to_memory(&p);
     assert_well_formed(svg);
     assert_non_null(strstr(svg, "No value was measured."));
     free(svg);

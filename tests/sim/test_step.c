@@ -7,18 +7,18 @@
 
 #include <osteon/sim.h>
 
-typedef struct lab {
+typedef struct fixture {
     ost_geometry g;
     ost_bone *bone;
     ost_tool *peg, *plate;
     ost_world *world;
-} lab;
+} fixture;
 
 /* Makes a bone of 40 x 20 x 20 mm with voxels of 1 mm, a peg of 2 x 2 x 6 mm, and a plate of 6 x 6 x 1 mm. */
-static lab make_lab(ost_backend *backend, const ost_world_options *options)
+static fixture make_fixture(ost_backend *backend, const ost_world_options *options)
 {
     ost_error err = {0};
-    lab l = {.g = cubic_geometry(40, 20, 20, OST_PM_PER_MM, (ost_pm3){0, 0, 0})};
+    fixture l = {.g = cubic_geometry(40, 20, 20, OST_PM_PER_MM, (ost_pm3){0, 0, 0})};
     int16_t *full = malloc(voxel_count(&l.g) * sizeof *full);
     for (size_t i = 0; i < voxel_count(&l.g); i++)
         full[i] = (int16_t)(120 + i % 1000);
@@ -37,7 +37,7 @@ static lab make_lab(ost_backend *backend, const ost_world_options *options)
     return l;
 }
 
-static void free_lab(lab *l)
+static void free_fixture(fixture *l)
 {
     ost_world_free(l->world);
     ost_tool_free(l->peg);
@@ -52,7 +52,7 @@ static ost_tick tick_at(int64_t t_ms, int32_t tool, int64_t x_um, int64_t y_um, 
     return tick;
 }
 
-static ost_step_result step(lab *l, ost_tick tick)
+static ost_step_result step(fixture *l, ost_tick tick)
 {
     ost_error err = {0};
     ost_step_result result;
@@ -66,7 +66,7 @@ static void sweep_leaves_no_gap(void **state)
      * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes x = 4 to
      * 15 at y = 9 to 10 and z = 5 to 10.
      */
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
     assert_true(r.removal && r.boxes_meet);
     assert_int_equal(r.pose_count, 1);
@@ -96,12 +96,12 @@ static void sweep_leaves_no_gap(void **state)
             for (int z = 5; z < 11; z++)
                 expected += 120 + (x + 40 * (y + 20 * z)) % 1000;
     assert_int_equal(density, expected);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void one_pose_without_sweep(void **state)
 {
-    lab l = make_lab(*state, &(ost_world_options){.sweep_off = true});
+    fixture l = make_fixture(*state, &(ost_world_options){.sweep_off = true});
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
     ost_step_result r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
     assert_int_equal(r.pose_count, 1);
@@ -115,12 +115,12 @@ static void one_pose_without_sweep(void **state)
     turned.pose.qw = 0;
     turned.pose.qx = OST_Q30_ONE;
     step(&l, turned);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void selected_tool_does_not_sweep(void **state)
 {
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     step(&l, tick_at(0, 0, 5000, 10000, 5000));
     assert_int_equal(step(&l, tick_at(1, 1, 30000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(2, 1, 31000, 10000, 5000)).pose_count, 2);
@@ -130,7 +130,7 @@ static void selected_tool_does_not_sweep(void **state)
      */
     assert_int_equal(step(&l, tick_at(3, 0, 35000, 10000, 5000)).pose_count, 1);
     assert_int_equal(step(&l, tick_at(4, 0, 35000, 13000, 5000)).pose_count, 6);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 /*
@@ -140,7 +140,7 @@ static void selected_tool_does_not_sweep(void **state)
 static void lifted_tool_does_not_sweep(void **state)
 {
     for (int period_ms = 0; period_ms <= 3; period_ms += 3) {
-        lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period_ms * 1000000});
+        fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = period_ms * 1000000});
         step(&l, tick_at(3, 0, 5000, 10000, 5000));
         ost_tick far = tick_at(4, 0, 25000, 10000, 5000);
         far.lifted = true;
@@ -157,7 +157,7 @@ static void lifted_tool_does_not_sweep(void **state)
         far.pose.qx = OST_Q30_ONE;
         far.lifted = true;
         assert_int_equal(step(&l, far).pose_count, 1);
-        free_lab(&l);
+        free_fixture(&l);
     }
 }
 
@@ -168,7 +168,7 @@ static void removal_period_selects_ticks(void **state)
      * tick), 3, 6 and 9 ms. At 10 ms another tool is selected, which is a first tick again. The next
      * removal occurs at 12 ms.
      */
-    lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
+    fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
     for (int t = 1; t <= 12; t++) {
         ost_step_result r = step(&l, tick_at(t, t >= 10, 5000 + 500 * t, 10000, 5000));
@@ -184,7 +184,7 @@ static void removal_period_selects_ticks(void **state)
     ost_world_totals_get(l.world, &totals);
     assert_int_equal(totals.ticks, 12);
     assert_int_equal(totals.removals, 6);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void periods_of_negative_times(void **state)
@@ -193,12 +193,12 @@ static void periods_of_negative_times(void **state)
      * To compute the period of a time, the code rounds down and does not truncate. Therefore -1 ms and 0 ms are in
      * different periods of 3 ms, and -3 ms and -1 ms are in the same period.
      */
-    lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = 3000000});
+    fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 3000000});
     assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);
     assert_false(step(&l, tick_at(-1, 0, 0, 0, 0)).removal);
     assert_true(step(&l, tick_at(0, 0, 0, 0, 0)).removal);
     assert_false(step(&l, tick_at(2, 0, 0, 0, 0)).removal);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
@@ -214,7 +214,7 @@ static ost_tick motor_at(int64_t t_ms, int32_t rpm, int64_t x_um)
  */
 static void motor_off_removes_nothing(void **state)
 {
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     const ost_digest before = digest_of(l.bone);
     for (int t = 0; t < 40; t++) {
         ost_tick tick = motor_at(t, 0, t % 2 ? 7000000 : 1000 * t);
@@ -229,7 +229,7 @@ static void motor_off_removes_nothing(void **state)
     assert_int_equal(totals.removals + totals.removed_voxels, 0);
     const ost_digest after = digest_of(l.bone);
     assert_true(ost_digest_equal(&before, &after));
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 /*
@@ -239,7 +239,7 @@ static void motor_off_removes_nothing(void **state)
 static void sweep_begins_at_last_pose_with_motor_off(void **state)
 {
     for (int period = 0; period <= 1; period++) {
-        lab l = make_lab(*state, &(ost_world_options){.removal_period_ns = period * 1000000000});
+        fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = period * 1000000000});
         step(&l, motor_at(0, 200, 5000));
         step(&l, motor_at(1, 0, 15000));
         step(&l, motor_at(2, 0, 30000));
@@ -260,7 +260,7 @@ static void sweep_begins_at_last_pose_with_motor_off(void **state)
         other.pose.t.x += 1000 * UM;
         other.rpm = 200;
         assert_int_equal(step(&l, other).pose_count, 2);
-        free_lab(&l);
+        free_fixture(&l);
     }
 }
 
@@ -269,7 +269,7 @@ static void sweep_begins_at_last_pose_with_motor_off(void **state)
 static void motor_turn_over_quarter_is_refused(void **state)
 {
     ost_error err = {0};
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     ost_tick tick = motor_at(0, 3000, 20000);
     step(&l, tick);
     tick.t_ns += 5000000;
@@ -285,20 +285,20 @@ static void motor_turn_over_quarter_is_refused(void **state)
     tick.rpm = 3001;
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
-    free_lab(&l);
+    free_fixture(&l);
     /* The rotations of the ticks between two events are added. Here they take 2 + 2 + 2 ms. */
-    l = make_lab(*state, &(ost_world_options){.removal_period_ns = 6000000});
+    l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
     tick = motor_at(6, 3000, 20000);
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_RANGE);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void failed_step_changes_nothing(void **state)
 {
     ost_error err = {0};
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     step(&l, tick_at(5, 0, 5000, 10000, 5000));
     ost_digest before = digest_of(l.bone);
     ost_world_totals totals, still;
@@ -335,19 +335,19 @@ static void failed_step_changes_nothing(void **state)
     }
     /* The next sweep must begin at the pose of the last valid tick: a motion of 2 mm gives 4 poses. */
     assert_int_equal(step(&l, tick_at(6, 0, 7000, 10000, 5000)).pose_count, 4);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void distant_tool_reaches_no_chunk(void **state)
 {
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 500000, 0, 0));
     assert_true(r.removal);
     assert_false(r.boxes_meet);
     assert_int_equal(r.report->total_voxels, 0);
     for (int a = 0; a < 3; a++)
         assert_true(r.chunk_lo[a] >= r.chunk_hi[a]);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void range_of_chunks_of_event(void **state)
@@ -356,18 +356,18 @@ static void range_of_chunks_of_event(void **state)
      * The peg at (15.5, 10, 5) mm covers x = 14.5 to 16.5 mm. Inflated by a voxel of 0.5 mm, it
      * reaches chunks 0 and 1 along x and chunk 0 along y and z.
      */
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));
     static const int32_t lo[3] = {0, 0, 0}, hi[3] = {2, 1, 1};
     assert_memory_equal(r.chunk_lo, lo, sizeof lo);
     assert_memory_equal(r.chunk_hi, hi, sizeof hi);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 static void invalid_worlds_and_tools_are_refused(void **state)
 {
     ost_error err = {0};
-    lab l = make_lab(*state, NULL);
+    fixture l = make_fixture(*state, NULL);
     ost_world *world;
     assert_int_equal(ost_world_create(NULL, NULL, &world, &err), OST_ERR_USAGE);
     assert_int_equal(ost_world_create(l.bone, &(ost_world_options){.removal_period_ns = -1}, &world, &err),
@@ -389,7 +389,7 @@ static void invalid_worlds_and_tools_are_refused(void **state)
     ost_tool_free(fine);
     ost_tool_free(foreign);
     ost_backend_close(other);
-    free_lab(&l);
+    free_fixture(&l);
 }
 
 int main(void)

@@ -33,7 +33,7 @@ static int64_t at(int x, int y, int z)
 }
 
 /* Makes a ball in which every voxel has a different density from its neighbours. */
-static pair *made(void)
+static pair *make_pair(void)
 {
     static pair p;
     for (int z = 0; z < N; z++)
@@ -66,7 +66,7 @@ static void assert_pattern(const pattern_view *v, pattern expected, const char *
 static void patterns_in_hand_made_grids(void **state)
 {
     (void)state;
-    pair *p = made();
+    pair *p = make_pair();
     pattern_view v = view_of(p);
     pattern_list none;
     ost_pattern_find(&v, &none);
@@ -84,14 +84,14 @@ static void patterns_in_hand_made_grids(void **state)
                 p->b[at(x, y, z)] = p->a[at(y, x, z)];
     assert_pattern(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
-    p = made();
+    p = make_pair();
     for (int z = 10; z < 20; z++) /* the layers are shifted only in a part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
     assert_pattern(&v, PATTERN_SHIFT, "layers shifted by one in a part of the grid");
 
-    p = made();
+    p = make_pair();
     for (int z = 0; z < N; z++)
         for (int y = 0; y < N; y++)
             for (int x = 0; x < N; x++) {
@@ -100,33 +100,33 @@ static void patterns_in_hand_made_grids(void **state)
             }
     assert_pattern(&v, PATTERN_ROW_PITCH, "rows read with a pitch of 48 voxels");
 
-    p = made();
+    p = make_pair();
     for (int i = at(0, 0, 12); i < at(0, 0, 14); i++)
         p->b[i] = (int16_t)(p->a[i] ? p->a[i] + 9 : 0);
     assert_pattern(&v, PATTERN_OFFSET, "the values of two slices 9 greater");
 
-    p = made();
+    p = make_pair();
     for (int i = 0; i < N * N * N; i++)
         p->b[i] = p->a[i] < 700 ? 0 : p->a[i];
     assert_pattern(&v, PATTERN_THRESHOLD, "values below 700 removed");
 
-    p = made();
+    p = make_pair();
     for (int i = at(0, 0, 20); i < N * N * N; i++)
         p->b[i] = 0;
     assert_pattern(&v, PATTERN_LOST_TAIL, "all slices from one slice on empty");
 
-    p = made();
+    p = make_pair();
     for (int z = 0; z < 16; z++)
         for (int y = 0; y < 16; y++)
             memset(&p->b[at(16, y, z)], 0, 16 * sizeof p->b[0]);
     assert_pattern(&v, PATTERN_LOST_CHUNK, "an empty chunk");
 
-    p = made();
+    p = make_pair();
     p->b[at(10, 11, 12)] = 999;
     p->b[at(15, 15, 15)] = 1;
     assert_pattern(&v, PATTERN_SPECKLE, "two single voxels differ");
 
-    p = made();
+    p = make_pair();
     for (int y = 12; y < 19; y++)
         for (int x = 12; x < 19; x++)
             for (int z = 12; z < 19; z++)
@@ -138,7 +138,7 @@ static void patterns_in_hand_made_grids(void **state)
 static void patterns_of_events(void **state)
 {
     (void)state;
-    pair *p = made();
+    pair *p = make_pair();
     pattern_view v = view_of(p);
     v.input = PATTERN_BEFORE;
     v.in = p->in;
@@ -170,7 +170,7 @@ static void patterns_of_events(void **state)
 static void patterns_of_tools(void **state)
 {
     (void)state;
-    pair *p = made();
+    pair *p = make_pair();
     pattern_view v = view_of(p);
     v.tool = true;
     v.solid_a = v.solid_b = 1;

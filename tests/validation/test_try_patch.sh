@@ -75,5 +75,5 @@ check_text 'absent.patch: is no file' err
 check "no build folder: status" $? 2
 check_text 'is no build folder of osteon' err
 
-check "the tree and the program" "$(cksum "$source_folder/$file" "$build/osteon")" "$before"
+check "checksums of the source file and of the program" "$(cksum "$source_folder/$file" "$build/osteon")" "$before"
 finish

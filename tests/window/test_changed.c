@@ -23,7 +23,7 @@ static int random_below(int n)
     return (int)((uint64_t)(seed >> 8) * (uint64_t)n >> 24);
 }
 
-static uint32_t shown(uint32_t v)
+static uint32_t screen_colour(uint32_t v)
 {
     return (v & 0xff00) | (v >> 16 & 255) | (v & 255) << 16;
 }
@@ -32,7 +32,7 @@ static uint32_t shown(uint32_t v)
  * Copies the boxes to the simulated screen, as the X server does. Every pixel of the screen must then equal the pixel
  * of the picture. Returns the number of copied pixels.
  */
-static int64_t copied(const ost_window_picture *p, bool everything)
+static int64_t copy_to_screen(const ost_window_picture *p, bool everything)
 {
     ost_changed_box box[OST_CHANGED_BOXES];
     const int count = ost_changed_copy(p, everything, shared, box);
@@ -49,7 +49,7 @@ static int64_t copied(const ost_window_picture *p, bool everything)
     }
     for (int y = 0; y < p->height; y++)
         for (int x = 0; x < p->width; x++)
-            if (screen[y * p->width + x] != shown(drawn[y * p->stride + x]))
+            if (screen[y * p->width + x] != screen_colour(drawn[y * p->stride + x]))
                 fail_msg("%d x %d: pixel %d, %d of the screen differs from the picture", p->width, p->height, x, y);
     return area;
 }
@@ -79,18 +79,18 @@ static void screen_equals_picture(void **state)
             const ost_window_picture p = {drawn, width + MARGIN, width, height, with_cells ? cells : NULL, words};
             memset(shared, 0x55, sizeof shared);
             memset(screen, 0xaa, sizeof screen);
-            assert_int_equal(copied(&p, true), width * height);
-            assert_int_equal(copied(&p, false), 0);
+            assert_int_equal(copy_to_screen(&p, true), width * height);
+            assert_int_equal(copy_to_screen(&p, false), 0);
             for (int frame = 0; frame < 30; frame++) {
                 memset(cells, 0, sizeof cells);
                 for (int n = random_below(12); n > 0; n--)
                     change(&p);
-                copied(&p, false);
+                copy_to_screen(&p, false);
             }
             /* Simulates a screen that has lost its contents. */
             memset(screen, 0, sizeof screen);
             memset(cells, 0, sizeof cells);
-            assert_int_equal(copied(&p, true), width * height);
+            assert_int_equal(copy_to_screen(&p, true), width * height);
         }
 }
 
