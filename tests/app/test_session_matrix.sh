@@ -14,8 +14,8 @@ seconds=${OST_SESSION_SECONDS:-300}
 
 run 0 phantom glenoid --out ct.nrrd
 run 0 import ct.nrrd --out bone.nrrd
-# The operation consists of the hole and the reaming. The slow path takes a minute; for the
-# remaining time the simulated operator stays at its end.
+# The operation consists of the hole and the reaming. After the end of these paths, the simulated
+# operator stays at the last pose for the remaining time.
 run 0 sim --headless --no-clock --bone bone.nrrd --device sim:tremor=300,friction=60 --tool builtin:peg --path builtin:peg-hole \
     --tool builtin:reamer --path builtin:glenoid-ream --seconds "$seconds" --record long.session --json
 check "ticks of the operation" "$(value ticks)" $((seconds * 1000))

@@ -253,7 +253,7 @@ static void pixels_are_blended_independently(void **state)
     }
 }
 
-/* A letter must have the same pixels at every position. Its part outside the frame is not drawn. */
+/* A letter must have the same pixels at every position. The part of a letter outside the frame is not drawn. */
 static void letters_are_equal_at_every_position(void **state)
 {
     enum { W = 120, H = 24 };

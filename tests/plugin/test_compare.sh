@@ -69,7 +69,7 @@ grep -q "Margins of differing decisions" b/report.html || fail "the report does 
 grep -q "so the difference is not only rounding" b/report.html || fail "the report does not explain the margins"
 run 0 verify b
 
-# In ticks and tools, only the rounding at borders may differ. Then a dump of only some stages is compared.
+# In ticks and tools, only the rounding at borders may differ.
 run 1 compare plugin:./thesis_f32.so --only poses/1 --json
 check "second stage that differs" "$(value margins.0.stages.1.stage)" tool
 tools=$(value margins.0.stages.1.voxels)
@@ -92,6 +92,7 @@ refuse 2 "evidence needs complete runs" validate --apart --out nothing
 run 0 validate --backends cpu:threads=1 --only import/1 --apart
 grep -q "each stage and tick with the reference's input" out || fail "the first line does not state --apart: $(head -n 1 out)"
 refuse 2 "--given needs" validate --given theirs
+# Compares a dump that contains only one tick.
 run 0 validate --worker ref --dump some --only poses/1
 mv some/poses-1/tick-23.raw t23
 rm -f some/poses-1/tick-*.raw some/poses-1/final.raw

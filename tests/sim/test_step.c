@@ -164,9 +164,9 @@ static void lifted_tool_does_not_sweep(void **state)
 static void removal_period_selects_ticks(void **state)
 {
     /*
-     * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms (the first
-     * tick), 3, 6 and 9 ms. At 10 ms another tool is selected, which is a first tick again. The next
-     * removal occurs at 12 ms.
+     * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms, in the
+     * first tick, and at 3, 6 and 9 ms. At 10 ms another tool is selected, and the first tick of this tool
+     * also removes bone. The next removal occurs at 12 ms.
      */
     fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};

@@ -5,9 +5,9 @@
     report.html --parsed--> headings, sentences, rows, pictures
         each: from the files to which it or its section links, and from no other,
         its expected text is computed again here --> the text agrees, including every figure
-A sentence that contains a figure or is bold, and that this program cannot compute, is also a
-failure, so a claim cannot be added without its file. A picture in the page must have the bytes of
-the file to which it links. Each link must lead to a file of the bundle, and each file must have a
+A sentence with a figure or with bold text is also a failure if this program cannot compute it.
+Therefore no claim can be added without a file that supports it. A picture in the page must have
+the bytes of the file to which it links. Each link must lead to a file of the bundle, and each file must have a
 link.
 
 Then the check itself is tested: one digit of one figure is changed at a time, for figures from

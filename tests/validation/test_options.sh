@@ -30,8 +30,8 @@ if [ -e "$build/.libs/mirror.so" ]; then
     checks=$((checks + 1))
     grep -q "import/0 plugin:./thesis_f32.so gives another result here (differs" out || fail "verify --rerun does not report the changed result: $(cat out)"
 
-    # A backend that does not end must be stopped after the limit, and its case must have a verdict
-    # of its own.
+    # A backend that does not end must be stopped after the limit, and the verdict of its case must be
+    # "timed out".
     run 1 validate --only sweep/1 --backends 'plugin:mirror.so,break=hang;cpu:isa=scalar,threads=1' --limit 3 --out late --json
     check "backend that does not end: verdict, backend" "$(value findings.0.verdict) $(value findings.0.backend)" "timed out plugin:mirror.so,break=hang"
     check "equal results of the other backend" "$(value results.equal)" 1
