@@ -39,8 +39,8 @@ typedef struct parse {
 
 /* --------------------------------------------------------------- the file */
 
-/* Writes a length given in nanometres as a number of mm, followed by a blank, such as "-57.340000 ". Six
-   decimals of a mm represent a nanometre exactly. */
+/* Writes a length given in nanometres as a number of mm, followed by a blank, such as "-57.340000 ". With
+   six decimal places, every length in nanometres is exact. */
 static char *put_mm(char *at, int64_t nm)
 {
     if (nm < 0) {

@@ -16,7 +16,7 @@
 typedef struct report_entry {
     const reproduction_item *item;
     const result *result;              /* NULL if the item was not run or failed */
-    char reason[OST_ERROR_TEXT];       /* reason of a failure; "" if the item did not fail */
+    char reason[OST_ERROR_TEXT];       /* reason for a failure; "" if the item did not fail */
 } report_entry;
 
 /* Writes FOLDER/report.html. The entries are in the order of the thesis. */

@@ -25,7 +25,7 @@ static ost_status by_core(const ost_pose *pose, const ost_geometry *bone, const 
     return OST_OK;
 }
 
-/* Returns true if AR-MAP-2 allows the tool with the bone. */
+/* Returns true if the tool may be used with the bone according to AR-MAP-2. */
 static bool is_supported(const ost_geometry *bone, const ost_tool_geometry *tool)
 {
     enum { MOST = 1024, RATIO = 16 };

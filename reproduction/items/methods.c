@@ -90,7 +90,7 @@ static bool is_method(const reproduction *r, const methods_row *row, const char 
     return strcmp(row->method->name, method_name(r, base, name)) == 0;
 }
 
-/* Returns OST_ERR_DIFFER if a measured method removed a set of voxels that differs from its definition. */
+/* Returns OST_ERR_DIFFER if a measured method did not remove exactly the voxels that its definition demands. */
 static ost_status check_rows(const methods_table *table, ost_error *err)
 {
     for (size_t i = 0; i < table->count; i++)

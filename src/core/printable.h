@@ -25,7 +25,8 @@
 int32_t ost_code_point(const char *text, size_t *bytes);
 
 /*
- * Returns true if the code point is not in the list at the top of this file, that is, if a terminal only displays it.
+ * Returns true if the code point is not in the list at the top of this file. A terminal displays such a code point and
+ * does not interpret it.
  */
 int ost_code_point_is_printable(int32_t code);
 

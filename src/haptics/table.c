@@ -105,7 +105,8 @@ bool ost_haptic_limits_get(const ost_haptic *device, ost_haptic_limits *out)
 
 bool ost_haptic_limits_usable(const ost_haptic_limits *l)
 {
-    /* The accepted ranges include every known device: the strongest one renders 40 N, and none renders 2 N m. */
+    /* The accepted ranges include every known device. The greatest force of a known device is 40 N, and its greatest
+       torque is below 2 N m. */
     return l->force_n >= 0.1 && l->force_n <= 100 &&
            (l->torque_nm == 0 || (l->torque_nm >= 1e-3 && l->torque_nm <= 10));
 }

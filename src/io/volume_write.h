@@ -16,7 +16,7 @@ typedef enum ost_volume_format {
     OST_FORMAT_TEXT
 } ost_volume_format;
 
-/* Returns the format that the ending of a file name selects; case is ignored. */
+/* Returns the format that belongs to the extension of a file name, regardless of case. */
 ost_volume_format ost_volume_format_of(const char *path);
 /* Returns OST_ERR_USAGE with a message that names the supported endings. */
 ost_status ost_volume_format_unknown(const char *path, ost_error *err);

@@ -42,7 +42,7 @@ static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* position of the centre of 
 typedef struct pose {
     /* Rows of the rotation from the bone's frame to the patient's lateral, anterior and superior direction. */
     ost_v3 row[3];
-    ost_v3 centre;   /* centre of the box, in mm of the patient's LPS frame */
+    ost_v3 centre;   /* centre of the box in the patient's LPS frame, in mm */
     double scale;    /* mm of the patient per mm of the mean shape */
 } pose;
 

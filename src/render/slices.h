@@ -8,7 +8,10 @@
 
 /* Computes the colour of voxel number `voxel` of the volume: red, green and blue, each from 0 to 255. */
 typedef void ost_slices_colour(const void *user, size_t voxel, double rgb[3]);
-/* Returns the region of voxel number `voxel`, identified by its colour, 0xBBGGRR, or OST_NO_REGION. */
+/*
+ * Returns the colour 0xBBGGRR of the region that contains voxel number `voxel`, or OST_NO_REGION if no region contains
+ * it.
+ */
 typedef uint32_t ost_slices_region(const void *user, size_t voxel);
 enum { OST_NO_REGION = 0x7fffffff };
 

@@ -211,7 +211,7 @@ static void device_follows_the_hand(void **state)
         x = read_x_mm(device);
     const double behind = (0.2 * 0.05 + 0.26) / 150 * 1000;
     assert_true(fabs(999 * 0.05 - x - behind) < 0.0275 + 0.05);
-    /* After the end of the plan the device comes to rest near that end. */
+    /* After the last tick of the plan, the device stops near the last position of the plan. */
     for (int i = 0; i < 2000; i++)
         x = read_x_mm(device);
     assert_true(fabs(999 * 0.05 - x) <= 0.26 / 150 * 1000 + 0.0275);

@@ -526,7 +526,7 @@ static void spnav_moves_while_it_is_pushed(void **state)
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 &&
                 abs(s.pose.qz) < 1 << 10);
-    /* Buttons are reported while they are pressed, at most 32. */
+    /* At most 32 buttons are reported, each while it is pressed. */
     put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     put_event(feed, 2, 1, 1, 0, 0, 0, 0);
     put_event(feed, 2, 1, 5, 0, 0, 0, 0);

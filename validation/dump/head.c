@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads dump.json, which describes a dump. Also makes the names of the other files of a dump. */
+/* Reads dump.json, which describes a dump, and constructs the names of the dump's other files. */
 #include "validation/dump/parts.h"
 
 #include <jansson.h>

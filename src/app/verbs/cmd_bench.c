@@ -251,7 +251,7 @@ static void show_row(void *user, const char *row)
     progress_show(NULL, row, 0);
 }
 
-/* Sums over all rows that the verb has run. */
+/* Counts of all rows of the benchmark, and the first error. */
 typedef struct tally {
     size_t rows, run;
     bool wrong;

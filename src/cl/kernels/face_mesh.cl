@@ -79,8 +79,8 @@ __kernel void ost_face_rows(__global const uchar *visible, __global uint *rows)
     to[1] = faces;
 }
 
-/* Replaces the numbers of each row by the sums of the numbers of all preceding rows of the slice. slices: the sums of
-   each slice. */
+/* Replaces the numbers of each row by their sums over all preceding rows of the slice. Stores the sums over all rows
+   of each slice in `slices`. */
 __kernel void ost_face_slices(__global uint *rows, __global uint *slices)
 {
     const uint z = (uint)get_global_id(0), chunk = (uint)get_global_id(2);

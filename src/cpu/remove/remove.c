@@ -106,8 +106,8 @@ static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, cons
 }
 
 /*
- * Returns the set of the voxels of a brick that lie in the box. If the cube that contains the brick is not in the set
- * `across`, these are all 64 voxels.
+ * Returns the set of those voxels of a brick that lie in the box. The set contains all 64 voxels if the cube of the
+ * brick is not in `across`.
  */
 static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
 {

@@ -78,7 +78,7 @@ void ost_stretch_row_avx2(const int16_t *from, const int32_t *at, const int16_t 
         to[i] = from[at[i]] * minus[2 * i] + from[at[i] + 1] * minus[2 * i + 1];
 }
 
-/* Returns RHE(sum / 2^45) for each sum, in the bits from 45 on. The lower bits of the results are undefined. */
+/* Returns RHE(sum / 2^45) for each sum, in bits 45 and above. The lower bits of the results are undefined. */
 static inline __m256i rounded45(__m256i sum)
 {
     const __m256i odd = _mm256_and_si256(_mm256_srli_epi64(sum, 3 * OST_WEIGHT_BITS), _mm256_set1_epi64x(1));

@@ -20,7 +20,7 @@ typedef struct ost_element_table ost_element_table;
  */
 ost_element_table *ost_element_table_make(const ost_converter *converter, int64_t voxels);
 
-/* Has the same results as ost_convert, including the counts of the converter. `table` may be NULL. */
+/* Produces the same results as ost_convert, including the counts of the converter. `table` may be NULL. */
 size_t ost_element_table_convert(const ost_element_table *table, ost_converter *converter, const void *bytes,
                                  size_t count, int16_t *out, ost_bad *bad);
 

@@ -103,8 +103,8 @@ typedef struct ost_frame {
     int width, height;
     /* owned; planes of the frame; without keys unless ost_frame_store_keys was called */
     ost_planes planes;
-    /* planes that objects are drawn into: the same as `planes`, except that `colour` is a separate, owned array
-       after ost_frame_antialias */
+    /* planes that objects are drawn into: those of `planes`. After a call of ost_frame_antialias, `colour` is instead
+       a separate array, which is owned */
     ost_planes drawn;
     ost_antialias antialias; /* owned; edges of the picture; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
@@ -167,7 +167,10 @@ ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err);
 /* Must be called after another renderer has overwritten all pixels of frame->drawn. The next frame then reuses
    nothing. Smooths the edges if antialiasing is enabled. */
 void ost_frame_overwritten(ost_frame *frame);
-/* Adds to `cells` the cells in which the frame may differ from the previous frame, including drawings on its sheet. */
+/*
+ * Adds to `cells` the cells in which the frame may differ from the previous frame. These include the cells in which the
+ * sheet of the frame was drawn on.
+ */
 void ost_frame_changed(const ost_frame *frame, const ost_cells *cells);
 /* Returns the frame's colours as a sheet to draw on. */
 ost_sheet ost_frame_sheet(const ost_frame *frame);

@@ -215,8 +215,8 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 }
 
 /*
- * Computes slice z of the wide field. *made counts the slices of cells processed so far, and *smoothed the slices of
- * the field of cells. Both counts include skipped slices, which are not needed.
+ * Computes slice z of the wide field. *made is the number of slices of cells that have been processed, and *smoothed is
+ * the number of slices of their smoothed field. Slices that are not needed are skipped, and are counted as well.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)

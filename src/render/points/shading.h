@@ -27,7 +27,7 @@ typedef struct ost_shading_scratch {
        removed (`contact`) */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    /* active voxels (`occupied`) and voxels near removed voxels (`near`); `other` is scratch for spreading */
+    /* active voxels (`occupied`) and voxels near removed voxels (`near`); `other` is scratch */
     ost_rows occupied, near, other;
     /* scratch for one slice with the neighbours' voxels, or for two slices without them */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
