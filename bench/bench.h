@@ -6,8 +6,8 @@
  *
  *   a row    ours      median times of osteon and of the baseline, whose repetitions
  *            baseline  alternate in the same process: A B A B ...
- *            equal     true if osteon's grid is identical to the reference's; they are
- *                      compared byte by byte before any figure is shown
+ *            equal     true if osteon's grid is identical to the reference's grid; the two
+ *                      grids are compared byte by byte before any figure is shown
  *
  * A suite omits no row. A row that cannot run here contains the reason, and the other rows are
  * still measured. A row with a wrong result contains no figures and makes the command fail.

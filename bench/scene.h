@@ -4,14 +4,15 @@
  * chunks of 16^3, 32^3 and 64^3 voxels as in Tables 3.3 and 3.4.
  *
  *   bone      128^3 voxels of 0.47 mm, all of them active
- *   reamer    the parametric head, through a corner of the bone: the box of
- *             its grid contains voxels of 84, 18 and 5 chunks
+ *   reamer    the parametric head, through a corner of the bone: the oriented box
+ *             of its grid enters 84, 18 and 5 chunks
  *   peg       the parametric cylinder, tilted inside the bone: the chunks of
  *             its intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
  *
  * The thesis gives no poses. The poses in scene.c were found by random search. The number of chunks in
- * an intersection box is a product of three numbers, one per axis. No box of the reamer's size contains
- * 84 or 5 chunks. For the reamer, therefore, only the chunks that its oriented box enters are counted.
+ * an intersection box is a product of three numbers, one per axis. No intersection box of the reamer's
+ * size consists of exactly 84 or 5 chunks. For the reamer, therefore, only the chunks that its oriented
+ * box enters are counted.
  * The counts are computed again in every run and reported with the row.
  */
 #ifndef OST_BENCH_SCENE_H

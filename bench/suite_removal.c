@@ -6,7 +6,7 @@
  *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
  *           the baseline's chunks were read once
  *   cold    the event runs immediately after the voxels were restored; osteon restores complete
- *           slices, so less of the event's data is in the caches than for the baseline
+ *           slices, so the caches contain less of the event's data than before the baseline's event
  *   steady  the event is repeated without restoring the voxels, so no voxel remains to be removed
  *
  * A repetition consists of the steps restore, cold, restore, collide, fresh, steady, steady, first for
@@ -159,8 +159,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* Counts the voxels for which the result of the thesis' kernel differs, because this kernel rounds to floats. Needs
-   memory for two copies of the bone. */
+/* Counts the voxels for which the thesis' kernel and osteon have different results. They differ because the thesis'
+   kernel rounds to floats. The function needs memory for two copies of the bone. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;

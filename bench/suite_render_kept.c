@@ -7,8 +7,8 @@
  *                          '------> the complete frame
  *
  * The incremental and the complete frame are drawn alternately from the same state, and must be bit-identical
- * every time. The stages of a frame are measured in separate frames, because every call of an inner loop is
- * then timed.
+ * every time. The stages of a frame are measured in additional frames, because timing every call of an inner
+ * loop makes a frame slower.
  */
 #include "bench/render_kept.h"
 
@@ -40,8 +40,8 @@ static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* The times of the stages of a frame on one thread, and the inner loops. Each of the functions below measures the time
-   of one call of an inner loop and adds it to the stage. */
+/* The inner loops of a frame, and the total time of each stage on one thread. Each of the functions below calls an
+   inner loop and adds the time of the call to the stage. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;

@@ -56,7 +56,8 @@ static ost_status make_rect(transfer *t, ost_backend *backend, ost_grid **out)
     return status == OST_OK ? ost_grid_upload(*out, 0, t->ct.geometry.dims.z, t->ct.voxels, t->err) : status;
 }
 
-/* Converts the grid by two public calls, as any program does. The results are freed after the time is measured. */
+/* Converts the grid with the two public calls that a program also uses. The results are freed after the time is
+   measured. */
 static ost_status convert(transfer *t, variant *v, const ost_grid *rect, bool timed, ost_bone **bone)
 {
     ost_grid *cubic = NULL;

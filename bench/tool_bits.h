@@ -10,8 +10,8 @@
 
 #include "core/backend.h"
 
-/* Allocates the bits of a grid, aligned to 64 bytes. All pages are written once, so that the measurement contains no
-   first access to a page. The caller frees the bits. Returns NULL and sets err if memory is exhausted. */
+/* Allocates the bits of a grid, aligned to 64 bytes. All pages are written once, so that no page is accessed for the
+   first time during the measurement. The caller frees the bits. Returns NULL and sets err if memory is exhausted. */
 uint64_t *bench_tool_bits(ost_dims dims, ost_error *err);
 
 /* Voxelizes a mesh by the winding rule and copies the voxels to the host, with one byte per voxel. */

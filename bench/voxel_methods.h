@@ -64,7 +64,7 @@ typedef struct bench_voxel_grid {
 } bench_voxel_grid;
 
 typedef struct bench_voxel_counts {
-    bench_voxel_grid rect;  /* the grid with the CT's own voxels, which are sufficient for the thesis' triangle mesh */
+    bench_voxel_grid rect;  /* the grid with the CT's voxel size, which is sufficient for the thesis' triangle mesh */
     bench_voxel_grid cubic; /* the grid with cubic voxels, which GL_POINTs need */
 } bench_voxel_counts;
 
