@@ -49,9 +49,9 @@ typedef struct ost_difference {
 
 /*
  * Classifies the difference between two grids. The voxels of a are assumed to be correct. Spacing and origin are not
- * compared. If the dims differ, only the exchange of axes is checked. Returns OST_ERR_USAGE if a volume has no voxels,
- * if the dims of `before` differ from those of a, or if the chunk size is not 16, 32 or 64. Returns OST_ERR_RANGE if a
- * threshold is not within 0 to 32767.
+ * compared. If the dims differ, axis-swap is the only pattern that is checked. Returns OST_ERR_USAGE if a volume has no
+ * voxels, if the dims of `before` differ from those of a, or if the chunk size is not 16, 32 or 64. Returns
+ * OST_ERR_RANGE if a threshold is not within 0 to 32767.
  */
 OST_API ost_status ost_difference_find(const ost_volume *a, const ost_volume *b, const ost_difference_options *options,
                                        ost_difference *out, ost_error *err);

@@ -8,7 +8,7 @@
  *                     '--> force --safety--> device
  *
  * The tool's surface is a shell of points with inward normals.  A point touches bone if the position one voxel outward
- * of the point lies in an active voxel.  There are two force laws:
+ * from the point lies in an active voxel.  There are two force laws:
  *
  *   energy    A spring and a damper couple the tool to the device.  The pressure of a
  *             cutting point on bone determines the point's cutting power.  The point
@@ -164,7 +164,8 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    /* maximum force in N and maximum torque in N m; small values hardly change, and large values approach the limits */
+    /* Maximum force in N and maximum torque in N m. A value far below its maximum hardly changes; a greater value is
+       reduced to less than the maximum. */
     double max_force_n, max_torque_nm;
     double slew_n;              /* maximum change of the force in one tick, in N */
     double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */
@@ -195,9 +196,9 @@ typedef struct ost_force_key {
  * 0 in a fixed order.
  */
 OST_API int ost_force_key_count(void);
-/* Returns the description of parameter number `index`, which is static. Returns NULL if index is out of range. */
+/* Returns the description of parameter number `index`, or NULL if index is out of range. The description is static. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Returns the value of parameter number `index`, which is in *force or in *safety. */
+/* Reads the value of parameter number `index` from *force or *safety, and returns the value. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value to text in the format of a parameter file. Returns text. */

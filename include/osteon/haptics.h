@@ -95,7 +95,7 @@ typedef struct ost_haptic_setup {
     ost_hand_input *hand;   /* input of the `openxr` device, which a headset sets; borrowed until ost_haptic_close */
     /*
      * First pose of the tool. The `null` device keeps this pose, and the `motion` device begins at it. For a real
-     * device, it is the pose of the tool when the handle is at its centre.
+     * device, it is the pose of the tool when the handle is in its central position.
      */
     ost_pose start;
     ost_path_options gaps; /* rules by which the `motion` device finds gaps in the file */

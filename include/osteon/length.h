@@ -112,7 +112,7 @@ enum { OST_PM_TEXT = 32 };
  * at most nine places. Returns text.
  */
 OST_API char *ost_pm_format(ost_pm value, char text[OST_PM_TEXT]);
-/* Returns a length in millimetres, rounded to the nearest double. For display and pictures only. */
+/* Returns a length in millimetres, rounded to the nearest double. Used only for display and pictures. */
 OST_API double ost_pm_to_mm(ost_pm value);
 
 #ifdef __cplusplus

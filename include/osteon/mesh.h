@@ -39,7 +39,7 @@ OST_API void ost_mesh_free(ost_mesh *mesh);
  * OST_ERR_USAGE if a vertex index is out of range.
  */
 OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *max, ost_error *err);
-/* Returns the signed volume in mm^3, which is positive for outward faces. For reports only. */
+/* Returns the signed volume in mm^3, which is positive for outward faces. Used only for reports. */
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
 /*
  * Counts the open edges. An edge is open unless exactly two triangles share it and have opposite directions along

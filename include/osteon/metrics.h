@@ -67,8 +67,8 @@ typedef struct ost_metrics_tool {
  */
 OST_API ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, ost_error *err);
 /*
- * Computes the position of a tool's tip in mm, and its working direction, which is -z of the tool's frame, at a pose.
- * Both are in the bone's frame, as in an ost_motion.
+ * Computes the position of the tip in mm, and the working direction (-z of the tool's frame), for a pose of the tool.
+ * Both results are in the bone's frame, as in an ost_motion.
  */
 OST_API void ost_metrics_tip(const ost_metrics_tool *tool, const ost_pose *pose, double mm[3], double axis[3]);
 

@@ -40,7 +40,7 @@ OST_API ost_pose ost_motor_pose(const ost_motor *motor, const ost_pose *handle);
  * unit of rounding.
  */
 OST_API ost_pose ost_motor_handle_pose(const ost_motor *motor, const ost_pose *tool);
-/* Returns the tool's rotation about its z axis in radians, from 0 to -2 pi. For use in forces and pictures only. */
+/* Returns the tool's rotation about its z axis in radians, from 0 to -2 pi. Used only for forces and pictures. */
 OST_API double ost_motor_angle(const ost_motor *motor);
 /*
  * Converts a tick that contains the pose of the hand. Sets the tick's speed to rpm, advances the motor, and converts

@@ -52,7 +52,7 @@ OST_API ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_d
 /* Returns OST_ERR_RANGE unless every component of t is within 8 m and | |q| - 1 | <= 1e-3. */
 OST_API ost_status ost_pose_check(const ost_pose *pose, ost_error *err);
 
-/* Converts a pose to the nearest doubles. For pictures and forces only. */
+/* Converts a pose to the nearest doubles. Used only for pictures and forces. */
 OST_API void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4]);
 
 /*
