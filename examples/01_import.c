@@ -5,8 +5,8 @@
  *   01_import CT BONE.nrrd
  *
  * CT is a text file with lines "x y z density", an NRRD file or a NIfTI file. The
- * bone is a grid with equal spacing on all axes. It contains the voxels of at
- * least 120 HU.
+ * bone is a grid with equal spacing on all axes. It contains only the voxels with
+ * a density of at least 120 HU.
  */
 #include <osteon/osteon.h>
 

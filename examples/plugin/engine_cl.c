@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs the arithmetic on an OpenCL device. The device's compiler translates it.
+ * Runs the arithmetic on an OpenCL device. The device's compiler translates thesis_f32.cl.
  *
  *   plugin:thesis_f32_cl.so                      OpenCL's default: the compiler may contract
  *   plugin:thesis_f32_cl.so,contract=off         #pragma OPENCL FP_CONTRACT OFF

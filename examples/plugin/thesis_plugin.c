@@ -197,7 +197,7 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
     }
     for (size_t s = 0; s < count && status == OST_PLUGIN_OK; s++) {
         if (index[s] < 0)
-            continue; /* for such a sample, the thesis' code would write outside its array */
+            continue; /* the thesis' code does not test this and would write outside its array */
         const int x = index[s] % rect.axis[0].dims, y = index[s] / rect.axis[0].dims % rect.axis[1].dims,
                   z = index[s] / rect.axis[0].dims / rect.axis[1].dims;
         if (x < g->dims[0] && y < g->dims[1] && z < g->dims[2])
