@@ -86,7 +86,8 @@ static void csv_row(FILE *to, const result *r, const result_row *row)
 
 /* -------------------------------------------------------------------- plots */
 
-/* The coordinates of one series. A series contains the rows with the same machine and the same text of the group. */
+/* The coordinates of one series. A series contains the rows with the same machine and the same text in the column
+   `group`. */
 typedef struct curve {
     double *x, *y;
 } curve;
@@ -100,7 +101,7 @@ static size_t category_of(const result *r, int column, size_t row, const char *c
     return count;
 }
 
-/* Returns true if no earlier row has the same machine and the same text of the group. */
+/* Returns true if no earlier row has the same machine and the same text in the column `group`. */
 static bool begins_group(const result *r, const result_plot *p, size_t row)
 {
     for (size_t i = 0; i < row; i++)
@@ -141,7 +142,7 @@ typedef struct plotting {
     size_t used;
 } plotting;
 
-/* Adds the series that begins at row `first`, unless no row of it has a value. */
+/* Adds the series that begins at row `first`, if at least one of its rows has a value. */
 static void add_series(plotting *g, size_t first, int value, bool thesis)
 {
     plot *d = &g->drawing;

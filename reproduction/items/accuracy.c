@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Section 3.2.6 leaves open whether a finer grid of the tool cuts more accurately. This item measures the accuracy with
- * tools whose exact shape is known: a ball and a cylinder, in random poses, in a bone that is full of active voxels.
+ * Section 3.2.6 of the thesis leaves open whether a finer grid of the tool cuts more accurately. This item measures the
+ * accuracy with tools whose exact shape is known: a ball and a cylinder, in random poses, in a bone that is full of
+ * active voxels.
  *
  *   removed:  the voxels that an event with the tool's grid removes
  *   inside:   the voxels whose centre is inside the exact solid at the same pose

@@ -3,7 +3,7 @@
  * Tables 3.3 to 3.5: the static events of the thesis, from the rows of `osteon bench` (bench/suite_removal.c).
  *
  *   osteon           the event, executed through the public interface of the library
- *   thesis' kernel   the thesis' kernel: in C on the processor or, with the backend cl, in OpenCL on the same device
+ *   thesis' kernel   the same event: in C on the processor or, with the backend cl, in OpenCL on the same device
  *
  * The two are measured alternately on the same bone. The thesis' statements can therefore be judged for both algorithms
  * on the same machine.

@@ -32,7 +32,7 @@ typedef struct matrix_tool {
     int32_t dims[3];
 } matrix_tool;
 
-/* The tool has fewer than 2^31 voxels, because a tool for removal has at most 2^10 per axis (AR-MAP-2). */
+/* The tool has fewer than 2^31 voxels, because a tool for removal has at most 2^10 voxels per axis (AR-MAP-2). */
 ost_status matrix_tool_init(matrix_tool *tool, const ost_tool_volume *volume, ost_error *err);
 void matrix_tool_free(matrix_tool *tool);
 

@@ -26,7 +26,7 @@
 typedef struct methods_scene {
     bench_scene event;    /* tool, geometry of the bone, pose, map, box of voxels */
     int16_t *voxels;      /* owned; the bone's densities, x fastest; 0 or at least SCENE_THRESHOLD */
-    ost_voxel_box region; /* the event's box grown by one voxel on each side, within the bone */
+    ost_voxel_box region; /* the event's box, enlarged by one voxel on each side and limited to the bone */
 } methods_scene;
 
 /*

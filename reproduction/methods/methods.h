@@ -91,7 +91,7 @@ typedef struct methods_row {
     int64_t missed, extra; /* numbers of voxels that are only in osteon's set, and only in the method's set */
     int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
     bool exact; /* true if the method's set equals the set that its definition requires; false is an error */
-    /* memory in bytes of the bone's voxels; of the chunk table, positions, nodes or masks; and of the tool */
+    /* memory in bytes: the bone's voxels; the chunk table, positions, nodes or masks; the tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;
 
@@ -118,10 +118,10 @@ ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind too
                                ost_error *err);
 
 /*
- * Figs. 3.8 and 3.10 to 3.12: the tool is inside a bone in which only counts[i] chunks of 32^3 voxels have active
- * voxels, those closest to the tool's centre. To make 64 chunks possible, the voxels of bone and tool are smaller than
- * in the static event: half as long for a reamer, and a quarter as long for a peg. If a count exceeds the number of
- * chunks that the tool's box enters, its rows contain the reason.
+ * Figs. 3.8 and 3.10 to 3.12: the tool is inside a bone in which only the counts[i] chunks that are closest to the
+ * tool's centre have active voxels. The chunks have 32^3 voxels. To make 64 chunks possible, the voxels of bone and
+ * tool are smaller than in the static event: half as long for a reamer, and a quarter as long for a peg. If a count
+ * exceeds the number of chunks that the tool's box enters, the rows of this count contain the reason.
  */
 ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind tool, const int *counts, int count,
                                 methods_table *table, ost_error *err);

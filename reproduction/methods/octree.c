@@ -16,7 +16,7 @@
  *   refresh after each event, a node without children becomes void
  *
  * "Homogeneous" means void: densities of a CT differ from voxel to voxel, so nodes of equal densities are rare, and
- * the densities of a node that is not void must be stored. A void node has no memory.
+ * the densities of a node that is not void must be stored. A void node needs no memory.
  */
 #include "reproduction/methods/matrix.h"
 #include "reproduction/methods/pyramid.h"

@@ -22,7 +22,8 @@
  *
  * Error: |u_b - exact| <= 1/2 + sum_a dims_a / 2, which is at most 1,537 units of 2^-20 for a tool of 1024^3
  * voxels, or 0.0015 of a bone voxel, and 0.0001 for 64^3. Ranges: |M| <= N < 2^61 and all lengths < 2^44 pm, so
- * the products with three terms are below 2^110; the remainder is less than 2 N s < 2^99, times 2^20.
+ * the products with three terms are below 2^110. The remainder of the division for anchor_b is less than 2 N s < 2^99,
+ * and less than 2^119 after its multiplication by 2^f.
  */
 #ifndef OST_REPRODUCTION_METHODS_POINTS_H
 #define OST_REPRODUCTION_METHODS_POINTS_H
@@ -95,7 +96,7 @@ void points_remove_range(points_state *s, const ost_voxel_box *box, const points
 /* Returns the box of all voxels of a bone. */
 ost_voxel_box points_whole_bone(ost_dims bone);
 /* Computes the ranges lo <= e <= hi of the tool's points that may lie in a box of bone voxels. The box's eight corners
-   are mapped to the tool's grid, and their ranges are extended by one tool voxel on each side. */
+   are mapped to the tool's grid, and the range of the mapped corners is extended by one tool voxel on each side. */
 void points_ranges_of_box(const ost_map *map, const ost_voxel_box *box, ost_dims tool, int32_t lo[3], int32_t hi[3]);
 /* Returns the index of the first point with e[2] >= z. The points must be in the order of the tool's grid. */
 int32_t points_first_from(const method_points *points, int32_t z);

@@ -45,7 +45,7 @@ typedef struct points_cl {
     struct method_device *device; /* borrowed */
     cl_program program;
     cl_kernel kernel;
-    cl_mem bone, buffer, blocks; /* `blocks` has one int8 per block: first, count, lo, hi */
+    cl_mem bone, buffer, blocks; /* `blocks` has eight ints per block: first, count, lo, hi */
     method_points points;
     int64_t visited;
 } points_cl;

@@ -17,7 +17,7 @@ typedef struct pyramid {
 } pyramid;
 
 /*
- * The amount of cutting voxels in a box of tool voxels: none, all or some. Voxels outside the tool's grid are not
+ * The share of cutting voxels in a box of tool voxels: none, all or some. Voxels outside the tool's grid are not
  * cutting.
  */
 typedef enum pyramid_found { PYRAMID_NONE, PYRAMID_ALL, PYRAMID_MIXED } pyramid_found;

@@ -50,8 +50,8 @@ ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind too
     return status;
 }
 
-/* Appends rows that contain the error's text, because the scene of a case cannot be made. Returns an error if there is
-   no memory for the rows. */
+/* Appends the rows of a case whose scene cannot be made. The rows contain the error's text. Returns an error if there
+   is no memory for the rows. */
 static ost_status not_made(const methods_options *options, ost_tool_kind tool, const methods_row *scene,
                            methods_table *table, ost_error *err)
 {
