@@ -28,7 +28,8 @@ layout(std140) uniform Eye {
     uvec4 paint;      /* red, green, blue, gloss */
 };
 
-/* Factor that maps a depth along the view direction, at most 2^16 voxels of the first object, to the range 0 to 1. */
+/* Factor that maps a depth along the view direction to the range 0 to 1. The greatest depth is 2^16 voxels of the first
+   object. */
 const float DEPTH_SCALE = 1.0 / 65536.0;
 
 float dot3(vec3 a, vec3 b)

@@ -3,9 +3,9 @@
  * Copies a picture to a framebuffer, in which row 0 is the bottom row, and blends a sheet (a layer of letters and
  * boxes) over the picture.
  *
- * If ANTIALIASED is 1, edges are smoothed by the method of src/render/points/antialias.c. Functions of the same names
- * compute the same integers, so the colours are bit-identical. antialias.h defines the terms side and run. Sides are
- * computed from the pixels when needed instead of being stored.
+ * If ANTIALIASED is 1, edges are smoothed by the method of src/render/points/antialias.c. Functions that have the same
+ * name in both files compute the same integers, so the colours are bit-identical. antialias.h defines the terms side
+ * and run. Sides are computed from the pixels when needed instead of being stored.
  */
 uniform sampler2D picture;
 uniform sampler2D sheet;
@@ -24,8 +24,8 @@ ivec3 pixel(ivec2 p)
 #if ANTIALIASED
 const ivec2 DOWN = ivec2(0, 1), RIGHT = ivec2(1, 0);
 
-/* Returns 1 if the pixel p and its neighbour at p + to form an edge, otherwise 0. Pixels outside the picture form no
-   edges. */
+/* Returns 1 if there is an edge between the pixels `p` and `p + to`, and 0 otherwise. Pixels outside the picture form
+   no edges. */
 int side(ivec2 p, ivec2 to)
 {
     if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p + to, textureSize(picture, 0))))
@@ -33,8 +33,8 @@ int side(ivec2 p, ivec2 to)
     return any(greaterThanEqual(abs(pixel(p) - pixel(p + to)), ivec3(LEAST))) ? 1 : 0;
 }
 
-/* Returns the number of sides by which the run extends beyond the side between p and p + across in the direction
- * `along`, limited to RUN + 1. */
+/* Returns the number of sides by which the run extends beyond the side between `p` and `p + across` in the
+ * direction `along`, limited to RUN + 1. */
 int run_of(ivec2 p, ivec2 across, ivec2 along)
 {
     int n = 0;
@@ -50,9 +50,9 @@ int share_of(int before, int after)
 }
 
 /*
- * Computes a weight for the side between the pixels p and p + across. If `sign` is 1, this is the weight with which the
- * second pixel is mixed into the first. If `sign` is -1, it is the weight with which the first pixel is mixed into the
- * second.
+ * Computes a weight for the side between the pixels `p` and `p + across`. If `sign` is 1, this is the weight with which
+ * the second pixel is mixed into the first. If `sign` is -1, it is the weight with which the first pixel is mixed into
+ * the second.
  */
 int share(ivec2 p, ivec2 across, int sign)
 {
