@@ -3,7 +3,7 @@
  * The baseline of the voxelizer. It uses Embree's own triangles and packets of sixteen rays along x,
  * with one ray per row. A filter records every hit and lets the ray continue. The result is one
  * parity bit per voxel. When the time measurement begins, the welded vertices are in memory. The
- * measured time includes building the hierarchy and ends when the bits are written. Embree computes
+ * measurement includes building the hierarchy and ends when the bits are written. Embree computes
  * the hits in floats, so the number of solid voxels may differ from osteon's by a few voxels on the
  * surface.
  */

@@ -9,8 +9,8 @@
  *                 |--> bench_voxel_idle      Figs. 3.13, 3.14, 3.16 frame time against the number of chunks
  *                 '--> bench_voxel_removal   section 3.3.3          frame time while a tool removes bone
  *
- * The functions print nothing. If a measurement cannot run on this machine, because OpenGL or an OpenCL device is
- * missing, this is not an error, and the result contains the reason. All frames have 1280 x 720 pixels and show the
+ * The functions print nothing. A missing OpenGL implementation or OpenCL device is not an error: the result then
+ * contains the reason why nothing was measured. All frames have 1280 x 720 pixels and show the
  * complete model. One thread at a time may use a model.
  */
 #ifndef OST_BENCH_VOXEL_METHODS_H
