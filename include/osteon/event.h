@@ -115,7 +115,7 @@ typedef struct ost_density_classes {
  */
 OST_API ost_density_classes ost_density_classes_default(void);
 /*
- * Returns OST_ERR_USAGE unless there are 1 to OST_CLASS_MAX classes with strictly increasing borders from 1
+ * Returns OST_ERR_USAGE unless there are 1 to OST_CLASS_MAX classes whose borders are at least 1 and strictly increase
  * (AR-CLS-1).
  */
 OST_API ost_status ost_density_classes_check(const ost_density_classes *classes, ost_error *err);

@@ -6,14 +6,14 @@
  *   servo thread  --ost_live_changed--> queue of chunks --ost_live_publish, some per tick--> words, dirty bit per chunk
  *                 --ost_live_publish--> the state: poses, force, counts
  *   viewer        <--ost_live_state_get-- the newest state
- *                 <--ost_live_take-- every chunk that changed since the last take
+ *                 <--ost_live_take-- every chunk that changed since the last call
  *
  * Both threads are wait-free: they take no lock, allocate no memory and make no system call, and none of their
  * loops depends on the other thread. A slow or absent viewer adds no work to a tick: if a chunk changes twice
  * before the viewer takes it, the viewer takes the chunk only once. No change is lost: after the last tick and
  * ost_live_flush, the chunks taken are bit-identical to the bone. Before that, a chunk may be partly updated when
  * it is taken. Because bone is only removed, such a chunk may contain voxels that have just been removed; the next
- * take corrects the chunk.
+ * call of ost_live_take corrects the chunk.
  *
  * ost_bone_occupancy copies the words from the backend. `cpu` and `ref` copy them fast enough for a tick. `cl`
  * reads them from the device and blocks until they arrive, as for the report of a removal. `plugin` cannot deliver
@@ -84,13 +84,13 @@ OST_API bool ost_live_state_get(ost_live_channel *live, ost_live_state *out);
 /*
  * Receives the occupancy of one chunk. `at` is the index of the chunk along x, y and z. `words` has the layout of
  * ost_bone_occupancy and is valid until the function returns. If the function returns a status other than OST_OK,
- * the take ends.
+ * ost_live_take visits no more chunks.
  */
 typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_t *words, ost_error *err);
 
 /*
- * Calls visit for every chunk that changed since the last take. The first take visits all active chunks. If visit
- * ends a take, the next take visits the remaining chunks. Returns the status that visit returned last.
+ * Calls visit for every chunk that changed since the last call. The first call visits all active chunks. If visit
+ * returns an error, the next call visits the remaining chunks. Returns the status that visit returned last.
  */
 OST_API ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *user, ost_error *err);
 /* Returns the geometry of the bone. The pointer is valid until the live state is freed. */
