@@ -24,7 +24,7 @@ typedef struct view_scene {
     ost_view_name view;
     /* angles in radians that are added to the azimuth and to the elevation of the view */
     double turn, lift;
-    /* height in mm that the picture shows, at the distance of the point at its centre; 0 selects the view's default */
+    /* height of the picture in mm, at the distance of the point at its centre; 0 selects the view's default */
     double extent_mm;
     unsigned overlays;           /* bit number o is set if the overlay o of ost_overlay is drawn */
     ost_style style;

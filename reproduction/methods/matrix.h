@@ -5,7 +5,7 @@
  *
  *   matrix_bone   element i + nx (j + ny k) is the density of voxel (i, j, k) (Alg. 1.1)
  *   matrix_tool   bit i + nx (j + ny k) is 1 if tool voxel (i, j, k) is cutting; one bit per voxel uses the least cache
- *   matrix_map    the map of one pose: base and step of the 16^3 block of a voxel (AR-MAP-4)
+ *   matrix_map    the map of one pose: the steps, and the base of each block of 16^3 voxels (AR-MAP-4)
  */
 #ifndef OST_REPRODUCTION_METHODS_MATRIX_H
 #define OST_REPRODUCTION_METHODS_MATRIX_H

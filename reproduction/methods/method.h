@@ -30,8 +30,8 @@ typedef struct methods_scene {
 } methods_scene;
 
 /*
- * Makes the static event of a tool (bench/scene.h). The bone's box of 128^3 voxels of 0.47 mm is divided into
- * bone_side^3 voxels. The box and the tool's position in the box are the same for every bone_side.
+ * Makes the static event of a tool (bench/scene.h). The bone's box has the edge length of 128 voxels of 0.47 mm
+ * and is divided into bone_side^3 voxels. The box and the tool's position in the box are the same for every bone_side.
  */
 ost_status methods_scene_static(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t bone_side,
                                 ost_error *err);
@@ -77,8 +77,8 @@ typedef struct method_difference {
 } method_difference;
 
 void method_set_compare(const method_set *expected, const method_set *set, method_difference *out);
-/* Adds the removed voxels: those active in the scene whose density is 0 in `voxels`. `voxels` contains the densities
-   of the scene's region, which must be the set's box. */
+/* Adds the removed voxels, which are active in the scene and have the density 0 in `voxels`. `voxels` contains the
+   densities of the scene's region, which must be the set's box. */
 void method_set_add_removed(method_set *set, const methods_scene *scene, const int16_t *voxels);
 /* Returns true if the voxel at this index and its six neighbours all belong to the set. */
 bool method_set_inside(const method_set *set, size_t index);

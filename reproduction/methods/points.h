@@ -20,10 +20,10 @@
  * The publications use floats. Here the map is in fixed-point numbers, so the set of hit voxels is the same on every
  * processor and device. The numbers of multiplications and memory accesses are the same as with floats.
  *
- * Error: |u_b - exact| <= 1/2 + sum_a dims_a / 2, which is at most 1,537 units of 2^-20 for a tool of 1024^3
- * voxels, or 0.0015 of a bone voxel, and 0.0001 for 64^3. Ranges: |M| <= N < 2^61 and all lengths < 2^44 pm, so
- * the products with three terms are below 2^110. The remainder of the division for anchor_b is less than 2 N s < 2^99,
- * and less than 2^119 after its multiplication by 2^f.
+ * Error: |u_b - exact| <= 1/2 + sum_a dims_a / 2. With f = 20, this is at most 1,537 * 2^-20 = 0.0015 of a bone voxel
+ * for a tool of 1024^3 voxels, and 0.0001 of a bone voxel for 64^3 voxels.
+ * Ranges: |M| <= N < 2^61 and all lengths < 2^44 pm, so the products with three terms are below 2^110. The remainder
+ * of the division for anchor_b is less than 2 N s < 2^99, and less than 2^119 after its multiplication by 2^f.
  */
 #ifndef OST_REPRODUCTION_METHODS_POINTS_H
 #define OST_REPRODUCTION_METHODS_POINTS_H

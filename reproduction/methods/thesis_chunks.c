@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The thesis' chunks (Algs. 2.9 and 2.10): for each chunk of the intersection box that is not empty, all voxels are
- * mapped by a float matrix and compared with the tool's grid. The loop in C is bench/baseline_removal.c, and the kernel
+ * The thesis' chunks (Algs. 2.9 and 2.10): all voxels of each non-empty chunk of the intersection box are mapped by a
+ * float matrix and compared with the tool's grid. The loop in C is bench/baseline_removal.c, and the kernel
  * in OpenCL, which is enqueued once per chunk, is bench/thesis_cl.c. This file selects the chunks of a scene.
  */
 #include <stdlib.h>
