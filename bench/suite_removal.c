@@ -30,7 +30,7 @@ typedef struct removal {
     ost_error *err;
     bench_scene *scene;
     int chunk_size, threads;
-    /* device of the baseline, the thesis' kernel; NULL if the baseline is in C */
+    /* OpenCL device that runs the baseline; NULL if the baseline is in C */
     bench_cl *cl;
 
     ost_backend *backend;
