@@ -8,8 +8,8 @@
  *      '---------------- wrench ----------------'
  *
  * A device returns a pose in the bone's frame, which is quantised once (pose.h), and accepts a
- * wrench.  The servo loop polls most devices; a device with a clock of its own calls the tick on
- * its own thread.  `osteon devices` lists all devices.
+ * wrench.  The servo loop polls most devices; a device with a clock of its own calls the tick
+ * function on its own thread.  `osteon devices` lists all devices.
  *
  * Threads: a device may be used by one thread at a time.  While ost_servo_run is
  * running, only the servo thread may use the device.
@@ -64,7 +64,7 @@ typedef struct ost_haptic_info {
     bool available;
     char reason[256];        /* the reason why the device is not available, and how to make it available */
     double max_force_n;      /* maximum force, N; 0 if the device renders no force */
-    double max_stiffness_n_m; /* maximum stiffness of a coupling that the device renders, N/m */
+    double max_stiffness_n_m; /* maximum coupling stiffness that the device can render, N/m */
     int button_count;        /* number of buttons; button i is bit i of ost_haptic_state.buttons */
     ost_button buttons[OST_BUTTONS_MAX];
 } ost_haptic_info;
@@ -188,7 +188,7 @@ typedef struct ost_wrench {
 
 /*
  * Reads a device.  Called once per tick.  Does not block.  If the device has a clock of its own, only the device's
- * thread may call this function, and only within a tick, as ost_servo_run does.
+ * thread may call this function, and only within a tick. ost_servo_run observes this rule.
  */
 OST_API ost_haptic_answer ost_haptic_read(ost_haptic *device, ost_haptic_state *state);
 /*
