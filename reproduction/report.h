@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes report.html: all results of a run, or of several merged runs, on one page that loads no other file and prints
- * on A4.
+ * Writes report.html: all results of a run, or of several merged runs, on one page that loads no other file and can
+ * be printed on A4.
  *
  *   summary     machines; statements of the thesis with a verdict and its reason
  *   items       table with the values of this run and of the thesis, plots, pictures, remarks

@@ -3,8 +3,8 @@
  * Writes a result as files, and reads it again.
  *
  *   result --> ID.json       everything, for programs and for --merge
- *          --> ID.csv        the rows: the machine, and for every column the value of this run and, if the thesis
- *                            states values, a column KEY_thesis
+ *          --> ID.csv        the rows: the machine, and the value of this run in every column; a column KEY with values
+ *                            that the thesis states is followed by a column KEY_thesis with these values
  *          --> ID.svg ...    the plots; ID-2.svg for the second plot of an item
  *          --> pictures      under their own names
  *

@@ -5,8 +5,8 @@
  *   osteon           the event, executed through the public interface of the library
  *   thesis' kernel   the same event: in C on the processor or, with the backend cl, in OpenCL on the same device
  *
- * The two are measured alternately on the same bone. The thesis' statements can therefore be judged for both algorithms
- * on the same machine.
+ * osteon and the thesis' kernel are measured alternately on the same bone. The thesis' statements can therefore be
+ * judged for both algorithms on the same machine.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Table 2.2: the time of each phase from the text of a CT to the chunk grid.
+ * Table 2.2: the time of each phase of an import, from the text of a CT to the chunk grid.
  *
  *   model --ost_volume_write--> text in TMPDIR --ost_import--> samples, rect, cubic, chunks
  *                                      '--fscanf (baseline, at most LINES lines)
