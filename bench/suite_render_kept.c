@@ -7,8 +7,8 @@
  *                          '------> the complete frame
  *
  * The incremental and the complete frame are drawn alternately from the same state, and must be bit-identical
- * every time. The stages of a frame are measured in additional frames, because timing every call of an inner
- * loop makes a frame slower.
+ * every time. The stages are measured in every STAGES_EVERY-th frame. The other times exclude these frames,
+ * because timing every call of an inner loop makes a frame slower.
  */
 #include "bench/render_kept.h"
 
