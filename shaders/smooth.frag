@@ -17,7 +17,8 @@ float lamp(vec3 n, vec3 direction)
 
 void main()
 {
-    /* Because y is reversed, the outer side of a triangle is clockwise, and gl_FrontFacing is false for it. */
+    /* Because y is reversed, the corners of a triangle run clockwise when seen from outside. Therefore gl_FrontFacing
+       is false on the outer side. */
     vec3 n = normalize(normal) * (gl_FrontFacing ? -1.0 : 1.0);
     float sky = 0.5 + 0.5 * n.y;
     float bright = 0.20 + 0.17 * sky + 0.74 * lamp(n, key) + 0.20 * lamp(n, fill) + 0.10 * lamp(n, back);
