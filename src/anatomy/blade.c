@@ -109,8 +109,8 @@ static void align(frame *f, const double inward[3], const double inferior[3])
 }
 
 /*
- * Fits a plane to the infraspinous part of the blade, which has no processes. This part consists of the cells
- * more than 25 mm below the face and more than 20 mm medial of the face.
+ * Fits a plane to the infraspinous part of the blade, because this part has no processes. The part consists of the
+ * cells more than 25 mm below the face and more than 20 mm medial of the face.
  */
 static bool fit_blade(const anatomy_cells *cells, const double inward[3], const double inferior[3], frame *f)
 {
@@ -139,7 +139,7 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
 
 /*
  * Finds the extreme point of the bone in the direction `way`. Computes the mean position of all cells whose coordinate
- * along `way` is within `within` mm of the greatest one, and moves this position along `way` to the greatest
+ * along `way` is at most `within` mm below the greatest coordinate, and moves this position along `way` to the greatest
  * coordinate.
  */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
@@ -261,8 +261,8 @@ static void follow_crest(const relief *s, crest *out)
 }
 
 /*
- * Returns the medial coordinate of the blade's border at a given superior coordinate. Sets *across to the mean normal
- * coordinate of the cells at the border.
+ * Returns the medial coordinate of the blade's border at a given superior coordinate. Sets *across to the mean
+ * coordinate of the border's cells along the blade's normal.
  */
 static double border(const anatomy_cells *cells, const frame *f, double superior, double *across)
 {

@@ -12,8 +12,9 @@
  *               \  fossa     .'
  *                '-- IA ----'
  *
- *   inferior angle  the extreme point of the bone in the direction 20 degrees medial of inferior, which lies between
- *                   the medial and the lateral border; the first estimate is the point farthest from the glenoid
+ *   inferior angle  the extreme point of the bone in the direction 20 degrees medial of inferior; this point lies
+ *                   between the medial and the lateral border; the first estimate is the point farthest from the
+ *                   glenoid
  *   posterior       the side of the blade's plane on which the spine rises
  *   trigonum        the point of the medial border on the line of the spine's crest
  */
@@ -33,7 +34,7 @@ typedef struct anatomy_blade {
     bool left;
 } anatomy_blade;
 
-/* Lists the cells whose share of bone is at least 0.3. Returns OST_ERR_INPUT if there are more than 2^21. */
+/* Lists the cells whose share of bone is at least 0.3. Returns OST_ERR_INPUT if there are more than 2^21 such cells. */
 ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
 void anatomy_cells_free(anatomy_cells *cells);
 

@@ -18,8 +18,9 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
 #define CLIMB_MM 8.0 /* a position that is higher above the centre than this is on the coracoid or the acromion */
-#define OUTLIER_MM 4.0   /* a rim distance that differs by more than this from the median of its neighbours is not on
-                          * the rim */
+/* a position whose distance from the axis differs by more than this from the median of the neighbouring distances is
+ * not on the rim */
+#define OUTLIER_MM 4.0
 /* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
 #define OFF_PLANE_MM 3.0
 #define COS_CHORD 0.93969262078590838 /* cosine of 20 degrees */
@@ -96,8 +97,8 @@ static double median5(double v[5])
 
 /*
  * Finds the rim. In each direction, the rim is accepted only if its distance is close to the median of the
- * neighbouring directions. The surface may climb to another part of the bone, such as the root of the coracoid. In
- * such a direction, the permitted difference is only half as great.
+ * distances in the neighbouring directions. In a direction in which the surface climbs to another part of the bone,
+ * such as the root of the coracoid, the permitted difference is only half as great.
  */
 void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {

@@ -15,7 +15,7 @@
 #include "anatomy/field.h"
 
 /*
- * The parameters of a measurement. The surface is defined by the share of bone `level`. If `every` is greater than 1,
+ * The parameters of a measurement. On the surface, the share of bone is `level`. If `every` is greater than 1,
  * only every `every`-th direction of the rim is used, beginning with direction `first`.
  */
 typedef struct anatomy_variant {

@@ -4,8 +4,9 @@
  *
  *   voxels --blocks of about step mm--> shares --fill, smooth--> field --trilinear--> share at a point
  *
- * Anatomy is computed in doubles from additions, multiplications, divisions and square roots, in a fixed order, so
- * the results are the same on every machine.  Lengths are in mm, in the frame of the volume (LPS).
+ * The functions of this folder compute with doubles and use only additions, multiplications, divisions and square
+ * roots, in a fixed order. Therefore the results are the same on every machine. Lengths are in mm, in the frame of the
+ * volume (LPS).
  */
 #ifndef OST_ANATOMY_FIELD_H
 #define OST_ANATOMY_FIELD_H

@@ -77,8 +77,8 @@ static double bone_along(const anatomy_field *f, const double from[3], const dou
 }
 
 /*
- * Computes the middle of the sphere's surface and the direction into the bone. Returns false if the sphere
- * cannot be a glenoid.
+ * Computes the direction `inward` into the bone, and the point `at` of the sphere's surface in this direction from the
+ * sphere's centre. Returns false if the sphere cannot be a glenoid.
  */
 static bool is_socket(const coarse *c, const ost_sphere *s, double at[3], double inward[3])
 {
@@ -203,8 +203,8 @@ static double apart(const double a[3], const double b[3])
 }
 
 /*
- * Returns the angle between two unit vectors in degrees, or 90 if it is greater. The arctangent is computed by halving
- * the angle, arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))), and then by a series.
+ * Returns the angle between two unit vectors in degrees, or 90 if the angle is greater than 90. The arctangent is
+ * computed by halving the angle, arctan x = 2 arctan(x / (1 + sqrt(1 + x^2))), and then by a series.
  */
 static double angle_deg(const double a[3], const double b[3])
 {

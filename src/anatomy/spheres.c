@@ -113,7 +113,7 @@ static void vote(search *s)
     }
 }
 
-/* Replaces each cell with the weighted sum of its neighbourhood, with the weights 1, 2, 1 along each axis. */
+/* Replaces each cell with the sum of its neighbourhood, weighted by 1, 2, 1 along each axis. */
 static void smooth(search *s)
 {
     const size_t stride[3] = {1, (size_t)s->n[0], (size_t)s->n[0] * (size_t)s->n[1]};
@@ -256,8 +256,8 @@ static size_t measure(const search *s, fitted *f, double within, double (*inlier
 }
 
 /*
- * Refines a sphere by repeated fits. Returns false if the radius leaves its range, too few points remain, the
- * sphere's centre is too far from the position in the option `near`, or the sphere's area or coverage is too small.
+ * Refines a sphere by repeated fits. Returns false in these cases: a fit fails or has too few points; the radius leaves
+ * its range; the centre is too far from the position in the option `near`; the area or the coverage is too small.
  */
 static bool refine(const search *s, fitted *f, double (*inliers)[3])
 {

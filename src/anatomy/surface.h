@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Represents the surface of a field, on which the share of bone is 0.5, by points with outward normals. */
+/* Represents the surface of a field by points with outward normals. On the surface, the share of bone is 0.5. */
 #ifndef OST_ANATOMY_SURFACE_H
 #define OST_ANATOMY_SURFACE_H
 
