@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The main program, osteon, which has one verb per task, as git has.
+ * The main program, osteon. Like git, it has one verb per task.
  *
  *   osteon VERB ... -> verbs[] -> cmd_VERB -> status -> one line, exit status
  *

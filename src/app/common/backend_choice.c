@@ -12,7 +12,8 @@ bool backend_is(const app_state *app, const char *name)
     return strlen(name) == length && memcmp(app->backend, name, length) == 0;
 }
 
-/* Opens the backend of --backend. At the first start on a machine, the driver of an OpenCL device compiles kernels. */
+/* Opens the backend of --backend. For an OpenCL device, shows a progress line, because the device's driver compiles
+   the kernels at the first start on a machine. */
 static ost_status open_as_given(const app_state *app, ost_backend **out, ost_error *err)
 {
     if (!backend_is(app, "cl"))

@@ -69,7 +69,7 @@ void help_print(const app_state *app, const usage_text *usage, const option *com
     printf("\nexample\n%s\n", usage->example);
 }
 
-/* Returns the kind of an option's value for shells: "flag", "file", "value", or the choices as "a|b|c". */
+/* Returns the kind of an option's value, for shell completion: "flag", "file", "value", or the choices as "a|b|c". */
 static const char *kind_of(const option *o)
 {
     if (o->kind == OPTION_FLAG)

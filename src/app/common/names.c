@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Computes the Levenshtein distance of two names. Returns LENGTH_MAX if a name is longer than LENGTH_MAX. */
+/* Computes the Levenshtein distance between two names. Returns LENGTH_MAX if a name is longer than LENGTH_MAX. */
 static int distance(const char *a, const char *b)
 {
     enum { LENGTH_MAX = 32 };

@@ -3,7 +3,7 @@
 #ifndef OST_APP_COMMON_NAMES_H
 #define OST_APP_COMMON_NAMES_H
 
-/* Writes the list "a|b|c" as "a, b or c", with the text `before` in front of each name. Returns `text`. */
+/* Writes the list "a|b|c" to `text` in the form "a, b or c", with `before` in front of each name. Returns `text`. */
 enum { OPTION_SPOKEN = 160 };
 const char *spoken_list(char text[OPTION_SPOKEN], const char *names, const char *before);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parses options, and prints --help and error messages, from a table of options.
+ * Parses options and prints --help and error messages. A table describes the options.
  *
  *   --name VALUE   --name=VALUE   -n VALUE   --flag   --   operands anywhere
  *

@@ -12,7 +12,7 @@
 
 #include <osteon/metrics.h>
 
-/* A debrief. Zero-initialise the struct before use, and free it with debrief_free, also after an error. */
+/* A debrief. Zero-initialise the struct before use, and free it with debrief_free, even after an error. */
 typedef struct debrief {
     ost_volume before;
     ost_metrics_plan plan;

@@ -18,7 +18,7 @@ enum { MAP = OST_METRICS_MAP };
 #define REACH_MM (MAP / 2 * OST_METRICS_PITCH_MM)
 
 /*
- * Computes a colour of the scale Cividis by interpolating between five colours. Readers with colour blindness can
+ * Computes a colour of the Cividis scale by interpolating between five colours. Readers with colour blindness can
  * distinguish the colours of this scale.
  */
 static void colour(double share, int rgb[3])

@@ -8,8 +8,8 @@
 
 void debrief_depth_map(html_page *p, const debrief *d, const ost_metrics *m);
 /*
- * Draws two profiles through the face, one across and one upward. Each profile shows the surface before, after and as
- * planned.
+ * Draws two profiles through the face, one across and one upward. Each profile shows the surface before the
+ * operation, after the operation, and as planned.
  */
 void debrief_profiles(html_page *p, const debrief *d, const ost_metrics *m);
 void debrief_pictures(html_page *p, const debrief *d, const ost_volume *after, int threshold);

@@ -124,11 +124,11 @@ static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 }
 
 /*
- * Compares spacings and origins. File formats store lengths differently: a float32 differs by at most 2^-24 of the
- * length from the decimal number from which it was read or to which it was printed. Two spacings are therefore
- * considered equal if they differ by at most 2^-23 of the greater spacing. Two origins are considered equal if they
- * differ by at most 2^-23 of the coordinate of the farthest centre. If both are equal, the positions of a voxel in the
- * two grids differ by much less than the size of the voxel.
+ * Compares spacings and origins. Some file formats store lengths as decimal numbers, others as float32. A conversion
+ * between the two changes a length by at most 2^-24 of the length. Two spacings are therefore considered equal if they
+ * differ by at most 2^-23 of the greater spacing. Two origins are considered equal if they differ by at most 2^-23 of
+ * the coordinate of the farthest centre. If spacings and origins are equal in this sense, the positions of a voxel in
+ * the two grids differ by much less than the size of the voxel.
  */
 static void compare_geometry(const ost_geometry *a, const ost_geometry *b, diff_result *out)
 {
@@ -156,8 +156,8 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
     compare_geometry(ga, gb, out);
-    /* A tool's corner is exact, but its origin is rounded if half a voxel is not an integer. Therefore the corners of
-       tools are compared. Only osteon's own files contain tools, so no tolerance is needed. */
+    /* A tool's corner is exact, but its origin is rounded if half of the voxel size is not an integer. Therefore the
+       corners of tools are compared. Only osteon's own files contain tools, so no tolerance is needed. */
     if (a->kind == LOAD_TOOL) {
         out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;

@@ -83,8 +83,8 @@ bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
 /*
- * Draws, for each axis, the slice with the index in `busiest`, with coloured differences over the densities of A;
- * implemented in picture.c.
+ * For each axis, draws the slice with the index in `busiest`. The differences are drawn in colour over the densities of
+ * A (picture.c).
  */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);

@@ -4,7 +4,7 @@
  * B's surface at the point where these slices meet. In the view, the bone that is in A but not in B
  * is coloured by its depth.
  *
- * Grey shows the density, dimmed. Removed voxels are red, added voxels blue and changed voxels
+ * Densities are drawn in dimmed grey. Removed voxels are red, added voxels blue and changed voxels
  * amber. Voxels that differ below the threshold are violet.
  */
 #include "app/diff/compare.h"

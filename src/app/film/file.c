@@ -64,7 +64,7 @@ static int write_all(int fd, const void *bytes, size_t size)
 
 /*
  * Searches PATH for a program. posix_spawn cannot be relied on to report a missing program: where vfork is implemented
- * as fork, it reports success.
+ * as fork, posix_spawn reports success.
  */
 static bool find_program(const char *name, char path[NAME])
 {
@@ -222,7 +222,7 @@ static ost_status finish(film_file *f, ost_error *err)
 
 /* ------------------------------------------------------------------- open */
 
-/* Returns true if a name ends in an extension of 2 to 4 letters and digits, like the name of a video file. */
+/* Returns true if a name ends in an extension of 2 to 4 letters and digits, as the name of a video file does. */
 static bool has_extension(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -255,8 +255,8 @@ static ost_status open_folder(film_file *f, ost_error *err)
 }
 
 /*
- * Returns the name that ffmpeg uses for the format of a file's extension. If ffmpeg does not write the file, returns
- * NULL.
+ * Returns ffmpeg's name for the format of a video file, which follows from the file's extension. Returns NULL if the
+ * extension is not in the list.
  */
 static const char *ffmpeg_format(const char *target)
 {

@@ -56,8 +56,8 @@ ost_status film_open(const film_options *options, film **out, ost_error *err);
  * pixels; the functions copy these values.
  */
 /*
- * Returns true if the video has no frame for the time t_ns yet. Times must ascend. The first time is the beginning of
- * the video.
+ * Returns true if the video has no frame for the time t_ns yet. The times must be in ascending order. The first time is
+ * the beginning of the video.
  */
 bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);

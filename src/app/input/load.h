@@ -34,7 +34,7 @@ typedef struct ct_options {
     int64_t threshold; /* threshold; 0 selects the threshold that a bone's file stores, or 120 for any other file */
     const char *crop;
     int chunk; /* index in "16|32|64" */
-    int resample; /* an ost_resample, from "linear|nearest|thesis"; negative if the file determines it */
+    int resample; /* an ost_resample, from "linear|nearest|thesis"; negative if the file determines the rule */
     int duplicates; /* an ost_duplicates, from "error|first|last|max" */
     bool clamp, nan_as_air, resample_oblique;
     const char *orientation; /* value of --orientation; NULL if the option is not given */
@@ -43,7 +43,7 @@ typedef struct ct_options {
     const char *mask_names;  /* file of label names; NULL if not given */
     dicom_options dicom;
     bool mask_fill;
-    /* function that labels the bones of the CT, so that one is selected; NULL imports the complete CT */
+    /* function that labels the bones of the CT, so that one of them can be selected; NULL imports the complete CT */
     ost_import_labels *labels;
     void *labels_user;
 } ct_options;
@@ -161,7 +161,7 @@ typedef struct loaded_volume {
 
 /*
  * Loads a volume: NRRD, NIfTI, MetaImage, DICOM, a CT given as text, or builtin:NAME. A CT given as text is imported
- * as a bone, so its densities below the threshold become 0. The caller frees the volume by
+ * as a bone, so its densities below the threshold become 0. The caller frees the volume with
  * ost_volume_free(&out->volume).
  */
 ost_status load_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err);

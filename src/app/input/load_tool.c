@@ -73,7 +73,7 @@ static void warn_mesh_size(const app_state *app, const char *name, const ost_mes
              name, largest, load_other_units(text, largest));
 }
 
-/* Loads the meshes of a tool, the cutting part first. *count is their number, also after an error. */
+/* Loads the meshes of a tool, the cutting part first. *count is their number, even after an error. */
 static ost_status load_parts(const char *name, const char *noncutting, ost_unit unit, ost_mesh parts[LOAD_TOOL_PARTS],
                              int *count, ost_mesh_report *report, ost_error *err)
 {

@@ -7,8 +7,8 @@
  *   --at --axis ...  ---+--> meta, checked --> header (import)
  *   --set KEY=VALUE  --'                  '--> header, rewritten (info)
  *
- * Options replace the values of a landmarks file. A side that contradicts the axis, or the side that is already in the
- * header, is an error.
+ * Options replace the values of a landmarks file. It is an error if a side contradicts the axis or differs from the
+ * side that is already in the header.
  */
 #ifndef OST_APP_INPUT_PATIENT_H
 #define OST_APP_INPUT_PATIENT_H

@@ -19,7 +19,7 @@
 
 /*
  * Proposes the landmarks of a bone, stores the side and the spreads in meta, and reports the landmarks. The caller
- * frees *out by ost_landmarks_free.
+ * frees *out with ost_landmarks_free.
  */
 ost_status proposal_make(const app_state *app, const ost_bone *bone, const char *name, ost_meta *meta,
                          ost_landmarks *out, ost_error *err);

@@ -78,7 +78,7 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
                        near ? near : names[0]);
 }
 
-/* Reads the ticks of a session. Stops at the first gap in their numbers. */
+/* Reads the ticks of a session. Stops at the first gap in the tick numbers. */
 static ost_status session_path(const app_state *app, const char *name, ost_path *out, ost_error *err)
 {
     ost_session *session;

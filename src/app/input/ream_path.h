@@ -4,9 +4,9 @@
  *
  *   --tool peg --path builtin:peg-hole --tool reamer --path builtin:glenoid-ream
  *
- * Path k moves tool k, or the only tool if there is one. If the ticks of a file refer to tools other than 0, they
- * move those tools. Each path begins 1 ms after the end of the previous path, and its first tick is lifted
- * (docs/spec/arithmetic.md, AR-PATH-6).
+ * Path k moves tool k. If there is only one tool, every path moves this tool. If the ticks of a file refer to tools
+ * other than 0, they move those tools. Each path begins 1 ms after the end of the previous path, and its first tick is
+ * lifted (docs/spec/arithmetic.md, AR-PATH-6).
  */
 #ifndef OST_APP_INPUT_REAM_PATH_H
 #define OST_APP_INPUT_REAM_PATH_H
@@ -23,7 +23,7 @@ typedef struct target_options {
     size_t press_ticks; /* number of ticks for builtin:glenoid-press; 0 means one minute */
 } target_options;
 
-/* Rows for a verb's table of options. about_at is the help text of --at, which states the default. */
+/* Rows for a verb's table of options. about_at is the help text of --at and states the default. */
 #define TARGET_OPTIONS(t, about_at)                                                                                    \
     {.name = "at", .kind = OPTION_POINT, .out = &(t).at, .given = &(t).at_given, .value = "X,Y,Z",                     \
      .help = about_at},                                                                                                \

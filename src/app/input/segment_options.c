@@ -117,8 +117,8 @@ static void format_ball(char text[SEGMENT_BALL_TEXT], ost_pm3 c, ost_pm radius)
 }
 
 /*
- * Returns true if sphere b could be the head of another joint, that is, if b is nearly as complete as a and far from
- * a.
+ * Returns true if sphere `b` could be the head of another joint, that is, if `b` is nearly as complete as `a` and far
+ * from `a`.
  */
 static bool is_another_head(const ost_sphere *a, const ost_sphere *b)
 {

@@ -55,7 +55,7 @@ typedef struct segment_job {
     ost_segment_cut cuts[SEGMENT_CUTS_MAX];
     size_t cut_count;
     ost_sphere head;       /* the sphere that was found for --cut-head */
-    char head_ball[SEGMENT_BALL_TEXT]; /* value of --cut-ball that would have the same effect; "" without --cut-head */
+    char head_ball[SEGMENT_BALL_TEXT]; /* the equivalent value of --cut-ball; "" without --cut-head */
     int64_t min_um3;       /* minimum volume of a bone in um3 */
     ost_geometry geometry; /* grid of the CT */
     uint64_t min_voxels;
@@ -66,12 +66,12 @@ typedef struct segment_job {
 
 /* Returns true if at least one of the options is given, so that `osteon import` must divide the CT. */
 bool segment_is_given(const segment_options *options);
-/* Parses the options. The job borrows app and options. The caller frees the job by segment_job_free. */
+/* Parses the options. The job borrows app and options. The caller frees the job with segment_job_free. */
 ost_status segment_job_init(segment_job *job, const app_state *app, const segment_options *options, ost_error *err);
 void segment_job_free(segment_job *job);
 /*
  * Makes the label map of the selected bones. Its meta contains the facts segment_..., but not the facts of the CT.
- * Returns an error if there is no bone at a position of --bone. The caller frees *labels by ost_volume_free.
+ * Returns an error if there is no bone at a position of --bone. The caller frees *labels with ost_volume_free.
  */
 ost_status segment_job_run(segment_job *job, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                            ost_error *err);

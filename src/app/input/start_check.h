@@ -17,7 +17,7 @@ typedef struct start_checked {
     ost_glenoid glenoid;
     bool known;         /* true if the position of the glenoid is known, so that voxels can be counted */
     /*
-     * The number of voxels on the near side of the face before the operation. start_check_end replaces the value by
+     * The number of voxels on the near side of the face before the operation. start_check_end replaces the value with
      * the number of these voxels that were removed.
      */
     int64_t near_side;

@@ -118,8 +118,8 @@ ost_status appearance_marks(appearance *a, const ost_orbit *orbit, bool oriented
 
 /*
  * Handles a key: C changes the colours, X the clip plane, Shift X the side of the plane, G the ghost, O the overlays,
- * and K the voxels that were just removed. Page Up and Page Down move the plane or, with Shift, turn the plane.
- * Returns true if the key is one of these; `text` (160 bytes) then describes the change.
+ * and K the highlighting of the voxels that were just removed. Page Up and Page Down move the plane or, with Shift,
+ * turn the plane. Returns true if the key is one of these; `text` (160 bytes) then describes the change.
  */
 bool appearance_key(appearance *a, int key, bool shift, const double eye_mm[3], char *text);
 /* Moves the clip plane by a number of steps of the mouse wheel. Returns false if there is no clip plane. */

@@ -17,7 +17,7 @@ enum { CAPITAL = 11, TITLE = 15, LINE = 22, KEY_WIDTH = 128, SQUARE = 14, TITLE_
 
 chart_row *chart_add(chart_table *table, const char *key, const char *format, ...)
 {
-    /* If the table is full, only the number of omitted rows is counted, and the last row is reused. */
+    /* If the table is full, the new row replaces the last row, and the omitted rows are counted. */
     if (table->count == CHART_ROWS_MAX) {
         table->omitted++;
         table->count--;

@@ -36,7 +36,7 @@ typedef struct chart {
     ost_lettering *text, *title;
 } chart;
 
-/* Creates an empty chart. Free it with chart_free, also after an error. */
+/* Creates an empty chart. Free it with chart_free, even after an error. */
 ost_status chart_begin(chart *c, int width, int height, ost_error *err);
 void chart_free(chart *c);
 /* Copies a picture to the chart. (x, y) is the upper left corner. Pixels beyond the chart are omitted. */

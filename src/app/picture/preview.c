@@ -40,8 +40,8 @@ static bool is_part(const preview_input *in, int16_t value)
 }
 
 /*
- * Finds the bounds of the parts. On each axis, also finds the slice with the most voxels of the first part. If several
- * slices have the same number of these voxels, the first of these slices is used. If the input contains labels, the
+ * Finds the bounds of the parts. On each axis, also finds the slice with the most voxels of the first part. If two
+ * slices have the same number of such voxels, the slice with the lower index is used. If the input contains labels, the
  * first part is the largest part. The caller frees *slices, an array of counts.
  */
 static ost_status count_slices(const preview_input *in, extent *e, uint64_t **slices, ost_error *err)

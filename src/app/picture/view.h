@@ -32,7 +32,7 @@ typedef struct view_options {
 ost_status view_subject(const app_state *app, const view_options *options, const target_options *target,
                         const ost_meta *meta, const ost_geometry *geometry, const char *bone, ost_glenoid *glenoid,
                         ost_view_subject *out, ost_error *err);
-/* Fits the subject to the bone's voxels. If --at is given, it sets the middle of the view instead. */
+/* Fits the subject to the bone's voxels. Does nothing if --at sets the middle of the view (view_subject). */
 void view_fit(const target_options *target, const ost_volume *volume, int32_t threshold, ost_view_subject *subject);
 /* Returns the camera's orbit for the view. For `tool`, see ost_view_orbit. */
 ost_orbit view_orbit(const view_options *options, const ost_view_subject *subject, const ost_pose *tool);

@@ -9,7 +9,7 @@
  *                  --out <--ost_bone_write--- bone
  *               --record <--ost_recorder_put- tick, digest
  *
- * If an OpenCL device fails during the run and --no-failover is not given, the backend cpu continues from the last
+ * If an OpenCL device fails during the run and --no-failover is not given, the `cpu` backend continues from the last
  * complete tick (ost_world_failover) and produces the same grid.
  */
 #include "app/ream/ream.h"
@@ -23,8 +23,8 @@
 #include "app/input/removal_options.h"
 
 /*
- * Number of ticks between two copies of the bone. The copies are made for a device that may fail. A copy takes about as
- * long as 20 ticks.
+ * Number of ticks between two copies of the bone. The copies are made only for an OpenCL device, which may fail. A copy
+ * takes about as long as 20 ticks.
  */
 enum { SAVED_TICKS = 1024 };
 
@@ -59,7 +59,7 @@ static ost_status world_make(const app_state *app, const ream_args *args, ream_j
 static ost_status load_all(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_status status = backend_choose(app, &j->backend, err);
-    /* Tools are loaded first, because they are small, so that an error in a tool is reported before the CT is read. */
+    /* Tools are small and are loaded first, so that an error in a tool is reported before the CT is read. */
     for (int i = 0; i < args->tools.count && status == OST_OK; i++) {
         status = load_tool(app, j->backend, args->tools.value[i], NULL, &args->how, &j->tools[i], NULL, err);
         if (status == OST_OK) {

@@ -65,19 +65,19 @@ ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job
 
 /*
  * Returns true if the device may have caused the failure. If the device did not cause it, the same error would occur on
- * the backend cpu.
+ * the `cpu` backend.
  */
 bool ream_may_fail_over(const app_state *app, const ream_args *args, const ream_job *j, ost_status status);
 /*
- * Moves the world to the backend cpu after a failure of the device. *err describes the failure. `ticks` is the number
+ * Moves the world to the `cpu` backend after a failure of the device. *err describes the failure. `ticks` is the number
  * of ticks completed so far.
  */
 ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_error *err);
 /* Executes all ticks. */
 ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Reads everything that the report needs from the backend before it writes the bone, so that a failure leaves no
-   file. */
+/* First reads from the backend everything that the report needs, and then writes the bone. Therefore a failure of the
+   backend leaves no file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
 /* Prints the results of the run, and adds them to the verb's JSON object. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);

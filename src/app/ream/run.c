@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Executes the ticks. If an OpenCL device fails, the backend cpu continues from the last complete tick. */
+/* Executes the ticks. If an OpenCL device fails, the `cpu` backend continues from the last complete tick. */
 #include "app/ream/ream.h"
 
 #include <stdio.h>

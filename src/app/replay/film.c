@@ -20,7 +20,7 @@ struct replay_film {
     ost_live_channel *live;
     ost_viewer viewer;
     appearance look;
-    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
+    ost_tool_volume ghost_tool; /* volume of the first tool, for drawing this tool as a ghost */
     sim_hud *hud;
     sim_scene scene;
     ost_orbit orbit;

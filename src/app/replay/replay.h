@@ -11,7 +11,7 @@
 
 #include "app/session/keys.h"
 
-/* A replay. Zero-initialise the struct before use, and call replay_close, also after an error. */
+/* A replay. Zero-initialise the struct before use, and call replay_close, even after an error. */
 typedef struct replay {
     ost_session *session; /* borrowed */
     const char *name;     /* name of the session; borrowed */

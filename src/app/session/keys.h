@@ -11,7 +11,7 @@
 
 #include <osteon/metrics.h>
 
-/* All that a session's header states about its world, except the voxels. */
+/* Everything that a session's header states about its world. The header does not contain the voxels. */
 typedef struct session_setup {
     const char *bone; /* name of the bone; the strings of this struct are borrowed from the caller or from the header */
     option_list tools;

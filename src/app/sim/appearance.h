@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sets the appearance of the parts of a simulation's frames other than bone and tool (app/picture/appearance.h). */
+/* Sets the appearance of everything in a simulation's frames except bone and tool (app/picture/appearance.h). */
 #ifndef OST_APP_SIM_APPEARANCE_H
 #define OST_APP_SIM_APPEARANCE_H
 

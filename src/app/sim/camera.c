@@ -12,7 +12,7 @@ static const double PAN_KEY = 0.45, TURN_KEY = 0.36, NEAR_KEY = 12;
 
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm)
 {
-    /* Limits of the distance in voxels and in mm. The limits of the renderer are greater: 2^15 voxels and 8000 mm. */
+    /* Limits of the camera's distance, in voxels and in mm. The renderer's limits are greater: 2^15 voxels, 8000 mm. */
     const double voxels = 8192, most = 1500;
     return (sim_camera){.orbit = ost_view_orbit(view, subject, NULL), .subject = *subject, .home = view,
                         .farthest = fmin(most, fmax(2 * subject->size, voxels * voxel_mm))};

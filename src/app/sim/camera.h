@@ -33,7 +33,7 @@ void sim_camera_step(sim_camera *camera, double now_s);
 
 /*
  * The following functions move the camera by pixels of a picture with the given height, or by steps of the mouse wheel.
- * A flight ends at its current position.
+ * If the camera is in flight, the flight ends at the current position.
  */
 void sim_camera_turn(sim_camera *camera, double dx, double dy, int height);
 void sim_camera_shift(sim_camera *camera, double dx, double dy, int height);

@@ -5,8 +5,8 @@
  *   bone, tools --> world --> operation <--ticks-- ost_servo_run <--poses-- device
  *                                 '--> session
  *
- * With --resume, the ticks of a session are run first, and the operation continues from their end. A new recording
- * then contains the ticks of the session and the new ticks.
+ * With --resume, the ticks of a session are run first, and the operation continues after the last of them. A new
+ * recording then contains the ticks of the session and the new ticks.
  *
  * By default, the command opens a window. Unless another device is given, the mouse in this window is the device.
  * With --headless, there is no window.

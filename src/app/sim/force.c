@@ -74,7 +74,7 @@ void sim_force_print(const app_state *app, const sim_args *args)
     put(app->result, "force_params", o);
 }
 
-/* Replaces each limit that the file does not set by the limit of the open device. */
+/* Replaces each limit that the file does not set with the limit of the open device. */
 static void take_limits(const app_state *app, sim_args *args, const simulation *s)
 {
     ost_haptic_limits own;

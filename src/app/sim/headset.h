@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Shows an operation in a headset, and passes the controller's pose to the device openxr.
+ * Shows an operation in a headset, and passes the controller's pose to the device `openxr`.
  *
  *   headset's thread: frames for two eyes, controller       main thread: servo loop
  *                     |--ost_hand_input_put--------------------> openxr

@@ -203,7 +203,7 @@ static double bar_units(const table *t)
 
 enum { STEP = 21, MARGIN = 12, INSIDE = 14, GAP = 18 };
 
-/* Returns the rectangle of a table, which is as wide as its widest row. */
+/* Returns the rectangle of a table. The table is as wide as its widest row. */
 static sim_hud_box table_box(const sim_hud *h, const table *t, int least, bool title)
 {
     int width = px(h, least);

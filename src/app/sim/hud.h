@@ -76,7 +76,7 @@ sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const 
  */
 uint32_t sim_hud_depth_colour(double reached_mm, double planned_mm);
 void sim_hud_draw(const sim_hud *hud, const ost_sheet *sheet, const sim_hud_facts *facts);
-/* Draws one sentence in the middle of a sheet, without anything else. */
+/* Draws only one sentence, in the middle of a sheet. */
 void sim_hud_draw_message(const sim_hud *hud, const ost_sheet *sheet, const char *sentence);
 
 #endif

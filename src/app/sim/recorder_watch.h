@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Produces messages about a recorder while an operation runs: the disk fails, nothing is written, ticks are being lost,
- * or the recorder writes again. Each message is reported once.
+ * Produces messages about a recorder while an operation runs. A message reports that the disk fails, that nothing is
+ * written, that ticks are being lost, or that the recorder writes again. Each of these events is reported once.
  *
  *   thread, every 100 ms --> ost_recorder_state --> recorder_watch_update --> a line, or none
  */

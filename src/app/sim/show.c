@@ -78,7 +78,7 @@ ost_status sim_show_make(const app_state *app, const sim_args *args, simulation 
                              err);
     show->renderer = args->renderer;
     if (status == OST_OK && args->renderer != SIM_RENDERER_POINTS && s->window_can_be_drawn)
-        ost_viewer_use_current(&show->viewer, NULL); /* after a failure, OpenGL is opened with a context of its own */
+        ost_viewer_use_current(&show->viewer, NULL); /* after a failure, OpenGL is opened with a separate context */
     if (status == OST_OK && args->renderer == SIM_RENDERER_AUTO)
         use_card(show);
     else if (status == OST_OK && args->renderer == SIM_RENDERER_MESH)

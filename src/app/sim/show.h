@@ -44,7 +44,7 @@ typedef struct sim_show {
     sim_hud *hud;             /* owned; the HUD of frames without a window */
     film *film;               /* borrowed; NULL if no film is written */
     appearance look;
-    ost_tool_volume ghost_tool; /* volume of the first tool, which can be drawn as a ghost */
+    ost_tool_volume ghost_tool; /* volume of the first tool, for drawing this tool as a ghost */
     frame_times drawn, apart; /* histograms for the entire operation: time to draw a frame, and time between frames */
     int64_t updated_ns;       /* start time of the current frame */
     int64_t last_ns;          /* start time of the previous frame; 0 after a pause */

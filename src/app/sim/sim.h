@@ -47,7 +47,7 @@ typedef struct sim_args {
     bool hud, timings, stats;
     bool renderer_given, paths_given, rehearse_given;
     appearance_options look;
-    bool contact;         /* true to highlight voxels that were just removed, also without a window */
+    bool contact;         /* true to highlight voxels that were just removed, even without a window */
     ost_force_params force_params;
     ost_safety_params safety;
     /* true if the file of --force-params sets the limit of the force or of the torque */
@@ -106,7 +106,7 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 /*
- * Sets the default parameters and the parameters from --force-params. Later, sim_force_make replaces defaults by the
+ * Sets the default parameters and the parameters from --force-params. Later, sim_force_make replaces defaults with the
  * limits of the open device.
  */
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The simulator's window. It shows frames and the HUD, controls the camera, and moves the simulated hand of the
- * device mouse.
+ * device `mouse`.
  *
  *   main thread: window, events, hand, frames          second thread: servo loop
  *                     |--ost_mouse_input_put------------------> mouse
@@ -19,7 +19,7 @@ ost_status sim_window_open(const app_state *app, const sim_args *args, simulatio
 void sim_window_close(sim_window *window); /* window may be NULL */
 
 /*
- * Creates the input of the device mouse, with the initial pose of the hand. Must be called before the device is
+ * Creates the input of the device `mouse`, with the initial pose of the hand. Must be called before the device is
  * opened.
  */
 ost_status sim_window_mouse_create(simulation *s, const ost_pose *start, ost_error *err);

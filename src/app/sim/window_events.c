@@ -134,8 +134,8 @@ void sim_window_hold_keys(sim_window *w, double dt)
     const bool *k = w->key_down;
     sim_camera_hold(&w->camera, k[OST_KEY_RIGHT] - k[OST_KEY_LEFT], k[OST_KEY_UP] - k[OST_KEY_DOWN],
                     k[OST_KEY_PLUS] - k[OST_KEY_MINUS], w->mods & OST_WINDOW_SHIFT, dt);
-    /* The keys have the same effect as the buttons of a device. For the device mouse, the window moves the hand
-     * itself. */
+    /* The keys have the same effect as the buttons of a device. If the device is `mouse`, the keys act on the simulated
+     * hand instead. */
     ost_operation_keys(w->s->operation, w->mouse ? 0
                                                  : (uint32_t)k[' '] << OST_ACTION_MOTOR |
                                                        (uint32_t)k[OST_KEY_TAB] << OST_ACTION_TOOL |

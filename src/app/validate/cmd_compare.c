@@ -101,7 +101,7 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
         int equal = 0, of_this = 0;
         for (int i = 0; i < c->plan->count; i++) {
             const case_result *r = result_at(c, i, s);
-            /* if both refused the case, no results were compared */
+            /* if both backends refused the case, no results were compared */
             const bool refused = r->verdict == CASE_EQUAL && result_at(c, i, 0)->verdict != CASE_EQUAL;
             equal += r->verdict == CASE_EQUAL && !refused;
             of_this += r->verdict != CASE_NOT_RUN && !refused;

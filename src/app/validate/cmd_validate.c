@@ -68,7 +68,7 @@ static ost_status dump_worker(const plan *p, const char *spec, const char *folde
 ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
 {
     static const int64_t limits[PLAN_TIERS] = {120, 1800, 36000};
-    enum { LIMIT_OWN = 36000 }; /* ten hours, because the user's own cases may take any time */
+    enum { LIMIT_OWN = 36000 }; /* ten hours, because the user's own cases may take any length of time */
     validate_args args = {.seed = 1, .suite_limit_s = 1800, .own = USER_FILES_DEFAULT};
     const option options[] = {
         {.name = "out",

@@ -115,8 +115,8 @@ static void print_second(const app_state *app, const campaign *c, bool equal)
 }
 
 /*
- * Prints the origin of the steps that precede the voxels (snapping, sweep, map, boxes, poses). The steps come from the
- * plugin itself or from src/core.
+ * Prints whether the plugin itself or src/core computed the steps that precede the work on voxels (snapping, sweep,
+ * map, boxes, poses).
  */
 static void print_made(const app_state *app, const campaign *c, int s)
 {

@@ -3,8 +3,8 @@
  * Uses the user's own files as cases. The files are read with the options of import, voxelize and ream, and recorded in
  * a bundle by size and digest. For a rerun, the recorded files are identified among the given files.
  *
- * This source file has more than 500 lines, because the code that reads a file and the code that writes and compares
- * the record of this file depend on the same options.
+ * This source file has more than 500 lines, because reading a user's file and writing or comparing its record depend on
+ * the same options.
  */
 #include "app/validate/user_files.h"
 
@@ -84,8 +84,8 @@ static const char *builtin_of(const char *name)
 }
 
 /*
- * Computes the size and the digest of a file. A file that can be read only once, such as a pipe, is an error, because
- * it could not be verified later.
+ * Computes the size and the digest of a file. Rejects a file that can be read only once, such as a pipe,
+ * because it could not be verified later.
  */
 static ost_status identify_file(const char *path, int64_t *bytes, ost_digest *digest, ost_error *err)
 {

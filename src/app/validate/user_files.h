@@ -47,8 +47,8 @@ typedef struct user_files {
 bool user_files_given(const user_files *u);
 
 /*
- * Returns the options of USER_FILES_HOW that a command line contains, in the order of the table, such as
- * ["--cubic=0.5"]. The caller owns the result.
+ * Returns those options of USER_FILES_HOW that a command line contains, for example ["--cubic=0.5"]. The options are in
+ * the order of the table. The caller owns the result.
  */
 json_t *user_files_how(int argc, char **argv);
 

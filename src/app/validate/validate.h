@@ -24,7 +24,7 @@ typedef struct validate_args {
     int64_t faults, suite_limit_s;
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
-    json_t *record; /* what the evidence records about the user's files; NULL without such files */
+    json_t *record; /* the evidence's record of the user's files; NULL without such files */
     sign_key *key;  /* the key of --sign, or NULL */
 } validate_args;
 

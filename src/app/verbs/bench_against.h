@@ -6,7 +6,7 @@
  *
  * The runs are compared by a ratio instead of by times: the shortest time of the baseline divided by the shortest time
  * of osteon. Both times are measured alternately on the same machine, so the ratio depends little on the machine and on
- * other load.
+ * background load.
  */
 #ifndef OST_APP_VERBS_BENCH_AGAINST_H
 #define OST_APP_VERBS_BENCH_AGAINST_H

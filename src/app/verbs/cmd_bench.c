@@ -255,7 +255,7 @@ static void show_row(void *user, const char *row)
 typedef struct tally {
     size_t rows, run;
     bool wrong;
-    char reason[BENCH_TEXT]; /* why the first skipped row was skipped */
+    char reason[BENCH_TEXT]; /* reason why the first of the skipped rows was skipped */
 } tally;
 
 /* Prints the rows of a suite. Before the first rows, prints the heading. */

@@ -170,7 +170,7 @@ static ost_status info_text(const app_state *app, const char *name, ost_error *e
     return OST_OK;
 }
 
-/* Describes a stack of slices, which states neither spacing nor position. */
+/* Describes a stack of slices. Such a stack states neither spacing nor position. */
 static ost_status info_stack(const app_state *app, const char *name, ost_error *err)
 {
     ost_stack_facts facts;

@@ -32,7 +32,7 @@ typedef struct reproduce_run {
     report_entry entry[ITEMS_MAX];
     result results[ITEMS_MAX];
     int measured;
-    char reason[OST_ERROR_TEXT]; /* why the first skipped item was not measured */
+    char reason[OST_ERROR_TEXT]; /* reason for the first failure to measure an item */
 } reproduce_run;
 
 /* --------------------------------------------------------------- arguments */
@@ -76,7 +76,7 @@ static ost_status select_items(const app_state *app, const char *text, bool chos
     return status;
 }
 
-/* Parses --ct MODEL=FILE, or FILE for the scapula. */
+/* Parses the values of --ct, which are MODEL=FILE or, for the scapula, only FILE. */
 static ost_status select_cts(const app_state *app, const option_list *given, const char *ct[MODELS], ost_error *err)
 {
     for (int i = 0; i < given->count; i++) {

@@ -6,7 +6,7 @@
 #include "app/input/load.h"
 
 /*
- * Replaces the voxels of *in by the removed voxels. A removed voxel is at or above the threshold in the bone `before`
+ * Replaces the voxels of *in with the removed voxels. A removed voxel is at or above the threshold in the bone `before`
  * and below the threshold in *in; it gets its density in `before`. All other voxels become 0. Returns an error if the
  * grids differ or if nothing was removed. *count is the number of removed voxels.
  */
@@ -14,7 +14,7 @@ ost_status export_removed(const app_state *app, const char *before, const char *
                           ost_error *err);
 
 /*
- * Replaces the voxels by a label map: 1 at or above the threshold, 0 elsewhere. The header facts are changed to the
+ * Replaces the voxels with a label map: 1 at or above the threshold, 0 elsewhere. The header facts are changed to the
  * facts of a label map. If the volume already is a label map, it remains unchanged.
  */
 ost_status export_labels(const char *name, loaded_volume *in, ost_error *err);
