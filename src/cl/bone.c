@@ -311,7 +311,7 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
  */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
-    /* On the kernel set for CPUs, a kernel stores complete chunks including the padding, so slots need no zeros. */
+    /* With the kernel set for CPUs, a kernel stores complete chunks including the padding, so slots need no zeros. */
     const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)
@@ -449,7 +449,7 @@ static ost_status load(cl_bone *bone, cl_int z0, cl_int z1, cl_mem slab, ost_err
 ost_status ost_cl_bone_download(const ost_bone *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
     /*
-     * The function casts const away, because it may update the bone's table of slots on the device. No voxel changes.
+     * The function casts away const, because it may update the bone's table of slots on the device. No voxel changes.
      */
     cl_bone *bone = (cl_bone *)(uintptr_t)base;
     cl_backend *b = backend_of(bone);

@@ -24,8 +24,8 @@ _Static_assert(sizeof(entry_head) == 80, "no padding");
 
 static const char magic[8] = {'O', 'S', 'T', 'C', 'L', 'B', '0', '1'};
 
-/* The maximum size of an entry in bytes, which exceeds the size of any program. Without this limit, a damaged length
-   could cause a huge allocation. */
+/* Maximum size of an entry in bytes. Programs are smaller. Without this limit, a damaged length could cause a huge
+   allocation. */
 enum { ENTRY_MAX = 1 << 28 };
 
 /* Finds the folder of the cache. Relative folders in environment variables are ignored, as the XDG base directory
@@ -64,8 +64,8 @@ ost_status ost_cl_cache_key(ost_cl_cache *cache, const char *const *parts, size_
     return OST_OK;
 }
 
-/* Returns true if only the effective user can have written the file or folder fd. Permissions by an access control list
-   appear in the group bits of the mode. */
+/* Returns true if only the effective user can have written the file or folder fd. Permissions that an access
+   control list grants appear in the group bits of the mode. */
 static bool is_private(int fd)
 {
     struct stat info;

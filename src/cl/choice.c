@@ -23,7 +23,7 @@
 /* The maximum number of platforms, and of devices per platform. A driver that reports more than this is defective. */
 enum { PLATFORMS_MAX = 64, DEVICES_MAX = 256 };
 
-/* Removes leading and trailing blanks, and replaces control characters by '?'. */
+/* Removes leading and trailing blanks, and replaces control characters with '?'. */
 static void tidy(char *text)
 {
     size_t start = strspn(text, " \t\r\n");
@@ -83,8 +83,8 @@ static bool device_flag(const ost_cl_api *cl, cl_device_id device, cl_device_inf
     return cl->clGetDeviceInfo(device, what, sizeof flag, &flag, NULL) == CL_SUCCESS && flag;
 }
 
-/* Returns the version as an integer, for example 12 for "OpenCL 1.2 ..." with the prefix "OpenCL ". Returns 0 if the
-   text has a different form. */
+/* Returns the version that follows the prefix, as an integer: 12 if the text is "OpenCL 1.2 ..." and the prefix is
+   "OpenCL ". Returns 0 if the text has a different form. */
 static int version_of(const char *text, const char *prefix)
 {
     size_t length = strlen(prefix);

@@ -40,7 +40,7 @@ typedef struct ost_cl_devices {
     char reason[OST_CL_REASON]; /* if the list is empty, the reason why no platform was found */
 } ost_cl_devices;
 
-/* Lists all platforms and devices. Sets all members of *out, also on failure. */
+/* Lists all platforms and devices. Sets all members of *out, even on failure. */
 ost_status ost_cl_devices_list(const ost_cl_api *cl, ost_cl_devices *out, ost_error *err);
 void ost_cl_devices_free(ost_cl_devices *devices);
 
@@ -56,7 +56,7 @@ typedef struct ost_cl_options {
     size_t workgroup;                                /* number of work items per work group; 0 selects the default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */
     size_t staging;
-    /* seed of the permutation of work items (OST_ORDER of kernels/common.h); 0 if work items are not permuted */
+    /* seed with which work items are permuted (OST_ORDER of kernels/common.h); 0 for no permutation */
     unsigned order;
     ost_cl_set kernels;
 } ost_cl_options;

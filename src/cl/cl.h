@@ -9,7 +9,7 @@
  *   fingerprint.c     checks that the device's integer operations are correct
  *   launch.c          buffers and launches, with errors that name the device
  *   spare.c           a pool of large buffers for reuse
- *   face_mesh.c       meshes of visible faces, with a program of their own
+ *   face_mesh.c       meshes of visible faces, which a separate program computes
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
  *   cl.c              the function table
  *
@@ -112,7 +112,7 @@ typedef struct cl_backend {
     size_t kernel_workgroup[OST_CL_KERNEL_COUNT]; /* maximum work-group size of each kernel on this device */
     bool from_cache;                              /* true if the program's binary was loaded from the cache */
     ost_digest empty_leaf;
-    /* number of launches of each kernel that computed at least one voxel */
+    /* for each kernel, the number of launches that computed at least one voxel */
     uint64_t launched[OST_CL_KERNEL_COUNT];
     uint64_t entered[OST_CL_PATH_COUNT];
     struct ost_cl_face_program *faces;  /* owned; the kernels and buffers for face meshes; NULL before the first mesh */
@@ -188,7 +188,7 @@ ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, 
 ost_status ost_cl_read_later(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data,
                              ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
-/* Blocks until all enqueued commands have ended. Returns the first error of any of them. */
+/* Blocks until all enqueued commands have ended. Returns the first error of these commands. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
 
 /* ---------------------------------------------------------------- spare.c */

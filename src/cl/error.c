@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A table with the status for each OpenCL error, and what the user can do:
+ * A table that contains, for each OpenCL error, the status and what the user can do:
  *
  *   memory refused              OST_ERR_MEMORY       a smaller bone, or the `cpu` backend
  *   device gone, build refused  OST_ERR_UNAVAILABLE  another device or driver

@@ -170,7 +170,7 @@ static ost_status stage_done(cl_backend *b, ost_face_mesh *mesh, ost_face_stage 
     return status;
 }
 
-/* Writes the words of a chunk and of one layer of each of its neighbours, in the layout of kernels/face_mesh.cl. */
+/* Writes the words of a chunk and of one layer of each neighbour, in the layout of kernels/face_mesh.cl. */
 static void pack(const ost_face_cluster *cluster, uint32_t words[CLUSTER])
 {
     const uint32_t *const *n = cluster->neighbour;

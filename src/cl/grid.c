@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The dense grids of the `cl` backend, whose voxels are in a store, x fastest. Uploads and downloads slices. */
+/* The dense grids of the `cl` backend: creation, upload and download. The voxels are in a store, x fastest. */
 #include "cl/objects.h"
 
 #include <stdlib.h>
@@ -140,7 +140,7 @@ ost_status ost_cl_grid_upload(ost_grid *base, int32_t z0, int32_t count, const i
 
 ost_status ost_cl_grid_download(const ost_grid *base, int32_t z0, int32_t count, int16_t *voxels, ost_error *err)
 {
-    /* The function casts const away, because a grid that is computed from a shared store first gets a store of its
+    /* The function casts away const, because a grid that is computed from a shared store first gets a store of its
        own. The values of the voxels do not change. */
     cl_grid *grid = (cl_grid *)(uintptr_t)base;
     const size_t slice = slice_bytes(&base->geometry);

@@ -2,7 +2,7 @@
 /*
  * Finds the reason why the loader reports no platform, for a message to the user.  A
  * loader silently skips drivers that it cannot load.  The functions of this file read
- * the .icd files in the loader's folder and try to load the driver's library that each
+ * the .icd files in the loader's folder and try to load the driver library that each
  * file names.  An .icd file consists of one line with the name of the library.
  */
 #include "cl/choice.h"

@@ -135,7 +135,7 @@ ost_status ost_cl_ct_to_rect(ost_grid *base, const ost_sample *samples, size_t c
 ost_status ost_cl_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                 ost_error *err)
 {
-    /* The function casts const away, because the result may share the store of the grid. No voxel changes. */
+    /* The function casts away const, because the result may share the store of the grid. No voxel changes. */
     cl_grid *rect = (cl_grid *)(uintptr_t)base;
     cl_backend *b = (cl_backend *)base->backend;
     const ost_geometry *r = &base->geometry;

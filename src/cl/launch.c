@@ -33,7 +33,7 @@ ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const ch
 {
     char text[80];
     snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    /* A size above the limit is not passed to the driver, so that all drivers cause the same error. */
+    /* A size above the limit is not passed to the driver, so that the error is the same with all drivers. */
     cl_int code = CL_INVALID_BUFFER_SIZE;
     *out = NULL;
     if (bytes <= b->device.max_buffer)

@@ -64,7 +64,7 @@ typedef struct cl_tool {
     cl_mem classes;
     size_t reserved; /* capacity of the `classes` buffer in bytes */
     cl_mem cells;  /* classes with reach (kernels/shared.h) */
-    /* windows of the tool (kernels/shared.h); NULL on the kernel set for GPUs */
+    /* windows of the tool (kernels/shared.h); NULL with the kernel set for GPUs */
     cl_mem windows;
     bool touches;   /* true if the tool may have non-cutting voxels (class 2) */
     bool made;     /* true if cells and windows have been computed */

@@ -491,7 +491,7 @@ ost_status ost_cl_remove(ost_bone *bone, const ost_tool *tool, const ost_removal
     return run_event((cl_bone *)bone, (cl_tool *)(uintptr_t)tool, event, true, report, err);
 }
 
-/* The function casts const away, because run_event allocates buffers on the device on demand. The voxels of the bone
+/* The function casts away const, because run_event allocates buffers on the device on demand. The voxels of the bone
    and the tool do not change. */
 ost_status ost_cl_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                           ost_removal_report *report, ost_error *err)

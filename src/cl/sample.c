@@ -49,7 +49,7 @@ static ost_status update(cl_bone *bone, ost_error *err)
     return status;
 }
 
-/* The function casts const away, because it makes and updates the mirror. No voxel of the bone changes. */
+/* The function casts away const, because it makes and updates the mirror. No voxel of the bone changes. */
 ost_status ost_cl_bone_sample(const ost_bone *base, size_t count, const int32_t *const at[3], int16_t *densities,
                               ost_error *err)
 {

@@ -46,7 +46,7 @@ typedef struct mesh_bins {
     uint32_t *list;
 } mesh_bins;
 
-/* Returns the number of tiles along an axis with n rows or slices, if a tile has 2^shift rows or slices. */
+/* Returns the number of tiles of 2^shift rows or slices along an axis of n rows or slices. */
 static int32_t tiles_of(int32_t n, int shift)
 {
     return ((n - 1) >> shift) + 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels for the pool of chunks (AR-CHK), which store slices, load slices and count
- * voxels.  shared.h describes the buffers and the ranges.
+ * The kernels that store slices in the pool of chunks (AR-CHK), load slices from the pool and
+ * count voxels.  shared.h describes the buffers and the ranges.
  *
  *     table          pool, slots of n^3                    a word of occupancy
  *   chunk 0  -       0  density ... | words ...            n = 16  rows y, y + 1 (y even)

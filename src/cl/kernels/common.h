@@ -61,7 +61,8 @@ static inline long ost_rhe_div(long n, long d)
  * RHE(sum / 2^45) for |sum| <= 2^60.  The result is a weighted mean of densities
  * (AR-CUB-2).  A unit is 2^15 or 2^45.  First, 2^15 units are added, which makes the sum
  * >= 0 and preserves the parity of its quotient.  Then half a unit minus 1 is added, and
- * 1 more if the floor of the quotient is odd.  The floor of the sum is the result.
+ * 1 more if the floor of the quotient is odd.  The result is the floor of
+ * (sum / unit), minus 2^15.
  */
 static inline short ost_mean15(int sum)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Face meshes (core/face_mesh.h) in the five steps of thesis section 3.3.1. Each launch processes a batch of chunks;
- * the third dimension of the range is the chunk. This file is OpenCL C 1.2 and a program of its own, because it
+ * the third dimension of the range is the chunk. This file is OpenCL C 1.2. It is a separate program, because it
  * computes no voxel.
  *
  *   ost_face_pad        words of a chunk and its neighbours -> 34^3 values of 16 bits  an item: one value
@@ -79,7 +79,7 @@ __kernel void ost_face_rows(__global const uchar *visible, __global uint *rows)
     to[1] = faces;
 }
 
-/* Replaces the numbers of each row by their sums over all preceding rows of the slice. Stores the sums over all rows
+/* Replaces the numbers of each row with their sums over all preceding rows of the slice. Stores the sums over all rows
    of each slice in `slices`. */
 __kernel void ost_face_slices(__global uint *rows, __global uint *slices)
 {
@@ -133,7 +133,7 @@ __kernel void ost_face_compact(__global const uchar *visible, __global const uin
     }
 }
 
-/* first: index in the batch of each chunk's first quad. A corner has the format that ost_face_corner writes. */
+/* first: for each chunk, the index of its first quad in the batch. A corner has the format of ost_face_corner. */
 __kernel void ost_face_quads(__global const uint *active, __global const uint *sums, __global const uint *first,
                              __global uint *vertices)
 {

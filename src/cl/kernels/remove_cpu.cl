@@ -24,7 +24,7 @@
 #if OST_FOR & 2
 
 #ifdef __clang__
-#if __has_warning("-Wpsabi") /* NVIDIA's compiler is a clang that does not have this warning */
+#if __has_warning("-Wpsabi") /* NVIDIA's compiler is a variant of clang without this warning */
 /* Disables a warning about the calling convention for wide vectors. Only functions of this file pass wide vectors. */
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif

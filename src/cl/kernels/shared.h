@@ -87,8 +87,8 @@ typedef uint64_t ost_cl_u64;
  * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule max: several
  * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the voxel.
  * The kernel also finds the first line with the worst offset.
- * ost_ct_check: Updates seen and clears owner. With the rule error, a voxel that is set does not change again, and the
- * kernel also finds the lowest line with a sample whose density differs from the density of its voxel.
+ * ost_ct_check: Updates seen and clears owner. With the rule error, a voxel that is set does not change again. The
+ * kernel then also finds the lowest line whose sample differs in density from its voxel.
  * ost_ct_report_first_bad: Finds the first sample on this line whose density differs.
  * ost_ct_had: Reads the density of the voxel of this sample.
  *
@@ -206,7 +206,7 @@ typedef struct ost_cl_bone {
  *   vertices   const int[3 * vertices], triangles const uint[3 * triangles]: as in ost_snapped_mesh
  *   steps      int[(k1 - k0) * dims.y * (dims.x + 1)]   zeros before ost_vox_steps and after ost_vox_fill
  *   classes    uchar[dims.x * dims.y * dims.z]          the entire tool, zeros at first
- *   leaks      uint[1]                                  the number of rows that leak is added
+ *   leaks      uint[1]                                  incremented by the number of rows that leak
  *   counts     uint[2 * dims.z]                         the numbers of solid and of cutting voxels of slice k are
  *                                                       added to elements 2 k and 2 k + 1
  *
@@ -379,7 +379,7 @@ typedef struct ost_cl_block_report {
 /* ----------------------------------------------------------- fingerprint */
 /*
  * The fingerprint of a device: integer operations that some drivers compute wrongly. They are tested before a device
- * may compute any voxel. fingerprint_expect.h in the folder above has the expected results.
+ * may compute any voxel. The header cl/fingerprint_expect.h computes the expected results.
  *
  *   ost_fingerprint(count, in, out)               count items; out[OST_CL_FINGERPRINT i + k] from in[2 i], in[2 i + 1]
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see
@@ -400,7 +400,7 @@ typedef struct ost_cl_block_report {
 #define OST_CL_FINGERPRINT_COUNTERS 16
 
 /*
- * Limits on the total number of iterations (turns) of all loops of one work item.  In kernels for CPUs, the number
+ * Limits on the number of iterations (turns) of a work item, summed over its loops.  In kernels for CPUs, the number
  * of turns depends on the size of the tile or block.  Kernels for GPUs have at most
  *
  *   ost_vox_steps   15 turns per row, with one slice per item: 2^12 rows of one turn, at most 13 turns of bisection,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kernels of the voxelizer by triangle (AR-VOX), and the kernel that computes the cells of a tool, which removal
- * reads.
+ * The kernels of the voxelizer by triangle (AR-VOX), and the kernel that computes the cells of a tool. The removal
+ * kernels read these cells.
  *
  *   ost_vox_steps   for every row that a triangle owns, adds +1 or -1 at the first
  *                   centre that is not left of the crossing
