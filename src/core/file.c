@@ -192,7 +192,7 @@ static int descriptor_of(const char *path)
     return (int)strtol(path + 8, NULL, 10);
 }
 
-/* Opens a temporary file without a name in this folder, for reading and writing. */
+/* Opens a temporary file without a name in the folder `folder`, for reading and writing. */
 static int open_unnamed(const char *folder)
 {
     int fd = -1;

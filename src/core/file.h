@@ -35,11 +35,11 @@ typedef struct ost_file {
 ost_status ost_file_open(const char *path, ost_file *out, ost_error *err);
 
 /*
- * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. The functions of this module that open
- * `path` then open this file, at its start. Only streams that are already open are copied: standard input ("-" or
- * /dev/stdin), and /dev/fd/N, which a shell passes for <(command). The function therefore never waits for a program to
- * open a pipe. If standard input is redirected from a regular file, nothing is copied, and "-" denotes this file. The
- * function does nothing for any other path. A process can spool only one stream.
+ * Copies a pipe into an unnamed temporary file, in TMPDIR or else in /tmp. If a function of this module opens `path`
+ * later, it opens the temporary file instead, at the start of the file. Only streams that are already open are copied:
+ * standard input ("-" or /dev/stdin), and /dev/fd/N, which a shell passes for <(command). The function therefore never
+ * waits for a program to open a pipe. If standard input is redirected from a regular file, nothing is copied, and "-"
+ * denotes the regular file. The function does nothing for any other path. A process can spool only one stream.
  *
  * Called by the command before a file is read; must not be called while another thread opens files. Returns
  * OST_ERR_USAGE if standard input is a terminal or a device, OST_ERR_RANGE if the stream has more than
@@ -69,7 +69,7 @@ ost_status ost_file_open_within(int folder, const char *name, ost_file *out, ost
 ost_status ost_file_stream(const char *path, FILE **out, bool *absent, ost_error *err);
 
 /*
- * Reads all bytes of an open file, file->size in number, into `to`. Returns OST_ERR_IO if the size of the file has
+ * Reads all file->size bytes of an open file into `to`. Returns OST_ERR_IO if the size of the file has
  * changed. `path` is used only in messages.
  */
 ost_status ost_file_fill(const char *path, const ost_file *file, void *to, ost_error *err);

@@ -81,7 +81,7 @@ bool ost_fit_plane(const double (*points)[3], size_t count, const double along[3
     }
     /*
      * In the coordinates relative to the mean, the plane's equation is (distance along `along`) = x0 (distance along u)
-     * + x1 (distance along v). The function eliminate expects the right-hand side in column n.
+     * + x1 (distance along v). The function `eliminate` expects the right-hand side in column n.
      */
     if (count < 3 || !eliminate(m, 2, x))
         return false;

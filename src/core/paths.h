@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The paths of an open backend that compute voxels, each with the number of times it was entered
- * since the backend was opened.  A campaign uses these counts to list the paths that were not
+ * The code paths on which an open backend computes voxels, each with the number of times it was
+ * entered since the backend was opened.  A campaign uses these counts to list the paths that were not
  * executed.
  *
  *   kernel ost_remove                     312

@@ -19,8 +19,8 @@
 #include <stdint.h>
 
 /*
- * Decodes the code point at the start of text, which is NUL-terminated, and sets *bytes to its length.
- * Returns -1 and sets *bytes to 1 if the text does not start with well-formed UTF-8.
+ * Decodes the code point at the start of the NUL-terminated string `text`, and sets *bytes to the length of the code
+ * point. Returns -1 and sets *bytes to 1 if the text does not start with well-formed UTF-8.
  */
 int32_t ost_code_point(const char *text, size_t *bytes);
 

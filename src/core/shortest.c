@@ -22,7 +22,8 @@ void ost_point_put_back(char *text)
     memmove(point + 1, point + length, strlen(point + length) + 1);
 }
 
-/* Returns true if 512 v is an integer and |v| < 2^24. Such a number v is a decimal of at most 8 + 9 digits. */
+/* Returns true if 512 v is an integer and |v| < 2^24. In decimal, such a number v has at most 8 digits before the
+   point and 9 digits after it. */
 static bool is_ninth_binary_place(double v)
 {
     return v > -16777216.0 && v < 16777216.0 && (double)(int64_t)(v * 512) == v * 512;

@@ -9,7 +9,7 @@
 #include <osteon/length.h>
 
 /*
- * Finds the decimal that a float represents, which is the shortest decimal that reads back as the float. There is one
+ * Finds the decimal that a float represents: the shortest decimal that reads back as the float. There is one
  * exception. A float32 represents its exact value if two conditions hold: its value is a multiple of 2^-9 and below
  * 2^24 in magnitude, and no decimal of at most six digits reads back as this float32. For example, 431/512 represents
  * 0.841796875, not 0.8417969.
@@ -20,8 +20,8 @@
 bool ost_decimal_shortest(double value, bool single, ost_decimal *out);
 
 /*
- * Replaces the decimal separator of the locale, which may have several bytes, with a point in a number
- * printed by %e: "1,5e+00" becomes "1.5e+00".
+ * In a number printed by %e, replaces the locale's decimal separator, which may have several bytes, with a point:
+ * "1,5e+00" becomes "1.5e+00".
  */
 void ost_point_put_back(char *text);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Implements the slots of operations that some backends do not support. They return an error. */
+/* Implements the slots of operations that some backends do not support. The slots return an error. */
 #include "core/backend.h"
 #include "core/paths.h"
 
