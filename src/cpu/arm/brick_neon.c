@@ -5,7 +5,7 @@
  * brick, and the second words are an eighth of the other brick.
  *
  * `stream` is ignored, because the intrinsics have no stores that bypass the
- * caches. Therefore drain needs no NEON variant.
+ * caches. Therefore the kernel `drain` needs no NEON variant.
  */
 #include "core/conditions.h"
 #include "core/neon.h"

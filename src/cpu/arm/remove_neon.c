@@ -2,7 +2,7 @@
 /*
  * The kernels of removal for NEON. The steps are the same as on x86, except for these differences:
  *
- *   split   the eight parts of a cube are in two registers, which a table of moves packs
+ *   split   the eight parts of a cube are in two registers; a table of moves packs the registers
  *   match   the high bytes of coordinates in 16-bit lanes are used; the 64 bytes of a
  *           window are one table for the instruction TBL
  *   take    a register contains eight densities; masks are vectors
@@ -87,13 +87,13 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 
 /*
- * The positions of the bricks of a piece in their windows, and the list of the tied bricks (remove.h, "Sixteen bits per
+ * For each brick of a piece, its position in its window, and the list of the tied bricks (remove.h, "Sixteen bits per
  * lane"). c is the least coordinate of a brick, relative to the first voxel of the brick's window.
  */
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
     uint16_t low[3][PIECE];  /* c mod 2^7 */
-    uint32_t line[PIECE]; /* number of the window of each brick; later replaced by the number of the window's line */
+    uint32_t line[PIECE]; /* number of each brick's window; later replaced by the number of the window's line */
     uint32_t tied[PIECE];
 } places;
 
@@ -107,7 +107,7 @@ static inline int32x4_t windows_of(int32x4_t voxel, int32_t step)
     return vreinterpretq_s32_u32(vshrq_n_u32(vmulq_n_u32(vreinterpretq_u32_s32(voxel), inverse), 16));
 }
 
-/* Computes the positions of the bricks from .. from + 3. If the list has fewer bricks, the values of the remaining
+/* Computes the positions of the bricks `from` to from + 3. If the list has fewer bricks, the values of the remaining
    lanes are not used. */
 static inline void place_four(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {

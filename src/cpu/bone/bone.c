@@ -80,7 +80,7 @@ void ost_cpu_bone_free(ost_bone *base)
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk)
 {
     const size_t bytes = ost_chunk_bytes(bone->base.chunk_size);
-    /* Each voxel has 2 bytes of density and 1/8 byte of occupancy. The block contains all densities first. */
+    /* Each voxel has 2 bytes of density and 1/8 byte of occupancy. In the block, densities precede occupancy. */
     const size_t densities = bytes / 17 * 16;
     unsigned char *block = pool ? ost_chunk_pool_take(pool) : NULL;
     if (!block) {
