@@ -6,8 +6,8 @@
  *   a task: the row of chunks at one (y, z) of the chunk grid
  *
  *     for every layer of bricks    four slices, from up to eight source slices
- *       for every source slice     finds the columns of chunks that have an active voxel in it
- *       for every chunk            is skipped if it has no active voxel yet
+ *       for every source slice     the columns of chunks with an active voxel in the slice are found
+ *       for every chunk            the chunk is skipped if it has had no active voxel so far
  *         for every four rows      sixteen rows are written as a row of bricks
  *
  * Memory for a chunk is allocated at its first layer with an active voxel, and zeros are then written to its earlier
@@ -38,8 +38,8 @@ typedef struct filling {
     cpu_view view;
     bool linear; /* true if voxels are interpolated, that is, if the view has weights */
     /*
-     * For each column of chunks, true if the grid does not clip the column and the column's source voxels are adjacent
-     * along x.
+     * For each column of chunks, true if the column's source voxels are adjacent along x and the column is not clipped
+     * by the grid.
      */
     bool *run;
     bool stream;
@@ -62,15 +62,15 @@ typedef struct task {
     int slices; /* number of the layer's slices that lie in the grid */
     size_t row[2 * N_MAX]; /* the source rows of the task's rows, in ascending order, without duplicates */
     /*
-     * `rows` is the number of elements of row[]. For group g of four y, first[g] is the index in row[] of the first
-     * source row that is not also used for a smaller y.
+     * `rows` is the number of elements of row[]. For group g of four y coordinates, first[g] is the index in row[] of
+     * the first source row that is not also used for a smaller y.
      */
     int rows, first[N_MAX / 4];
     size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
     int sources;
     size_t next_source; /* the slice that is prefetched after the last element of source[] */
     /*
-     * For group g of four y, box[g] contains the source rows in all source slices of the layer, as offsets
+     * For group g of four y coordinates, box[g] contains the source rows in all source slices of the layer, as offsets
      * from view.voxels. The lists are set only if the view has weights.
      */
     size_t box[N_MAX / 4][SLICES * SLICES];
@@ -100,8 +100,9 @@ static void list_slices(const filling *f, task *t, int32_t z)
 }
 
 /*
- * Returns the source slice to prefetch while the last source slice of the layer at slice z is read: the slice after it,
- * if the next layer uses this slice or a later one.
+ * Returns the source slice to prefetch while the last source slice of the layer at slice z is read. This is the
+ * slice after the last source slice or, if the next layer does not use that slice, the last source slice of the next
+ * layer.
  */
 static size_t next_source(const filling *f, const task *t, int32_t z)
 {
@@ -149,7 +150,7 @@ static void enter_layer(const filling *f, task *t, int32_t z)
 /* Sets greatest[x] to the maximum of greatest[x] and row[x] for each x < n. Prefetches the n elements of `next`. */
 static void max_row(const int16_t *restrict row, size_t n, int16_t *restrict greatest, const int16_t *next)
 {
-    enum { BLOCK = 32 }; /* the elements of a cache line; with a constant number, the compiler vectorizes the loop */
+    enum { BLOCK = 32 }; /* elements per cache line; constant, so that the compiler vectorizes the loop */
     size_t x = 0;
     for (; x + BLOCK <= n; x += BLOCK) {
         __builtin_prefetch(next + x, 0, 2);
@@ -185,7 +186,7 @@ static bool any_in_box(const filling *f, const int16_t *base, const size_t *row,
 /*
  * Sets greatest[x] to the greatest density of source column x in the task's rows of the layer's source slice i. The
  * rows of a slice are read completely and in ascending order, because the processor prefetches ascending addresses. It
- * does not prefetch the next slice, which is distant, so that slice is prefetched here.
+ * does not prefetch the next slice, because that slice is at a distant address; this function prefetches it.
  */
 static void find_greatest(const filling *f, task *t, int i)
 {

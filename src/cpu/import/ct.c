@@ -11,7 +11,7 @@
  *
  * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the floor.  The
  * result does not depend on the estimate, because the floor and the remainder are corrected in steps of s until
- * 0 <= remainder < s. The quotient is then rounded RHE, by comparing the remainder with s / 2.
+ * 0 <= remainder < s. The quotient is then rounded half to even (RHE) by comparing the remainder with s / 2.
  */
 #include "core/conditions.h"
 
@@ -72,7 +72,7 @@ static void reject(int64_t line, ost_scatter_report *report)
 }
 
 /*
- * Updates the worst offset of the report by the offset of one sample. In picometres, off * 10^6 <= 5 * 10^10 * 10^6 <
+ * Updates the worst offset in the report with the offset of one sample. In picometres, off * 10^6 <= 5 * 10^10 * 10^6 <
  * 2^56 and worst * spacing <= 5 * 10^5 * 10^11 < 2^56.
  */
 static void note_worst(const axis axes[3], const axis_position at[3], int64_t line, ost_scatter_report *report)
@@ -149,8 +149,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread. `conflict` is the index of a conflicting sample in the batch; the report contains the line
- * of this sample. If several conflicting samples have the same line, it is the lowest of their indices.
+ * The report of one thread. `conflict` is the index in the batch of the conflicting sample whose line is in the report.
+ * If several conflicting samples have this line, `conflict` is the lowest of their indices.
  */
 typedef struct part_report {
     ost_scatter_report sums;
@@ -158,9 +158,9 @@ typedef struct part_report {
 } part_report;
 
 /*
- * Merges the report of one thread into *to by adding the counts and selecting the lower line number of each pair.
- * *conflict is the batch index of the conflicting sample whose line *to names, or -1 if this sample is in an earlier
- * batch.
+ * Merges the report of one thread into *to. Counts are added. For rejected and conflicting samples, the lower
+ * line number is kept; for the worst offset, the line with the greater offset is kept. *conflict is the index in the
+ * batch of the conflicting sample whose line is in *to, or -1 if that sample is in an earlier batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {
@@ -189,7 +189,7 @@ typedef struct batch {
     axis axes[3];
     int64_t voxels, first_line;
     ost_duplicates duplicates;
-    /* index of the voxel of each sample in the block, or -1 if the sample is rejected; BLOCK elements */
+    /* index of the voxel of each sample in the batch, or -1 if the sample is rejected; BLOCK elements */
     int64_t *at;
 } batch;
 

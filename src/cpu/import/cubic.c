@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Resamples a rect grid to a cubic grid (AR-CUB). No voxel is copied: the cubic grid refers to the
+ * Resamples a rect grid to a cubic grid (AR-CUB). The cubic grid contains no voxels of its own: it refers to the
  * voxels of the rect grid by a list for each axis.
  *
  *   nearest, thesis   lists of indices; if the rect grid also has lists, the indices of
@@ -69,7 +69,7 @@ static void free_lists(lists *l)
 
 /*
  * Computes the index list of axis a and, for the `linear` rule, the weight list. Their capacity is the number of voxels
- * rounded up to a multiple of 16, as kernels.h requires. Returns false if there is no memory.
+ * rounded up to a multiple of 16, as kernels.h requires. Returns false if memory is exhausted.
  */
 static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, ost_pm rect, ost_resample rule)
 {
@@ -96,8 +96,8 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 /*
  * Frees the weight lists that a cpu_view does not need. If no weight is above 0, these are the lists of all axes. If
  * only z is resampled, they are the lists of x and y. Otherwise, the list of y and the list of z are each freed if all
- * of their weights are 0. If x has weights, a source at the last voxel is represented as the upper neighbour of the
- * voxel before, so that both neighbours exist.
+ * of their weights are 0. If x has weights, a voxel whose source is the last rect voxel gets the last two rect
+ * voxels as its neighbours, with weight 0 for the lower one, so that both neighbours exist.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
