@@ -22,7 +22,7 @@ typedef struct ost_block_bases {
     const ost_map *map;
     /* first block and number of blocks along each axis, as set by the last call of ost_block_bases_make */
     int32_t lo[3], count[3];
-    /* owned arrays of the parts of a base for each bone axis; element part[bone axis][3 * (block - lo) + tool axis] */
+    /* owned; part[b] is the table for bone axis b, with element 3 * (block - lo[b]) + a for tool axis a */
     int64_t *part[3];
     size_t capacity[3];
 } ost_block_bases;

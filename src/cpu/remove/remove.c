@@ -106,8 +106,8 @@ static uint64_t cubes_across(const int32_t unit[3], const ost_cubes *mixed, cons
 }
 
 /*
- * Returns the set of those voxels of a brick that lie in the box. The set contains all 64 voxels if the cube of the
- * brick is not in `across`.
+ * Returns the set of those voxels of a brick that lie in the box. `across` is the set of the cubes that do not lie
+ * entirely in the box; if the brick's cube is not in `across`, all 64 voxels lie in the box.
  */
 static inline uint64_t brick_within(const int32_t unit[3], int32_t number, const ost_voxel_box *box, uint64_t across)
 {
@@ -333,7 +333,8 @@ static void list_chunk(ost_event_chunk *out, int32_t index, const int32_t first[
 
 /*
  * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all poses are
- * listed. Reserves memory for the bases of the longest box along each axis.
+ * listed. Reserves memory for the tables of bases: along each axis, for the greatest number of blocks that a box
+ * overlaps.
  */
 static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
                               ost_error *err)

@@ -58,14 +58,14 @@ enum {
      */
     OST_UNIT = 32,
     OST_UNIT_BRICKS = 512,
-    OST_CUBES_SLACK = 16,  /* number of elements after the last cube that a kernel may overwrite */
+    OST_CUBES_SLACK = 16,  /* number of elements that a kernel may overwrite after the last cube */
     OST_TIE_BITS = 13,
     OST_NEAR_TIES = 1024,
 };
 
 /*
- * A list of cubes that all have the same edge. number[i] is the Morton index of cube i within the unit; the eight cubes
- * of half the edge length within cube n have the Morton indices 8n to 8n+7.
+ * A list of cubes that all have the same edge. number[i] is the Morton index of cube i within the unit. If the cube
+ * with the Morton index n is divided into eight, these smaller cubes have the Morton indices 8n to 8n+7.
  */
 typedef struct ost_cubes {
     _Alignas(64) int32_t u[3][OST_UNIT_BRICKS + OST_CUBES_SLACK];
@@ -93,7 +93,7 @@ typedef struct ost_split {
  * of a brick are numbered as in ost_match.
  */
 typedef struct ost_carries {
-    /* The sorted thresholds of each axis, 1..2^20: element [a][k][g] is number 4 g + k in ascending order. */
+    /* The thresholds of each axis in ascending order, 1..2^20: element [a][k][g] is threshold 4 g + k of axis a. */
     _Alignas(64) uint32_t threshold[3][4][16];
     /* row[3 z + y][v] is the number of the window's byte for voxel v without carries, if floor(c) is (any, y, z) */
     uint8_t row[9][64];

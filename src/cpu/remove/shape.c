@@ -55,7 +55,7 @@ static const uint64_t *row_of(const ost_shape *shape, int32_t y, int32_t z)
     return shape->bits + shape->words * ((size_t)y + (size_t)shape->dims[1] * (size_t)z);
 }
 
-/* Counts the set bits of the `edge` bits from bit x on. `edge` is at most 16, and x is a multiple of it. */
+/* Counts the set bits among the bits x to x + edge - 1. `edge` is at most 16, and x is a multiple of `edge`. */
 static int count_edge(const uint64_t *row, int32_t x, int32_t edge)
 {
     const uint64_t bits = row[x / 64] >> (x % 64) & ((UINT64_C(1) << edge) - 1);
@@ -122,8 +122,8 @@ static void row_gaps(const uint8_t *state, int32_t granules, int32_t cells, int 
 }
 
 /*
- * Computes out[c][i] = min(FAR, min over granules g of in[g][i] + gap(c, g)^2) for 0 <= i < width. While all granules
- * near a cell are processed, a strip of STRIP bytes remains in registers.
+ * Computes out[c][i] = min(FAR, min over granules g of in[g][i] + gap(c, g)^2) for 0 <= i < width. The loop
+ * processes all granules near a cell for STRIP values of i, so that the STRIP minima remain in registers.
  */
 static void fold_axis(const uint8_t *in, int32_t granules, int32_t cells, int per, size_t width, uint8_t *out)
 {
@@ -188,8 +188,8 @@ static void distances_of(const lattice *l, uint8_t kind, uint8_t *a, uint8_t *b,
 
 /*
  * Computes the table of cells. A solid or empty cell that touches a granule of a different state has the value 0, like
- * a mixed cell. The margin is a multiple of a cell's edge, and is so large that cell 0 is at least OST_CELL_REACH
- * granules away from the tool's granule 0.
+ * a mixed cell. The margin is a multiple of a cell's edge, and is large enough that cell 0 is at least
+ * OST_CELL_REACH granules away from the tool's granule 0.
  */
 static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 {
@@ -240,9 +240,9 @@ typedef struct window_size {
 static const window_size NARROW = {8, OST_WINDOW_MARGIN, 8, 1}, WIDE = {16, OST_WIDE_MARGIN, 16, OST_WIDE_LINES};
 
 /*
- * The bytes of all windows, in columns. A window with x index i has edge / 8 columns of eight voxels along x each; they
- * have the numbers from i edge / 8 on. A column contains one byte for every row (y, z) of the tool and of the empty
- * space around the tool. The index z is fastest, so the bytes of a window that have the same y are adjacent.
+ * The bytes of all windows, in columns. A window with x index i has edge / 8 columns, which have eight voxels along x
+ * each. The first of them is column i edge / 8. A column contains one byte for every row (y, z) of the tool and of the
+ * empty space around the tool. The index z is fastest, so the bytes of a window that have the same y are adjacent.
  *
  *   column i edge / 8 + p, row (y, z): bit x is voxel (step i + 8 p - margin + x, y - margin, z - margin)
  */
@@ -307,7 +307,7 @@ typedef struct line_store {
     size_t count, capacity;
 } line_store;
 
-/* Stores a window of `lines` lines, and the number of its first line in *number. */
+/* Stores a window of `lines` lines, and sets *number to the number of its first line. */
 static bool add_window(line_store *store, const uint64_t word[WORDS], size_t lines, uint32_t *number)
 {
     if (all_are(word, 8 * lines, 0) || all_are(word, 8 * lines, ~UINT64_C(0))) {

@@ -5,18 +5,18 @@
  *
  *   cells     a lower bound of the distance to the solid's surface;
  *             classifies cubes of bone voxels as inside, outside or mixed
- *   windows   8^3 tool voxels as 64 bytes, one at every third voxel of each axis:
- *             classifies the 64 voxels of a mixed brick by one look-up each
+ *   windows   8^3 tool voxels as 64 bytes; on each axis, a window begins at every third voxel;
+ *             a window classifies the 64 voxels of a mixed brick by one look-up each
  *
- * Cells.  Space is divided into granules of 2^g tool voxels a side.  A granule is empty, solid or
- * mixed; all space outside the tool's grid is empty.  A cell is a cube of 1 or 2 granules a side.
+ * Cells.  Space is divided into granules of 2^g tool voxels per side.  A granule is empty, solid or
+ * mixed; all space outside the tool's grid is empty.  A cell is a cube of 1 or 2 granules per side.
  * A solid cell has the value +v, an empty cell has the value -v, and a mixed cell has the value 0:
  *
  *   (C1)  every point nearer than v / 8 granules to some point of the cell is
  *         solid or empty, like the cell
  *
  * where v = floor(8 * least distance between the cell and a granule that differs from the cell),
- * and v <= 8 OST_CELL_REACH.  The table extends so far beyond the tool's grid that its outermost
+ * and v <= 8 OST_CELL_REACH.  The table extends far enough beyond the tool's grid that its outermost
  * cells are empty and have the greatest v.  For a point outside the table, the nearest cell may be used. Moving the
  * point to this cell projects it onto a convex box that contains the tool. The projection does not increase the
  * distance to any part of the tool. Therefore (C1) with the cell's v is true for the original point too.
@@ -76,8 +76,8 @@ typedef struct ost_shape {
 } ost_shape;
 
 /*
- * Computes the tables for the solid voxels in `bits`, which must remain valid as long as the shape. A row has `words`
- * words. The parameter `ratio` is the edge of a bone voxel in tool voxels, times 2^20, rounded up. It is at most
+ * Computes the tables for the solid voxels in `bits`, which must remain valid until the shape is freed. A row has
+ * `words` words. `ratio` is the edge of a bone voxel in tool voxels, times 2^20, rounded up. It is at most
  * OST_MAP_RATIO_MAX * 2^20 + 2. All of *out is initialised even if the function fails, and the caller must call
  * ost_shape_free in either case.
  */
