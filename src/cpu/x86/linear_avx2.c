@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Linear interpolation for AVX2: of 16 voxels between two slices at a time, or of eight sums at a time. The steps and
- * the ranges are the same as in linear_avx512.c, with one exception: pairs along x are loaded one by one, because a
+ * Linear interpolation for AVX2. Either 16 voxels between two slices or eight sums are computed at a time. The steps
+ * and the ranges are the same as in linear_avx512.c, with one exception: pairs along x are loaded one by one, because a
  * gather instruction takes longer than eight loads.
  */
 #include "core/conditions.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Linear interpolation for AVX-512: of 32 voxels between two slices at a time, or of 16
- * sums at a time.
+ * Linear interpolation for AVX-512. Either 32 voxels between two slices or 16 sums are
+ * computed at a time.
  *
  *   blend     interleaves a and b to pairs; one multiplication of 16-bit pairs
  *             (vpmaddwd) by the pair of weights computes a (2^15 - w) + b w
@@ -73,8 +73,8 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
             continue;
         }
         /*
-         * The indices of each pair in the window: at - first and at - first + 1.  Lanes from number `part`
-         * on may select any element, because their results are not used.
+         * The indices of each pair in the window: at - first and at - first + 1.  The lanes `part` to 15
+         * may select any element, because their results are not used.
          */
         const __m512i lower =
             _mm512_sub_epi32(_mm512_maskz_loadu_epi32((__mmask16)low_mask(part), at + i), _mm512_set1_epi32(first));
@@ -92,7 +92,7 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
     }
 }
 
-/* Returns RHE(sum / 2^45) for each sum, in the bits from 45 on. The lower bits of the results are undefined. */
+/* Returns RHE(sum / 2^45) for each sum, in bits 45 and above. The lower bits of the results are undefined. */
 static inline __m512i rounded45(__m512i sum)
 {
     const __m512i odd = _mm512_and_si512(_mm512_srli_epi64(sum, 3 * OST_WEIGHT_BITS), _mm512_set1_epi64(1));

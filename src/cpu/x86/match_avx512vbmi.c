@@ -150,7 +150,7 @@ static inline __m512i ranks_of(const rank_tables *t, __m512i fraction)
 }
 
 enum { PIECE = 128 };
-/* The positions, in their windows, of the bricks of a piece. */
+/* The positions of the bricks of a piece in their windows. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
     /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows:
@@ -250,7 +250,8 @@ static inline void find_wide_lines(const ost_windows *windows, size_t count, uin
     }
 }
 
-/* PIECE bricks need 64 KiB of lines, which is more than the L1 cache. Fewer bricks are therefore prefetched at once. */
+/* PIECE bricks need 64 KiB of lines, which is more than the L1 cache holds. Fewer bricks are therefore prefetched at
+   once. */
 enum { WIDE_PIECE = 32 };
 
 static void match_wide(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)

@@ -213,7 +213,7 @@ INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8
 }
 
 /* Returns the mask of the lanes of register q whose parts are not dropped. Part p of cube c is not dropped if bit p of
-   byte c of keep is set. */
+   byte c of `keep` is set. */
 INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 {
     if (wide == 8)
@@ -326,7 +326,7 @@ static inline __mmask16 near_tie(const uint32_t near[32], __m512i c)
 }
 
 /*
- * Computes the positions of the bricks from .. from + 15. If the list has fewer bricks, the values of the
+ * Computes the positions of the bricks `from` to `from` + 15. If the list has fewer bricks, the values of the
  * remaining lanes are not used. Returns the mask of the lanes whose bricks are near a tie.
  */
 static inline __mmask16 place_sixteen(const ost_match *match, const ost_cubes *bricks, size_t from, places *out,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads the densities of sixteen voxels at once.  First gathers the table entries of the chunks,
- * then the occupancy words of voxels in chunks with memory, and then the densities of active
+ * Reads the densities of sixteen voxels at once.  The kernel first gathers the table entries of the
+ * chunks, then the occupancy words of voxels in chunks with memory, and then the densities of active
  * voxels.  The mask of each gather is computed from the result of the previous one, so that nothing
  * else is read.
  */

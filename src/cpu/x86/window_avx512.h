@@ -11,8 +11,8 @@
 enum { OST_WINDOW_FRACTION = (1 << OST_MAP_FRACTION) - 1 };
 
 /*
- * Returns the voxel of each coordinate u, counted from the first voxel of the first window, whose margin is given:
- * 0 <= voxel < 2^15.
+ * Returns for each coordinate u the index of the voxel that contains u, 0 <= index < 2^15. The first voxel of the first
+ * window, which is `margin` voxels before the tool, has the index 0.
  */
 static inline __m512i ost_window_voxel(__m512i u, int32_t margin)
 {
