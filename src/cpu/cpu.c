@@ -36,7 +36,7 @@ static int default_threads(void)
 
 static ost_status set_threads(const char *value, int *threads, ost_error *err)
 {
-    /* strtol would also accept leading spaces and a sign, so only digits are allowed */
+    /* The digits are counted first, because strtol would also accept leading spaces and a sign. */
     const size_t digits = strspn(value, "0123456789");
     const long n = digits > 0 && digits < 6 && !value[digits] ? strtol(value, NULL, 10) : 0;
     if (n < 1 || n > THREADS_MAX)
@@ -71,7 +71,7 @@ static ost_status set_voxelizer(const char *value, ost_voxelizer *voxelizer, ost
 typedef struct cpu_options {
     const char *isa;
     int threads;
-    int64_t grain; /* threshold of all paths (share.h); 0 selects the measured thresholds */
+    int64_t grain; /* one threshold for all paths (share.h); 0 selects the measured thresholds */
     int64_t order; /* seed of the random order in which blocks are processed (share.h); 0 selects the usual order */
     ost_voxelizer voxelizer;
     unsigned given; /* bit k is set if the option named keys[k] was given */

@@ -13,9 +13,9 @@
  *   face_mesh.c visible faces of chunks as quads
  *   voxelize/   snapped mesh -> tool grid (voxelize.h; embree.h)
  *
- * The structs of this backend, except tools, begin with the structs of the reference, so an operation
- * without a fast implementation uses the reference's function. Each thread processes complete chunks, slices or tiles,
- * and no two threads write the same data. The results are sorted afterwards.
+ * The structs of this backend, except tools, begin with the structs of the reference. The reference's functions can
+ * therefore be used for operations that have no fast implementation. Each thread processes complete chunks, slices or
+ * tiles, and no two threads write the same data. The results are sorted afterwards.
  */
 #ifndef OST_CPU_CPU_H
 #define OST_CPU_CPU_H

@@ -8,7 +8,7 @@
  *       --quads--> one addition of four words for each face
  *
  * Chunks are processed in batches. Each thread compacts complete chunks; then the numbers of faces are added up, and
- * each thread writes the quads of complete chunks directly to their final position, so there is nothing to copy.
+ * each thread writes the quads of complete chunks directly to their final position, so quads are never copied.
  */
 #include "cpu/face_mesh.h"
 
@@ -159,7 +159,7 @@ static void find_active(const ost_face_cluster *cluster, bool timed, thread_scra
     stage_done(t, timed, OST_FACE_STAGE_COMPACT, &begin);
 }
 
-/* Computes the meshes of up to BATCH chunks, starting with element `from` of clusters. */
+/* Computes the meshes of up to BATCH chunks, starting with clusters[from]. */
 static ost_status mesh_batch(const ost_face_cluster *clusters, size_t from, int count, const uint32_t corners[6][4],
                              int threads, compacted *list, ost_face_mesh *mesh, ost_error *err)
 {

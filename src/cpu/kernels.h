@@ -123,11 +123,11 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  *     else          mixed: the part's u and number are appended to `mixed`
  * The set of appended parts is the same for all instruction sets, but their order may differ. If `occupancy` is not
  * NULL, it has one word per part, and parts whose word is 0 are dropped. The cubes' numbers are distinct, and only the
- * words of their parts are read from `occupancy`. The lists `mixed` and `inside` must not overlap `cubes`. Their counts
- * are increased by the appended parts. Each of them has capacity for 8 parts per cube and OST_CUBES_SLACK more
- * elements, which may be overwritten. u + centre and u + first of every part fit int32. Up to OST_CUBES_SLACK elements
- * beyond cubes->count may be read. These elements may have any value: the indices computed from them are clamped to the
- * table. The values of cells are in [-64, 64].
+ * words of their parts are read from `occupancy`. The lists `mixed` and `inside` must not overlap `cubes`. The count
+ * of each list is increased by the number of appended parts. Each list has capacity for 8 parts per cube and
+ * OST_CUBES_SLACK more elements, which may be overwritten. u + centre and u + first of every part fit int32. Up to
+ * OST_CUBES_SLACK elements beyond cubes->count may be read. These elements may have any value: the indices computed
+ * from them are clamped to the table. The values of cells are in [-64, 64].
  */
 typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes,
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
@@ -149,8 +149,8 @@ typedef void ost_match_tables_fn(ost_match *match);
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 
 /*
- * For each i < count, adds the voxels of the brick at density + 64 * number[i] whose bits are set in hits[i] to the
- * tally, and sets them to 0 if take->apply is true. No hits[i] is 0. The array `density` is 64-byte aligned. The
+ * Processes the bricks at density + 64 * number[i] for each i < count. Adds the voxels whose bits are set in hits[i] to
+ * the tally and, if take->apply is true, sets them to 0. No hits[i] is 0. The array `density` is 64-byte aligned. The
  * densities of voxels that are hit are 1..take->highest; other densities can have any value. The numbers are distinct.
  * Only voxels that are hit change, and only the elements 0 to take->borders of the tally change.
  */
@@ -200,7 +200,7 @@ typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t ro
  * Expands the bits of `rows` rows to rows * nx classes, one byte each. A row of the inputs has `words` =
  * ost_vox_words(nx) words. No voxel is set in both inputs; bits after a row's last voxel can have any value. The array
  * `noncutting` may be NULL. Reads rows * words words of each input and writes rows * nx bytes, at any alignment. If
- * `stream` is true, stores bypass the caches where the dimensions allow it, and are ordered before the function
+ * `stream` is true, stores bypass the caches where the dimensions allow it; the function orders these stores before it
  * returns.
  */
 typedef void ost_vox_expand_fn(const uint64_t *cutting, const uint64_t *noncutting, size_t rows, int words, int32_t nx,

@@ -103,7 +103,7 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {
-    enum { TRIES = 20000 }; /* maximum number of polls; all together take tens of microseconds */
+    enum { TRIES = 20000 }; /* maximum number of polls; this number of polls takes tens of microseconds */
     const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
     const uint64_t drawn = mixed(team->order + (uint64_t)turn);
     const int64_t all = (round + 1) * me->stride;

@@ -25,7 +25,8 @@
 
 typedef struct ost_chunk_pool ost_chunk_pool;
 
-/* Creates a pool whose blocks have block_bytes bytes each, a multiple of 64. Returns NULL if memory is exhausted. */
+/* Creates a pool of blocks of block_bytes bytes each. block_bytes must be a multiple of 64. Returns NULL if memory is
+   exhausted. */
 ost_chunk_pool *ost_chunk_pool_open(size_t block_bytes);
 /* Frees the pool. Every block must have been returned to the pool before. The argument may be NULL. */
 void ost_chunk_pool_close(ost_chunk_pool *pool);

@@ -75,8 +75,8 @@ static void count_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, 
     }
 }
 
-/* Writes the triangles of a piece to the lists of the tiles, for the same triangles and tiles as count_piece.
-   next[t] is the index of the next entry of tile t. */
+/* Writes the triangles of a piece to the lists of the tiles in which count_piece has counted them. next[t] is the
+   index of the next entry of tile t. */
 static void place_piece(const ost_vox_plan *plan, const ost_snapped_mesh *mesh, size_t first, size_t end,
                         const uint32_t *keys, size_t *next, ost_vox_bins *bins)
 {

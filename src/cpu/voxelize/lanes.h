@@ -56,7 +56,7 @@
 
 enum { BUFFER = 1024 };
 
-/* Numbers of plane bits that still have to be set. */
+/* The plane bits that still have to be set, by their bit numbers. */
 typedef struct pending {
     uint32_t bit[BUFFER + 2 * LANES];
     size_t count;

@@ -3,8 +3,8 @@
  * Divides the work of the voxelizer into tiles for threads, and writes the results.
  * voxelize.h describes the method.
  *
- * Triangles set bits of a tile's two planes at random positions.  Tiles are so small
- * that the planes and the result bits of a tile stay in a core's L2 cache.  Tiles are as
+ * Triangles set bits of a tile's two planes at random positions.  Tiles are small
+ * enough that the planes and the result bits of a tile stay in a core's L2 cache.  Tiles are as
  * square as possible, so that few triangles cross their borders.  With one thread, a
  * grid that fits the L2 cache is one tile, and its triangles are not sorted.
  */
@@ -49,7 +49,7 @@ typedef struct scratch {
  * Estimates the time of the work on one thread, which determines whether additional threads are started. Starting a
  * thread takes time, and the thread may have to wait for a core that another process uses. Additional threads therefore
  * reduce the total time only if the work takes at least about a millisecond (docs/log/0.1.md). The estimate uses times
- * measured on one core of 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
+ * measured on one core at 2.5 GHz: 9 ns per triangle; 25 ns per row, which a closed surface crosses at least twice;
  * 0.03 ns per voxel.
  */
 static int64_t estimated_ns(const job *j)

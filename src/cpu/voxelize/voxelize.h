@@ -103,7 +103,7 @@ void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
                               uint64_t *bits, uint64_t *leaking_rows);
 
-/* Returns the number of rows of a tile, over all its slices. */
+/* Returns the number of rows of a tile, in all of its slices. */
 static inline size_t ost_vox_rows(const ost_vox_tile *tile)
 {
     return (size_t)(tile->j1 - tile->j0) * (size_t)(tile->k1 - tile->k0);
