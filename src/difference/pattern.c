@@ -67,8 +67,9 @@ static bool offset(const pattern_scan *s, char *text)
 
 /*
  * Checks the rule `threshold` if `in` is the grid before densities below the threshold were set to 0. The rule holds in
- * two cases. In the first case, every voxel of D has kept a density below the threshold in B. In the second case, B
- * was made with a higher threshold: in every chunk that differs, B lacks all densities up to a certain density.
+ * two cases. In the first case, B still has the densities of all voxels of D, which are below the threshold. In the
+ * second case, B was made with a higher threshold: in every chunk that differs, B lacks all densities up to a certain
+ * density.
  */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {

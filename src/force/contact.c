@@ -103,7 +103,8 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
 }
 
 /*
- * Maps the tool's frame to the bone's voxels: a point p has the voxel origin[a] + floor(to[a] . p + part[a]) on axis a.
+ * Maps the tool's frame to the bone's voxels: on axis a, the voxel that contains a point p has the index
+ * origin[a] + floor(to[a] . p + part[a]).
  * The large part, `origin`, is an integer; the remaining terms are floats.
  */
 typedef struct to_voxels {

@@ -79,7 +79,7 @@ ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params
         return ost_fail(err, OST_ERR_USAGE, "a force needs a bone");
     ost_status status = ost_force_params_check(&chosen, err);
     if (status == OST_OK)
-        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* this call copies a bone on a device to host memory */
+        status = ost_bone_sample(bone, 0, NULL, NULL, err); /* copies the bone to host memory if a device stores it */
     if (status != OST_OK)
         return status;
     ost_force *f = calloc(1, sizeof *f);
@@ -366,7 +366,8 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         }
         gather(f, turns ? 6 : 3, turns ? nothing : own);
         ost_balance_solve(&f->balance, u);
-        /* The tool moves at most half a voxel per part, because bone is looked up only one voxel ahead. */
+        /* In each part of the tick, the tool moves at most half a voxel, because bone is looked up only one voxel
+           ahead. */
         const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0,
                      far = (sqrt(ost_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;

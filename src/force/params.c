@@ -256,7 +256,7 @@ static ost_status take(const char *file, int line, const char *text, ost_force_p
         return ost_fail(err, OST_ERR_INPUT, "%s:%d: %s is '%.*s': expected a number in %s", file, line, key->name,
                         shown, value, key->unit);
     const double number = real_of(&d);
-    /* The bounds are checked first, because converting a number beyond int64_t is undefined. */
+    /* The bounds are checked first, because converting a number outside the range of int64_t is undefined. */
     if (!(number >= key->lo && number <= key->hi) || (parameters[i].kind != REAL && number != (double)(int64_t)number))
         return ost_fail(err, OST_ERR_RANGE, "%s:%d: %s is '%.*s': expected %s%g to %g %s", file, line, key->name, shown,
                         value, parameters[i].kind == REAL ? "" : "a whole number, ", key->lo, key->hi, key->unit);

@@ -4,7 +4,7 @@
 
 #include <osteon/force.h>
 
-/* If a parameter is out of its bounds, returns OST_ERR_RANGE and writes the name of the parameter to err. */
+/* If a parameter is outside its bounds, returns OST_ERR_RANGE and writes the name of the parameter to err. */
 ost_status ost_force_params_check(const ost_force_params *params, ost_error *err);
 
 #endif

@@ -16,8 +16,8 @@ void ost_turn_about_axis(const double q[4], double angle, double out[4]);
 void ost_turn_quaternion(const ost_pose *pose, double q[4]);
 
 /*
- * Returns an angle in rad. If the magnitude of the angle exceeds 64 complete turns, reduces the magnitude by 64 turns.
- * A sum of angles thus stays bounded.
+ * Returns `angle` (rad), with its magnitude reduced by 64 complete turns if the magnitude exceeds 64 turns. A sum of
+ * angles to which this function is applied stays bounded.
  */
 double ost_turn_less_64(double angle);
 
