@@ -3,7 +3,7 @@
  * A driver consists of a constant table in its own file and a line in table.c. The table has these functions:
  *
  *   usable   returns true if the device can be opened on this machine; otherwise writes the reason
- *   answers opens the device to check that it responds; called only when devices are listed
+ *   answers  opens the device to check that it responds; called only when devices are listed
  *   open     receives the part of the spec after the colon, "" if there is none
  *   read     returns the pose for this tick; takes no lock, allocates no memory and does not wait; after
  *            OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h), unless the first

@@ -11,7 +11,7 @@
 typedef struct ost_hand_sample {
     bool tracked;     /* if false, the other fields are ignored */
     ost_pose pose;    /* pose of the tool in the bone's frame */
-    uint32_t buttons; /* bits of OST_HAND_*, the buttons of the `openxr` device in their order */
+    uint32_t buttons; /* pressed buttons (OST_HAND_*); bit i is button i of the `openxr` device */
 } ost_hand_sample;
 
 enum { OST_HAND_TRIGGER = 1, OST_HAND_MENU = 2, OST_HAND_SQUEEZE = 4 };

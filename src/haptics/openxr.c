@@ -4,8 +4,8 @@
  *
  *   headset, once per frame --ost_hand_input_put--> three buffers --read--> low pass, limited step --> the tool's pose
  *
- * The tool is where the controller is: motions are not scaled. When tracking begins, also after a drop-out, the tool
- * moves to the controller at once, without a sweep. A controller renders no force; forces are displayed.
+ * The tool is where the controller is: motions are not scaled. When tracking begins or resumes, the tool moves to
+ * the controller at once, without a sweep. A controller renders no force; forces are displayed.
  */
 #include <stdlib.h>
 #include <string.h>

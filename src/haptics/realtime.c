@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Requests real-time scheduling. The code tries the following settings until one succeeds: SCHED_FIFO 80, SCHED_FIFO at
- * the highest priority that the limit allows, nice -11, and the default. In each case it sets the shortest timer slack.
- * Processes and threads created by this thread get default scheduling (SCHED_RESET_ON_FORK). Otherwise OpenMP's workers
- * and the drivers' threads would compete with the loop that uses them.
+ * the highest priority that RLIMIT_RTPRIO allows, nice -11, and the default. In each case, the shortest timer slack is
+ * set. Processes and threads created by this thread get default scheduling (SCHED_RESET_ON_FORK). Otherwise OpenMP's
+ * workers and the drivers' threads would compete with the loop that uses them.
  *
- * Memory is locked so that no tick waits for a page. If locked memory is not limited, later allocations are locked too.
- * If it is limited, they are not locked, because locking could make them fail.
+ * Memory is locked so that no tick waits for a page. If the amount of locked memory is not limited, later allocations
+ * are locked too. If the amount is limited, they are not locked, because locking could make them fail.
  *
  * If a core is reserved for the loop, it is the last core, because most interrupts are handled by the first cores.
  */

@@ -24,7 +24,7 @@ typedef struct vendor_symbol {
 typedef struct vendor_library {
     const char *variable;        /* environment variable that names another file to load instead */
     const char *const *names;    /* names that are passed to dlopen one after the other; the list ends with NULL */
-    const char *product;         /* product that the user must install, for messages */
+    const char *product;         /* name of the product that the user must install; used in messages */
     const vendor_symbol *symbols;
     size_t count;
 } vendor_library;

@@ -37,7 +37,7 @@ typedef struct ost_headset_hand {
 } ost_headset_hand;
 
 typedef struct ost_headset_calls {
-    /* Draws an eye into the renderer's picture. If it returns OST_ERR_RANGE, the frame is not shown. */
+    /* Draws an eye into the renderer's picture. If this function returns OST_ERR_RANGE, the frame is not shown. */
     ost_status (*draw)(void *user, const ost_headset_view *view, ost_error *err);
     void (*hand)(void *user, const ost_headset_hand *hand);
     void *user;

@@ -26,8 +26,9 @@ typedef struct ost_headset_projection {
 
 /*
  * Computes the projection of a picture of width x height pixels that covers the requested angles. Pixels are square, so
- * if the picture is wider or higher than the angles require, it covers more, equally on both sides. Returns false if an
- * angle is NaN or not within 85 degrees, if right <= left or up <= down, or if the focal length is less than a pixel.
+ * a picture that is wider or higher than the angles require covers larger angles, equally on both sides. Returns false
+ * if an angle is NaN or not within 85 degrees, if right <= left or up <= down, or if the focal length is less than a
+ * pixel.
  */
 bool ost_headset_project(const ost_headset_fov *fov, int width, int height, ost_headset_projection *out);
 

@@ -20,8 +20,8 @@ typedef struct ost_room {
 } ost_room;
 
 /*
- * Creates a room. `right`, `up` and `back` are the axes of the view in the bone's frame: orthogonal unit vectors,
- * right-handed.
+ * Creates a room. `right`, `up` and `back` are the axes of the view in the bone's frame. They must be orthogonal unit
+ * vectors that form a right-handed frame.
  */
 ost_room ost_room_make(const double at_mm[3], const double right[3], const double up[3], const double back[3]);
 /*
