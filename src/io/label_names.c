@@ -225,7 +225,7 @@ static ost_status unknown(const ost_label_names *names, const char *mask, const 
     char list[LISTED + OST_LABEL_NAME + 8] = "";
     size_t used = 0;
     int listed = 0;
-    /* Lists the existing names, beginning with those that start like `name`. */
+    /* Lists the existing names. Names whose first ALIKE characters equal those of `name`, ignoring case, are first. */
     for (int other = 0; other < 2; other++)
         for (int i = 0; i < names->count && used < LISTED; i++) {
             const ost_label_name *item = &names->items[i];

@@ -12,7 +12,7 @@
 
 enum { VALUES = 65536, NAMED = 12 };
 
-/* The position of a label map in the grid of a CT: voxel v of the CT is voxel v - at of the label map. */
+/* The position of a label map in the grid of a CT: voxel v of the CT is voxel v - `at` of the label map. */
 typedef struct placed {
     int64_t at[3];
     bool is_equal; /* true if both grids have the same origin and size */

@@ -245,7 +245,7 @@ ost_status ost_outfile_open(const char *path, ost_outfile **out, ost_error *err)
     if ((file->fd = standard_stream(path)) >= 0) {
         ;
     } else if (stat(path, &st) != 0) {
-        /* Refuses a name that is too long for the file system before any data are written, rather than at commit. */
+        /* If the name is too long for the file system, an error is returned here, before any data are written. */
         status = errno == ENAMETOOLONG ? cannot_write(file, errno, err) : open_temporary(file, err);
     } else if (S_ISDIR(st.st_mode)) {
         status = ost_fail(err, OST_ERR_IO, "%s: is a folder; expected a file name", path);

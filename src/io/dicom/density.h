@@ -26,12 +26,12 @@ typedef struct ost_dicom_table {
     uint64_t padded, rounded, clamped;
 } ost_dicom_table;
 
-/* Computes the table for an image. No-op if the image has the same parameters as the previous one. */
+/* Computes the table for an image. Does nothing if the image has the same parameters as the previous one. */
 void ost_dicom_table_set(ost_dicom_table *table, const ost_dicom_frame *frame);
 
 /*
  * Converts `count` cells, but stops at the first cell whose density does not fit into int16. Returns the number of
- * converted cells. If it is less than `count`, *value is the value of the cell that could not be converted.
+ * converted cells. If this number is less than `count`, *value is the value of the cell that could not be converted.
  */
 size_t ost_dicom_convert(ost_dicom_table *table, const uint16_t *cells, size_t count, int16_t *out, int32_t *value);
 

@@ -16,9 +16,9 @@
  * different build.
  *
  * The library checks everything that it receives: a message must have the fixed size of its type, a string must end
- * within its field, and an enumeration must be below its COUNT. The record of an image contains no names, identifiers,
- * dates, times or institutions. The identities of the patient, the study and the frame of reference are SHA-256
- * digests, salted with random bytes from the request, so they are comparable only within one request.
+ * within its field, and the value of an enumeration must be below its COUNT. The record of an image contains no names,
+ * identifiers, dates, times or institutions. The identities of the patient, the study and the frame of reference are
+ * SHA-256 digests, salted with random bytes from the request, so they are comparable only within one request.
  *
  * This header is included from C and C++.
  */

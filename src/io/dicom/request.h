@@ -14,8 +14,8 @@
 
 /*
  * Creates a request for `paths` and, to read pixels, for `images`. The field `file` of an image is an index into
- * `paths`. salt has OST_DICOM_SALT bytes. Sets *out to a close-on-exec descriptor at position 0, which the caller
- * closes.
+ * `paths`. salt has OST_DICOM_SALT bytes. Sets *out to a close-on-exec descriptor at position 0. The caller closes
+ * the descriptor.
  */
 ost_status ost_dicom_request_open(ost_dicom_action action, const uint8_t *salt, const char *const *paths,
                                   size_t path_count, const ost_dicom_image *images, size_t image_count, int *out,

@@ -126,7 +126,7 @@ static ost_status read_slice(ost_dicom_slices *s, ost_error *err)
     return status;
 }
 
-/* Reads the next slice and converts it to densities. Also shears it if the stack is untilted. */
+/* Reads the next slice, converts it to densities and, if the stack is untilted, shears it. */
 static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *err)
 {
     const ost_dicom_stack *stack = s->images.stack;

@@ -12,8 +12,8 @@
 #include "core/file.h"
 
 /*
- * Maximum size of a mesh file in bytes: twice the size of a binary STL file with OST_MESH_FILE_TRIANGLES_MAX triangles,
- * or 128 bytes per triangle in a text file.
+ * Maximum size of a mesh file in bytes: more than twice the size of a binary STL file with
+ * OST_MESH_FILE_TRIANGLES_MAX triangles, which is enough for a text file with 128 bytes per triangle.
  */
 #define FILE_MAX (INT64_C(1) << 30)
 

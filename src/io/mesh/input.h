@@ -30,7 +30,8 @@ typedef struct mesh_input {
     size_t bodies;
 } mesh_input;
 
-/* Reads the file and determines its kind, from the content if the kind has a signature, otherwise from the name. */
+/* Reads the file and determines its kind. The kind is determined from the content if the content has a signature,
+   otherwise from the name. */
 ost_status ost_mesh_input_load(const char *path, mesh_input *in, ost_error *err);
 void ost_mesh_input_free(mesh_input *in);
 

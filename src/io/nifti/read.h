@@ -10,7 +10,7 @@
 
 /* Number of bytes from the start of the (unpacked) file that identify the format. */
 enum { OST_NIFTI_SNIFF = 348 };
-/* Returns 1 or 2 for NIfTI of version 1 or 2, 7 for ANALYZE 7.5, the format before NIfTI, and 0 for any other file. */
+/* Returns 1 for NIfTI-1, 2 for NIfTI-2, 7 for ANALYZE 7.5 (the predecessor of NIfTI), and 0 for any other file. */
 int ost_nifti_sniff(const unsigned char *bytes, size_t size);
 
 /*

@@ -39,7 +39,7 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    /* used only by the producer; true after a long disk failure, when ost_recorder_put_waiting returns without
+    /* used only by the producer; true after a long disk failure: ost_recorder_put_waiting then returns without
      * waiting */
     bool impatient;
 

@@ -4,7 +4,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
-/* Writes a block header and its payload in one append, so that a kill cannot separate them. */
+/* Writes a block header and its payload in one append, so that the file does not end between
+   them if the process is killed. */
 static int put_block(session_writer *writer, session_block *block, unsigned char *bytes)
 {
     if (writer->cut_needed) {
