@@ -68,7 +68,7 @@ typedef struct task {
     int rows, first[N_MAX / 4];
     size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
     int sources;
-    size_t next_source; /* the slice that is prefetched after the last element of source[] */
+    size_t next_source; /* the slice that is prefetched while the last slice in source[] is read */
     /*
      * For group g of four y coordinates, box[g] contains the source rows in all source slices of the layer, as offsets
      * from view.voxels. The lists are set only if the view has weights.
