@@ -84,8 +84,8 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
  *
  * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each axis base - below <= u <= base + above. If
  * this range does not overlap [0, dims 2^20), no voxel of the block is inside the tool's grid. below + above is at most
- * 15 times a sum of three |step|, which is < 2^29 (AR-MAP-5), so `from` and from + width fit int32, like the
- * coordinates u of remove.h.
+ * 15 times a sum of three |step|, and therefore less than 2^29 (AR-MAP-5), so `from` and from + width fit int32, like
+ * the coordinates u of remove.h.
  */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3])
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the constants that the kernels need for a pose from the steps of its map. remove.h has the proof. */
+/* Computes the constants that the kernels need for a pose. The input is the steps of the pose's map. The formulas are
+   proved in remove.h. */
 #include <string.h>
 
 #include "core/conditions.h"

@@ -66,7 +66,7 @@ static int32_t within(int32_t v, int32_t lo, int32_t hi)
     return min32(max32(v, lo), hi);
 }
 
-/* Returns the set of the cubes of 8^3 voxels of a unit that lie entirely in the box. Bit i of the set is cube number
+/* Returns the set of the unit's cubes of 8^3 voxels that lie entirely in the box. Bit i of the set is for cube number
    i (0..63). */
 static uint64_t cubes_within(const int32_t unit[3], const ost_voxel_box *box)
 {
