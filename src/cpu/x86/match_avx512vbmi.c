@@ -70,7 +70,7 @@ static void sort_thresholds(const ost_match *match, int a, ost_carries *out)
     }
 }
 
-/* Returns floor(offset) in complete tool voxels along axis a, as bytes, for the 64 voxels of a brick. */
+/* Returns one byte for each of the 64 voxels of a brick: floor(offset) along axis a, in complete tool voxels. */
 static __m512i whole_offsets(const ost_match *match, int a)
 {
     _Alignas(64) uint8_t whole[64];

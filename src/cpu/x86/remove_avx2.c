@@ -214,7 +214,7 @@ static inline offsets offsets_of(const uint16_t table[3][64])
     return o;
 }
 
-/* Recomputes the hits of the tied bricks, including the carries of the low bits. */
+/* Recomputes the hits of the tied bricks with the carries of the low bits. */
 static void match_tied(const ost_match *match, const offsets *high, const places *at, size_t count, uint64_t *hits)
 {
     const offsets low = offsets_of(match->low);

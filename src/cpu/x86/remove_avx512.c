@@ -482,7 +482,7 @@ void ost_match_avx512(const ost_match *match, const ost_cubes *bricks, uint64_t 
 
 enum { AHEAD = 16 }; /* prefetch distance, in bricks */
 
-/* Returns the sum of the 16-bit lanes of v, as unsigned numbers. */
+/* Returns the sum of the unsigned 16-bit lanes of v. */
 static inline uint64_t sum16(__m512i v)
 {
     const __m512i even = _mm512_and_si512(v, _mm512_set1_epi32(0xffff)), odd = _mm512_srli_epi32(v, 16);
@@ -496,7 +496,7 @@ static inline __m512i widen16(__m512i v)
 
 /*
  * Adds the hits of `count` bricks to the tally. A 16-bit lane can sum up to
- * 65535 / take->highest densities, which is at least two. A brick has two registers, so
+ * 65535 / take->highest densities, that is, at least two. A brick has two registers, so
  * the 16-bit lanes are added to 32-bit lanes after every `bricks` bricks. A 32-bit lane
  * can sum 512 bricks of 2 * 2 * 32767 < 2^17 each. Callers pass the number of borders as
  * a constant, so that all sums stay in registers.

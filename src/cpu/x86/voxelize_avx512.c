@@ -140,7 +140,7 @@ void ost_vox_keys_avx512(const ost_vox_plan *plan, const ost_snapped_mesh *mesh,
 
 /* ------------------------------------------------------------- solid bits */
 
-/* Returns the number of set bits of each byte of v. */
+/* Returns the number of set bits in each byte of v. */
 static inline __m512i count_bytes(__m512i v)
 {
     const __m512i table = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4));
