@@ -58,8 +58,8 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
 typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const int16_t *minus, int width, int32_t *to);
 
 /*
- * Computes weighted sums of rows: to[i] = RHE(sum of rows[r][i] weight[r] / 2^45)
- * over 0 <= r < count (1, 2 or 4) for 0 <= i < width (1 to 64).
+ * Computes weighted sums of `count` (1, 2 or 4) rows: for 0 <= i < width (1 to 64),
+ * to[i] = RHE(sum of rows[r][i] weight[r] / 2^45), where the sum is over 0 <= r < count.
  * |rows[r][i]| <= 2^30.  All weights have the same sign and sum to 2^30 or -2^30.  The
  * results fit 16 bits.  rows[r] and `to` have a capacity of width rounded up to a
  * multiple of 16.  The elements beyond width may be read, and those of `to` may be
@@ -100,7 +100,7 @@ typedef bool ost_any_active_fn(const int16_t *base, const size_t *row, int count
  */
 typedef void ost_sample_fn(const struct cpu_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities);
 
-/* Orders all earlier stores of the calling thread that bypass the caches before all later stores of the thread. */
+/* A barrier: the calling thread's earlier stores that bypass the caches become visible before its later stores. */
 typedef void ost_drain_fn(void);
 
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
@@ -133,8 +133,8 @@ typedef void ost_split_fn(const ost_split *split, const ost_cells *cells, const 
                           const uint64_t *occupancy, ost_cubes *mixed, ost_numbers *inside);
 
 /*
- * Computes the tables of *match that the `match` kernel of the same instruction set reads. match->windows or
- * match->wide is true, and ost_match_make has computed the other members.
+ * Computes the tables of *match that the `match` kernel of the same instruction set reads. Requires that
+ * match->windows or match->wide is true, and that ost_match_make has computed the other members.
  */
 typedef void ost_match_tables_fn(ost_match *match);
 

@@ -60,7 +60,7 @@ typedef enum ost_cpu_path {
 } ost_cpu_path;
 
 typedef struct ost_cpu_sharing {
-    int64_t least[OST_CPU_PATHS]; /* smallest size of work with which each path is entered */
+    int64_t least[OST_CPU_PATHS]; /* for each path, the smallest size of work with which the path is entered */
     /* true if the option `grain` or `order` was given; blocks are then assigned to the members in turn */
     bool dealt;
     /* value of the `order` option, the seed of the random order; 0 if the option was not given */

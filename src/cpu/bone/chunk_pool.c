@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is atomic. ost_chunk_pool_take decrements
- * the number, and ost_chunk_pool_give increments it. Each change of the number yields the index of one stack element,
- * and only the thread that made the change accesses this element. Because calls of ost_chunk_pool_take and
+ * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is an atomic variable. ost_chunk_pool_take
+ * decrements the number, and ost_chunk_pool_give increments it. Each change of the number yields the index of one stack
+ * element, and only the thread that made the change accesses this element. Because calls of ost_chunk_pool_take and
  * ost_chunk_pool_give do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
