@@ -315,8 +315,8 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
     }
 }
 
-/* Maximum force of the coupling, and maximum sum of the points' forces in the law `instant`. It is more than a hand can
-   exert, and is reached only if the device is far from the tool or deep in the bone. */
+/* Maximum force of the coupling, and maximum sum of the points' forces in the law `instant`. This force is more than a
+   hand can exert, and is reached only if the device is far from the tool or deep in the bone. */
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*
@@ -436,8 +436,8 @@ static ost_pm picometres(double m)
 }
 
 /*
- * Updates the velocity and the angular velocity of the device, low-pass filtered at VELOCITY_HZ. Sets turn to the
- * unfiltered angular velocity of this tick.
+ * Updates the velocity and the angular velocity of the device, which are low-pass filtered at VELOCITY_HZ. Sets turn to
+ * the unfiltered angular velocity of this tick.
  */
 static void follow(ost_force *f, const ost_pose *device, double period, double turn[3])
 {

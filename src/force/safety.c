@@ -51,7 +51,7 @@ static void slew(double v[3], const double last[3], double most)
 }
 
 /*
- * Subtracts the work of the last force over `moved`, the motion since the last tick, from the stored
+ * Computes the work of the last force over `moved`, the motion since the last tick, and subtracts it from the stored
  * energy. If the result is negative, adds damping to the force.
  */
 static void passivity(ost_safety *s, const double moved[3], double period_s, double force_n[3])
