@@ -28,7 +28,8 @@
  * replaced. Permissions follow the umask.
  *
  * Signals: a process that may be terminated by SIGINT, SIGTERM, SIGHUP or SIGXFSZ calls ost_outfile_unlink_pending from
- * its handler. It should ignore SIGXFSZ and SIGPIPE, so that a size limit or a closed pipe becomes an error message.
+ * its handler. The process should ignore SIGXFSZ and SIGPIPE, so that a size limit or a closed pipe becomes an error
+ * message.
  *
  * Threads: one file is used by one thread at a time; different files are independent.
  */

@@ -7,7 +7,7 @@
 
 #include "io/dicom/request.h"
 
-/* Starts process p of n. It reads the images p, p + n, p + 2 n, ... of the stack. */
+/* Starts process p of n. The process reads the images p, p + n, p + 2 n, ... of the stack. */
 static ost_status start(ost_dicom_images *images, const ost_dicom_launch *launch, size_t p, ost_error *err)
 {
     static const uint8_t no_salt[OST_DICOM_SALT];

@@ -50,7 +50,7 @@ ost_status ost_dicom_program(const char *input, char path[OST_DICOM_PATH_MAX], o
 
 /*
  * Starts a process. `request` is the descriptor of an open file at position 0. `images` is the number of images in the
- * request, which determines the limit on processor time. *out is initialised in all cases, and may be passed to
+ * request; this number determines the limit on processor time. *out is initialised in all cases, and may be passed to
  * ost_dicom_process_end even after a failure.
  */
 ost_status ost_dicom_process_start(const ost_dicom_launch *launch, int request, size_t images, ost_dicom_process *out,

@@ -45,8 +45,8 @@ ost_status ost_dicom_scan_path(const char *path, const ost_dicom_launch *launch,
 void ost_dicom_scan_free(ost_dicom_scan *scan);
 
 /*
- * Adds the image described by `record`, which was found in file number `file`. Returns OST_ERR_INPUT if the record is
- * invalid.
+ * Adds the image described by `record`. The image was found in file number `file`. Returns OST_ERR_INPUT if the record
+ * is invalid.
  */
 ost_status ost_dicom_scan_add(ost_dicom_scan *scan, size_t file, const ost_dicom_record *record, ost_error *err);
 

@@ -141,9 +141,9 @@ static ost_status read_resampled(ost_dicom_slices *s, int16_t *to, ost_error *er
 }
 
 /*
- * Computes slice k of an evened stack, which lies at k * extent / steps. The two stack slices around this position are
- * in memory: `before` has index s->index - 2, and `after` has index s->index - 1. All positions are scaled by `steps`
- * to remain integers, so they are below 2^46 * 2^14.
+ * Computes slice k of an evened stack. The slice lies at k * extent / steps. The two stack slices around this position
+ * are in memory: `before` has index s->index - 2, and `after` has index s->index - 1. All positions are scaled by
+ * `steps` to remain integers, so they are below 2^46 * 2^14.
  */
 static ost_status make_even(ost_dicom_slices *s, int64_t k, ost_error *err)
 {

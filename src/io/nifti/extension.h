@@ -17,9 +17,9 @@ enum { OST_NIFTI_COMMENT_MAX = 1 << 16, OST_NIFTI_NAMES_MAX = 1 << 20 };
 
 /*
  * Reads the extensions from the byte after the header's struct up to the offset `end`; UINT64_MAX means the end of the
- * file. Extensions of other programs are skipped, except tables of label names, which have various codes. The names are
- * added to *names unless `names` is NULL. If an extension has an invalid size, reading ends without an error, because
- * header facts do not affect voxels.
+ * file. Extensions of other programs are skipped, except tables of label names, which have various codes. These names
+ * are added to *names unless `names` is NULL. If an extension has an invalid size, reading ends without an error,
+ * because header facts do not affect voxels.
  */
 ost_status ost_nifti_extensions_read(ost_input *input, uint64_t end, bool swap, ost_meta *meta, ost_label_names *names,
                                      ost_error *err);

@@ -21,8 +21,8 @@
  *   values        times slope plus intercept; a slope of 0, NaN or infinity
  *                 means none
  *
- * header.c computes the affine with only + * / and sqrt of doubles, which IEEE 754 defines exactly, and is compiled
- * without contraction.
+ * header.c computes the affine with only + * / and sqrt of doubles, which IEEE 754 defines exactly. The file is
+ * compiled without contraction.
  */
 #ifndef OST_IO_NIFTI_HEADER_H
 #define OST_IO_NIFTI_HEADER_H
