@@ -136,8 +136,8 @@ typedef struct hit_list {
 } hit_list;
 
 /*
- * Makes the active voxels of a brick that are in the set `hits` inactive. Appends the brick with these voxels to the
- * list.
+ * Clears the occupancy bits of the voxels of a brick that are in the set `hits`. If some of these voxels were active,
+ * appends the brick with these active voxels to the list.
  */
 static inline void add_hits(hit_list *list, uint64_t *occupancy, int32_t number, uint64_t hits)
 {
@@ -165,8 +165,8 @@ static void collect_blocks(const ost_cpu_kernels *kernels, const ost_pose_plan *
     kernels->blocks(bases, &plan->reach, first, from, to, blocks);
 }
 
-/* Lists the hits of a unit and makes the voxels that are hit inactive. The hits are in mixed bricks, in bricks that are
-   inside the tool, and in cubes that are inside the tool. */
+/* Lists the hits of a unit and clears the occupancy bits of the voxels that are hit. The hits are in mixed bricks, in
+   bricks that are inside the tool, and in cubes that are inside the tool. */
 static inline __attribute__((always_inline)) void apply_hits(hit_list *list, uint64_t *occupancy,
                                                              const ost_cubes *bricks, const uint64_t *hits,
                                                              const ost_numbers *inside_bricks,
