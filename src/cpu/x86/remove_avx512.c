@@ -9,8 +9,8 @@
  *           bytes is one register, and VPERMW selects its rows
  *   take    a brick is two registers; comparisons with the borders result in masks
  *
- * Indices are stored to memory, and tables are read by scalar loads, because sixteen loads take half the
- * time of a gather instruction, and many of them are executed at the same time.
+ * Indices are stored to memory, and tables are read by scalar loads. Many scalar loads are executed at the
+ * same time, so sixteen of them take half the time of a gather instruction.
  *
  * The file has more than 500 lines, because the four kernels share helper functions that are inlined
  * into them.
