@@ -5,7 +5,7 @@
  *   words of a chunk and its neighbours --pad--> 34 rows of 34 words, and the words of both neighbours along x
  *       --classify--> six words for each row: the voxels whose face is visible (core/visible.h)
  *       --compact--> active voxels in ascending order: number | visible faces << 15
- *       --quads--> one addition of four words for each face
+ *       --quads--> four vertices for each face: the voxel plus the face's four corners
  *
  * Chunks are processed in batches. Each thread compacts complete chunks; then the numbers of faces are added up, and
  * each thread writes the quads of complete chunks directly to their final position, so quads are never copied.
@@ -22,8 +22,8 @@ enum { SIDE = OST_FACE_CHUNK, PADDED = OST_FACE_PADDED, ROWS = OST_FACE_ROWS, BA
 static const uint32_t empty[ROWS]; /* the shared empty chunk */
 
 /*
- * The number of set bits of each mask of six faces. A table is used because the baseline of x86-64 has no instruction
- * that counts bits.
+ * The number of set bits of each mask of six faces. A table is used because the baseline instruction set of x86-64 has
+ * no instruction that counts bits.
  */
 static const uint8_t faces_of_mask[64] = {
     0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 1, 2, 2, 3, 2, 3, 3, 4, 2, 3, 3, 4, 3, 4, 4, 5,

@@ -100,7 +100,7 @@ typedef struct ost_team {
     /* the next block if `dealt` is false; with a random order, the number of blocks that members have begun */
     _Atomic int64_t next;
     uint64_t order;       /* seed of the team's random order; 0 for the usual order */
-    /* with a random order, turn t processes block (first + t * stride) mod (number of blocks) */
+    /* with a random order, block (first + t * stride) mod (number of blocks) is processed in turn t */
     int64_t first, stride;
     int members;          /* number of threads that OpenMP provided; valid after the parallel region */
 } ost_team;

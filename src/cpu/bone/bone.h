@@ -66,7 +66,7 @@ static inline int32_t ost_brick_gather(int32_t number)
 
 /*
  * Allocates memory for a chunk that has none. The content of the memory is undefined. If `pool` is not NULL and has a
- * free block, the memory is a block of `pool`. If not, malloc allocates the memory. Returns false if memory is
+ * free block, the memory is a block of `pool`. Otherwise, malloc allocates the memory. Returns false if memory is
  * exhausted.
  */
 bool ost_cpu_chunk_take(const cpu_bone *bone, ost_chunk_pool *pool, cpu_chunk *chunk);
