@@ -146,7 +146,7 @@ bool ost_pattern_boundary_layer(const pattern_scan *s, char *text)
 /*
  * Returns true if the row of B that begins at index `row` can be explained by counts of the previous row that were not
  * cleared. Such a row is solid where at least one of the two rows is solid (winding), or where exactly one of them is
- * solid (parity). Adds the number of voxels of the row that became solid or empty to *differing.
+ * solid (parity). Adds to *differing the number of voxels of the row that became solid or empty.
  */
 static bool is_carried(const pattern_view *v, int64_t row, int64_t *differing)
 {

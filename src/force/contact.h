@@ -4,10 +4,10 @@
  *
  *   The points are stored in the tool's frame, where their properties are constant;
  *   forces and velocities are rotated into that frame.  Only the positions in the
- *   bone's grid are computed in each tick, by one affine map, four points at a time,
- *   without divisions or calls.  All further work is done only for the points that
- *   touch bone.  If the tool's bounding sphere lies outside the grid, no voxel is
- *   read.
+ *   bone's grid are computed in each tick.  One affine map computes them for four
+ *   points at a time, without divisions or calls.  All further work is done only for
+ *   the points that touch bone.  If the tool's bounding sphere lies outside the grid,
+ *   no voxel is read.
  *
  * Lengths are in metres.
  */

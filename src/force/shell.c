@@ -204,7 +204,7 @@ static ost_status merge(const ost_tool_volume *tool, const faces *f, ost_shell_p
     const int most = d.x > d.y ? (d.x > d.z ? d.x : d.z) : d.y > d.z ? d.y : d.z;
     /*
      * The first cell size is estimated from the surface of the box. The size is then increased
-     * until the points fit.
+     * until there are at most OST_SHELL_MAX points.
      */
     const double sides = 2.0 * ((double)d.x * d.y + (double)d.y * d.z + (double)d.x * d.z);
     for (int size = 1 + (int)sqrt(sides / OST_SHELL_MAX / 2); size <= 2 * most; size += 1 + size / 8) {
