@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The `mouse` driver: follows a target pose that a window's thread sets, at a thousand ticks per
- * second.
+ * The `mouse` driver: a device that follows a target pose in a thousand ticks per second. A window's
+ * thread sets the target pose.
  *
  *   window, 60 times a second --ost_mouse_input_put--> three buffers --read--> the target pose
  *                                                                  |  low pass, limited step per tick
