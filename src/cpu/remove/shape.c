@@ -63,7 +63,7 @@ static int count_edge(const uint64_t *row, int32_t x, int32_t edge)
 }
 
 /*
- * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted, for one line of
+ * Sets the state of each granule. The solid voxels of each granule (at most 16^3 = 4096) are counted for one line of
  * granules at a time. Returns false if memory is exhausted.
  */
 static bool mark_granules(const ost_shape *shape, lattice *l)
