@@ -211,7 +211,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
     }
 }
 
-/* The tables of a pose that the loop over bricks keeps in registers. */
+/* The tables that the loop over bricks keeps in registers, for one pose. */
 typedef struct wide_tables {
     __m512i row, x, bits;
 } wide_tables;
