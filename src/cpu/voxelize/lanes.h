@@ -142,7 +142,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* Differences between the last and the first row, and between the last and the first slice, of the bounds. */
+    /* Differences between the last and the first row of the bounds, and between their last and first slice. */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));

@@ -121,7 +121,7 @@ struct ost_vox_plan {
 
 /* For each tile, lists the triangles that can cross rows of the tile. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1 elements, the ranges of `list`; NULL if there is only one tile */
+    size_t *start;   /* tiles + 1 indices, which bound the tiles' ranges in `list`; NULL if there is only one tile */
     uint32_t *list;  /* numbers of triangles; those of tile t are list[start[t]] to list[start[t + 1] - 1] */
     uint32_t *large; /* numbers of the triangles that overlap many tiles; each tile processes all of them */
     size_t large_count;
