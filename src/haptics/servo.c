@@ -225,8 +225,8 @@ static bool beat(void *user)
 }
 
 /*
- * Returns the time that the hypervisor has taken from all cores since boot, in ms, or -1 if the system does not report
- * this time.
+ * Returns the time in ms that the hypervisor has taken from all cores since boot. Returns -1 if the system does not
+ * report this time.
  */
 static int64_t stolen_ms(void)
 {
