@@ -49,7 +49,7 @@ typedef struct ost_dicom_frame {
     int64_t slope, intercept;
 } ost_dicom_frame;
 
-/* Converts a record, the payload of a message, to an image. The strings of the record must end with NUL. */
+/* Converts a record (the payload of a message) to an image. The strings of the record must end with NUL. */
 void ost_dicom_frame_of(const ost_dicom_record *record, ost_dicom_frame *out);
 
 #endif

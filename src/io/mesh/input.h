@@ -4,8 +4,8 @@
  *
  *   file --load--> bytes --check--> bytes whose counts and indices are correct --> assimp
  *
- * assimp reads well-formed files correctly, but it does not check counts, opens files that are named in the input,
- * repairs errors silently, and reports no line numbers. Therefore every file is first read into memory and checked
+ * assimp reads well-formed files correctly, but it opens files that are named in the input, repairs errors silently,
+ * and neither checks counts nor reports line numbers. Therefore every file is first read into memory and checked
  * completely here. assimp receives only data that have passed the check, and cannot open any other file of the system.
  * Binary files are checked in place, and the parts that do not affect the vertices (headers, materials, animation) are
  * zeroed. Text is rewritten in a plain form, in which the numbers are copied verbatim.
