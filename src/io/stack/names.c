@@ -171,7 +171,8 @@ static likeness compare(const char *a, const char *b, int *at)
     return found;
 }
 
-/* Returns number `at` of a name, counted from 0; -1 if it has more than DIGITS_MAX digits. */
+/* Returns the value of number `at` of a name, counted from 0. Returns -1 if the number has more than DIGITS_MAX
+   digits. */
 static int64_t number_of(const char *name, int at)
 {
     for (int number = 0; *name; name++) {

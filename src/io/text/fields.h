@@ -34,7 +34,10 @@ static inline const char *ost_text_skip_blanks(const char *p, const char *end)
     return p;
 }
 
-/* If the line has a field with the number `index` (from 0), moves *p to its start. Returns the kind of the field. */
+/*
+ * Moves *p to the start of field `index`, counted from 0. On entry, *p is the start of the line or the end of the
+ * previous field. Returns the kind of the field, or OST_TEXT_END if the line has no further field.
+ */
 static inline ost_text_field_kind ost_text_field_start(const char **p, const char *end, int index)
 {
     const char *q = ost_text_skip_blanks(*p, end);

@@ -12,12 +12,13 @@
  *      two ways, so g is now the smallest gap above u, and s is in [g - u, g + u].  Because
  *      |c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u, a step k_i restricts s to
  *      [(c_i - c_0 - u) / k_i, (c_i - c_0 + u) / k_i].  For each i in ascending order, if
- *      exactly one k_i is consistent with the interval of s found so far, it narrows this
- *      interval.  If no k_i or several are consistent, this is an error.
+ *      exactly one k_i is consistent with the interval of s found so far, this k_i narrows
+ *      the interval.  If no k_i or several are consistent, this is an error.
  *
- * Unit. Texts without trailing zeros ("0", "0.47", "0.5") have fewer digits than their precision. Therefore, the units
- * that occur are tested from the finest to the coarsest, and the first unit with a lattice is used. Coordinates that
- * fit a finer unit also fit a coarser one, so the result does not suggest a precision that the digits do not have.
+ * Unit. In a text without trailing zeros ("0", "0.47", "0.5"), the number of digits does not show the precision.
+ * Therefore, the units that occur are tested from the finest to the coarsest, and the first unit for which a lattice is
+ * found is used. Coordinates that fit a finer unit also fit a coarser one, so the result does not suggest a precision
+ * that the digits do not have.
  *
  * Spacing. The result is the feasible decimal with the fewest digits after the point. Of several such decimals, it is
  * the one nearest to (c_(m-1) - c_0) / n, where n = k_(m-1); of two equally near decimals, the smaller one. The left
@@ -30,8 +31,8 @@
  * tested with u + n pm in place of u in (F), because an error of half a picometre in the spacing becomes k / 2 pm after
  * k steps.
  *
- * If the spacings of axes differ by at most 1 %, they share one spacing that is feasible for all of them, found in the
- * same way, so that an isotropic grid remains isotropic.
+ * If the spacings of several axes differ by at most 1 %, these axes share one spacing that is feasible for all of them.
+ * The shared spacing is found in the same way. An isotropic grid thus remains isotropic.
  *
  * Ranges. |c_i - c_0| <= 1.6 * 10^13, u <= 10^12 and k <= 16383 < 2^14, so (c_i - c_0 + u) * k < 2.8 * 10^17. A
  * feasible s has s <= k_(m-1) s <= c_(m-1) - c_0 + u <= 1.7 * 10^13, so k s < 2.8 * 10^17. A spacing above 100 mm is

@@ -41,8 +41,8 @@ ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error 
 void ost_text_lines_close(ost_text_lines *lines); /* NULL is allowed */
 
 /*
- * Reads the next block, which remains valid until the next call. If a line is too long, the message states
- * line_number.
+ * Reads the next block, which remains valid until the next call. `line_number` is the number of the block's first
+ * line; the error message for a line that is too long states this number.
  */
 ost_status ost_text_lines_next(ost_text_lines *lines, int64_t line_number, ost_text_block *block, ost_error *err);
 /* Moves to the start of the file. */

@@ -16,7 +16,7 @@
 
 #include "io/text/parse.h"
 
-/* --------------------------------------- a text as rows, which can be rewound */
+/* --------------------------------------- a rewindable source of rows */
 
 typedef struct ost_text_source {
     ost_text_lines *lines;

@@ -153,8 +153,8 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * Computes the index of a slice from its coordinate, assuming evenly spaced slices, and tolerates rounded coordinates.
- * If an index is wrong, the indices are not consecutive and the walk fails. |off| * 16383 < 2^58.
+ * Computes the index of a slice from its coordinate. The slices are assumed to be evenly spaced, and the coordinate may
+ * be rounded. If an index is wrong, the indices are not consecutive and the walk fails. |off| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -202,7 +202,7 @@ static bool place_row(ost_text_walker *walker, const ost_pm by_rank[3])
     return true;
 }
 
-/* Processes the first line of each row after the first row. Called only if `learning` is true. */
+/* Processes the first line of a row other than the first row. Called only if `learning` is true. */
 static bool learn_row(ost_text_walker *walker, const ost_pm by_rank[3])
 {
     ost_text_raster *raster = walker->plan->raster;

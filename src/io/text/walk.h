@@ -23,7 +23,7 @@
 #include "io/text/match.h"
 #include "io/text/raster.h"
 
-/* The data that all walkers share. Arrays by rank are indexed as in ost_text_raster. */
+/* The data that all walkers share. Arrays with one element per axis are indexed by rank, as in ost_text_raster. */
 typedef struct ost_text_plan {
     const char *path;
     int fd;

@@ -8,8 +8,8 @@
  *   # osteon kind: ct                     and the other facts
  *   -57.34 12.20 3.00 1043
  *
- * The comments state the exact geometry, so the file is read back as the same volume for any number of decimals. dims
- * allows a reader to detect an incomplete file.
+ * The comments state the exact geometry, so the file is read back as the same volume for any number of decimals. The
+ * dims allow a reader to detect an incomplete file.
  */
 #ifndef OST_IO_TEXT_WRITE_H
 #define OST_IO_TEXT_WRITE_H

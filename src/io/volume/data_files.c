@@ -52,8 +52,8 @@ static ost_status join(const ost_data_files *files, const char *name, char out[O
 }
 
 /*
- * Expands the pattern of a file name, normally with one conversion such as %d, %5d or %05d; "%%" yields "%". The
- * pattern is never passed to printf. Returns the number of conversions, or -1 if a conversion is of another kind or
+ * Expands the pattern of a file name. A pattern normally has one conversion such as %d, %5d or %05d; "%%" yields "%".
+ * The pattern is never passed to printf. Returns the number of conversions, or -1 if a conversion is of another kind or
  * `out` is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)

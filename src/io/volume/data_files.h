@@ -25,7 +25,7 @@ typedef enum ost_data_form { OST_DATA_RAW, OST_DATA_GZIP, OST_DATA_ZLIB, OST_DAT
 
 /* The file names as the header states them. The strings belong to the text of the header. */
 typedef struct ost_data_names {
-    const char *value; /* value of the field; NULL if the data follow the header */
+    const char *value; /* value of the field that names the files; NULL if the data follow the header */
     long line;         /* number of the line that contains the field, for messages */
     const char *list;  /* file names after LIST, each terminated by NUL; NULL if the value is not LIST */
     size_t list_bytes;
@@ -38,7 +38,7 @@ typedef struct ost_data_files {
     ost_data_form form;
     int32_t sizes[3];
     size_t element_bytes;
-    uint64_t attached_at; /* offset in the header's file of the first byte after the header */
+    uint64_t attached_at; /* offset of the first byte after the header, in the header's file */
     uint64_t line_skip;
     int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
 
@@ -49,8 +49,8 @@ typedef struct ost_data_files {
     int64_t first, step;
     uint64_t count;
     /*
-     * Used for LIST: position and index of the next name to read. They are kept from call to call, so that opening all
-     * files reads the list only once.
+     * Used for LIST: position and index of the next name to read. These members are kept between calls, so that the
+     * list is read only once when all files are opened.
      */
     const char *list_at;
     uint64_t list_index;

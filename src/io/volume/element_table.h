@@ -15,8 +15,9 @@
 typedef struct ost_element_table ost_element_table;
 
 /*
- * Returns the table of a converter, which must not be changed afterwards, for a volume of `voxels` voxels. Returns NULL
- * if a table is not possible or not worth its computation, or if memory is exhausted. Freed by free().
+ * Returns the table of a converter for a volume of `voxels` voxels. The converter must not be changed afterwards.
+ * Returns NULL if a table is not possible or not worth its computation, or if memory is exhausted. The caller frees the
+ * table with free().
  */
 ost_element_table *ost_element_table_make(const ost_converter *converter, int64_t voxels);
 

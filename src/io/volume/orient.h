@@ -9,8 +9,8 @@
  *
  *   File axis a runs along the LPS axis to[a], backwards if flip[a].  The
  *   permutation `to` maximises the product over a of |column[a][to[a]]|; of several
- *   such permutations, the first in the order xyz xzy yxz yzx zxy zyx is used.  It
- *   depends only on integers.
+ *   such permutations, the first in the order xyz xzy yxz yzx zxy zyx is used.  The
+ *   choice depends only on integers.
  *
  *   A grid is straight if, on each axis, every voxel centre is within 1/8 of a voxel of its
  *   position in an axis-parallel grid.  Let off(a, w) be the component of column a along w
@@ -18,8 +18,8 @@
  *
  *     sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8
  *
- *   At least 64 steps are assumed, so that a real tilt is also found in a thin stack.  All
- *   other grids are oblique; their angle is reported to the user.
+ *   At least 64 steps are assumed, so that a real tilt is also found in a thin stack.  A grid
+ *   that is not straight is oblique; its angle is reported to the user.
  */
 #ifndef OST_IO_ORIENT_H
 #define OST_IO_ORIENT_H
@@ -50,8 +50,8 @@ typedef struct ost_placement {
 bool ost_affine_restate(ost_affine *affine, const char code[4]);
 
 /*
- * Computes the placement. `sizes` are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent,
- * and, for a straight grid, OST_ERR_RANGE if ost_geometry_check does.
+ * Computes the placement. `sizes` are in the file's order. Returns OST_ERR_INPUT if the columns are linearly dependent.
+ * Returns OST_ERR_RANGE if the grid is straight and ost_geometry_check returns this status for its geometry.
  */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 

@@ -6,8 +6,8 @@
  *
  * Every part is checked before anything is allocated: a plain part must contain exactly its bytes, and a packed part
  * must be large enough to unpack to its bytes. The parts are then opened one after the other, so only one file is open
- * at a time. Data beyond the end that follows from the sizes are an error, because either the sizes or the file is
- * wrong.
+ * at a time. The sizes determine the number of bytes. Further data are an error, because either the sizes or the file
+ * is wrong.
  */
 #ifndef OST_IO_VOLUME_PARTS_H
 #define OST_IO_VOLUME_PARTS_H

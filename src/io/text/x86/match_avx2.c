@@ -43,8 +43,8 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 }
 
 /*
- * Shifts a word that begins with a density, as in match.c, so that the last byte of the density becomes the highest
- * byte. Returns the length of the density.
+ * Shifts a word that begins with a density. The last byte of the density becomes the highest byte, as in match.c.
+ * Returns the length of the density.
  */
 static inline int64_t align(uint64_t *word, bool carriage)
 {

@@ -48,8 +48,8 @@ static inline densities parse(__m512i last, __m512i length)
 /* Parses words that begin with a density, as in match.c. */
 static inline densities parse_words(__m512i words, bool carriage)
 {
-    /* Bit 8 n + 7 is set if byte n is a newline. If there is no newline, n is -1, which is an invalid length, and the
-     * shift 64 - 8 n is 72. */
+    /* Bit 8 n + 7 is set if byte n is a newline. If there is no newline, n is -1, which is an invalid length, and a
+     * shift by 64 - 8 n = 72 bits yields 0. */
     __m512i x = _mm512_xor_si512(words, _mm512_set1_epi8('\n'));
     __m512i zero = _mm512_andnot_si512(x, _mm512_sub_epi64(x, _mm512_set1_epi8(1)));
     zero = _mm512_and_si512(zero, _mm512_set1_epi8((char)0x80));

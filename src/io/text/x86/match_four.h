@@ -17,8 +17,8 @@
  * have n_i <= 7 bytes ("-12345" and a carriage return). The density of line k begins n_0 + .. + n_(k-1) <= 21 bytes
  * after the beginning of its window. Let all lines have at least OST_TEXT_JUMP = 21 bytes in front of their densities.
  * The window then begins within these bytes. If line k matches, these bytes contain no newline, so the newline is at
- * n_0 + .. + n_k <= 28 of 32. If line k does not match, the ends that were found do not matter, because a caller
- * accepts all four lines or none.
+ * index n_0 + .. + n_k <= 28 of the 32 bytes. If line k does not match, the ends that were found do not matter,
+ * because a caller accepts all four lines or none.
  */
 #ifndef OST_IO_TEXT_X86_MATCH_FOUR_H
 #define OST_IO_TEXT_X86_MATCH_FOUR_H
