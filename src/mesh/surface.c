@@ -30,8 +30,8 @@ typedef struct pattern {
     struct {
         uint8_t length;
         /*
-         * index of a vertex from which a fan of triangles has no diagonal in a face of the cell; -1 if no vertex has
-         * this property, in which case the loop needs an additional vertex in its middle
+         * index of a vertex whose fan of triangles has no diagonal in a face of the cell; -1 if there is no such
+         * vertex, in which case the loop needs an additional vertex in its middle
          */
         int8_t apex;
         uint8_t edge[LOOP_MAX];

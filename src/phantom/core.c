@@ -160,7 +160,7 @@ typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
     ost_v3 centre; /* centre of the box in mm */
-    double blur;   /* width of the partial volume at a surface, in mm before scaling */
+    double blur;   /* mean spacing in mm before scaling; the `width` of ost_scan_cover */
 } corer;
 
 /* Returns the position of a voxel's centre in mm before scaling. */

@@ -52,8 +52,8 @@ static pose make_pose(double scale)
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
     /*
-     * The lift is a rotation in the plane of the blade, the lean a rotation about the lateral axis, and the turn a
-     * rotation about the vertical axis.
+     * The lift is a rotation in the plane of the blade, the lean is a rotation about the lateral axis, and the turn is
+     * a rotation about the vertical axis.
      */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
@@ -215,7 +215,7 @@ typedef struct scanner {
     ost_scapula scapula;
     humerus humerus;
     pose pose;
-    double blur;     /* width of the partial volume at a surface, in mm of the anatomy */
+    double blur;     /* mean spacing in mm before scaling; the `width` of ost_scan_cover */
     int64_t first[3]; /* index of this grid's first voxel in the grid for which the noise is defined */
 } scanner;
 

@@ -15,8 +15,8 @@
  */
 typedef struct ost_scan {
     ost_volume *volume; /* volume with the geometry of the right side */
-    ost_pm3 corner;     /* corner of the first voxel, origin - spacing / 2; doubled, so that it is an integer */
-    ost_pm3 extent;     /* doubled corner of the first voxel in the grid to which the noise is aligned */
+    ost_pm3 corner;     /* twice the corner of the first voxel: 2 origin - spacing, which is an integer */
+    ost_pm3 extent;     /* twice the corner of the first voxel of the grid to which the noise is aligned */
     double scale;       /* factor by which the anatomy is enlarged */
     uint64_t seed;
     bool has_humerus;   /* true if a humerus touches the glenoid */

@@ -208,7 +208,7 @@ void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *
 
     /*
      * If the sheet is sloped, the height of a point above the sheet is greater than its distance from the sheet.
-     * Where this difference matters, it is at most a tenth.
+     * Where this difference has an effect, it is at most a tenth of the height.
      */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);

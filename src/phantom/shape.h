@@ -116,7 +116,7 @@ typedef struct ost_bar_segment {
     double wide, wide_step, thick, thick_step; /* radii */
     double length2; /* squared length */
     ost_v3 middle;
-    double reach;   /* maximum distance of the surface from the middle */
+    double reach;   /* maximum distance of the segment's surface from `middle` */
     double least_radius, greatest_radius;
     double flatness; /* at most 1; the comment of ost_bar_near explains this value */
 } ost_bar_segment;

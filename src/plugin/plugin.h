@@ -4,8 +4,8 @@
  *
  *   plugin:FILE.so,options --load.c--> table --adapt.c--> ost_backend_ops
  *
- * Checks the statuses, objects and reports that a plugin returns, so that an error in a plugin is reported at once and
- * does not cause a wrong result later.
+ * The backend checks the statuses, objects and reports that a plugin returns, so that an error in a plugin is reported
+ * at once and does not cause a wrong result later.
  */
 #ifndef OST_PLUGIN_PLUGIN_H
 #define OST_PLUGIN_PLUGIN_H
