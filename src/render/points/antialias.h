@@ -10,9 +10,13 @@
  * the upper and the lower pixel differ. If the edge continues into the upper or the lower row at an end of the run, the
  * run is one step of a slanted line, and this end of the step is half a pixel away from the line:
  *
- *   . . . . . . # # #          `line`: from half a pixel above the run's left end to its middle. The pixels # that the
- *   . . . . # # # # #          line cuts get the share of the colour below that lies below the line.
+ *   . . . . . . # # #
+ *   . . . . # # # # #
  *   # # # # # # # # #
+ *
+ * For example, the run between the lower two rows has its right end where the edge continues into the upper of these
+ * rows. The line falls from half a pixel above this end to the middle of the run. A pixel `.` that the line cuts is
+ * mixed with the pixel below it, whose weight is the part of the cut pixel's area that lies below the line.
  *
  * Sides between two columns are processed in the same way. All values are integers, so the result is bit-identical for
  * every instruction set and number of threads. A pixel depends only on pixels at most OST_ANTIALIAS_REACH away, in its
@@ -60,8 +64,9 @@ bool ost_antialias_init(ost_antialias *a, int width, int height, ost_isa isa);
 void ost_antialias_free(ost_antialias *a); /* accepts zero-initialized memory */
 
 /*
- * Finds the edges in the given cells of row `row`. Rows of colours are `stride` pixels apart, a multiple of
- * OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of cells.
+ * Finds the edges in the given cells of row `row`. Rows of colours are `stride` pixels apart; `stride` is a
+ * multiple of OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of
+ * cells.
  */
 void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int stride, const ost_cells *cells, int row);
 /* Removes all edges in the given cells of row `row`. */

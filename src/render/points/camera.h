@@ -8,7 +8,7 @@
  * bit-identical on all machines.
  *
  *   ray of pixel (x, y):   d = (x + 1/2 - w/2) right - (y + 1/2 - h/2) up + focal forward
- *   in voxels:             voxel (i, j, k) is the cube of side 1 about (i, j, k)
+ *   in voxels:             voxel (i, j, k) is the cube of side 1 centred at (i, j, k)
  */
 #ifndef OST_RENDER_CAMERA_H
 #define OST_RENDER_CAMERA_H

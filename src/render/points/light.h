@@ -66,8 +66,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * The unit vectors of all octahedral cells, and the function that computes the shades for all of them: by default the
- * one in light.c, or the result of ost_light_shade_for.
+ * The unit vectors of all octahedral cells, and the function that computes the shades for all of them. The default is
+ * the function in light.c; it can be replaced with the result of ost_light_shade_for.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];

@@ -56,7 +56,8 @@ uint32_t ost_label_colour(int label);
 /* Densities, in HU, that the CT window shows as black and as white; also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* ost_scale_colour and ost_window_grey return the colour of a step, 0 to 126, of the scale and of the grey window. */
+/* ost_scale_colour returns the colour of a step of the scale, and ost_window_grey that of a step of the grey window.
+   Steps are 0 to 126. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
 /* Returns the step, 0 .. 126, for a density in HU. */

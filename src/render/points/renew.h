@@ -9,7 +9,7 @@
 /* Selects the loops for an instruction set. Defaults to the best one that OSTEON_ISA allows. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of all blocks in which they may have changed. Must precede the first call of
+/* Recomputes the cells of each block whose cells may have changed. Must precede the first call of
    ost_surface_renew, which reads the cells of neighbouring blocks. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 

@@ -6,9 +6,9 @@
  *                          '--> means of 2^3 voxels --smoothed by 9^3 cells--> wide field --slopes.h--> normal,
  *   bits now, bits before, densities (uncut.h) --> paint                                               openness
  *
- * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis, so the field of a surface voxel of a plane is 0.6
- * of its maximum. The wide field yields the smooth surface, without the steps of voxels and slices; the fine field
- * yields the edges. All computations use integers, except for the last step (slopes.h).
+ * The weights of the smoothing are 1 2 3 4 5 4 3 2 1 along each axis, so the field at a surface voxel of a plane has
+ * 0.6 of its maximum value. The wide field yields the smooth surface, without the steps of voxels and slices; the fine
+ * field yields the edges. All computations use integers, except for the last step (slopes.h).
  */
 #ifndef OST_RENDER_SHADING_H
 #define OST_RENDER_SHADING_H

@@ -28,7 +28,7 @@ enum {
     /* distance from a cut, in voxels, up to which bone voxels count as 100 % bone, whatever their density */
     OST_NEAR_REACH = 3,
     OST_FIELD_LINE = 48,   /* number of voxels in a line, which begins at x = -8 */
-    /* number of rows in a slice of bone, and of slices */
+    /* number of slices of bone, and of rows in each slice */
     OST_FIELD_BONE = OST_BLOCK + 2 * OST_FIELD_REACH,
     /* number of rows of sums: those of the block and one more on each side */
     OST_FIELD_ROWS = OST_BLOCK + 2,

@@ -19,7 +19,8 @@
 enum { OST_SMOOTH_TRIANGLES_MAX = 1 << 17 };
 
 typedef struct ost_smooth_corner {
-    float at[3];     /* position in voxels of the tool's grid; voxel (i, j, k) is the cube of side 1 about (i, j, k) */
+    /* position in voxels of the tool's grid; voxel (i, j, k) is the cube of side 1 centred at (i, j, k) */
+    float at[3];
     float normal[3]; /* unit vector */
 } ost_smooth_corner;
 

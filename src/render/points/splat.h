@@ -71,7 +71,7 @@ typedef struct ost_splat_eye {
     float reach[3];       /* half the width of a voxel along right, up and forward */
 } ost_splat_eye;
 
-/* Half of a voxel's side, and a slightly greater value that avoids gaps between neighbours due to rounding. */
+/* Half of a voxel's side, and a slightly greater value, with which rounding leaves no gaps between neighbours. */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
 /* If an eye is within OST_FACE_HALF of a voxel's centre along an axis, the rays to this voxel may run in both

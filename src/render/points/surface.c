@@ -287,7 +287,8 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* Fresh and recent voxels are shaded alike, so a shade changes only where the two sets differ. */
+        /* Fresh and recent voxels are shaded alike, so shades change only where the sets of fresh and recent voxels
+         * differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);

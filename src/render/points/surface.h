@@ -38,7 +38,7 @@ enum {
     /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 * z */
     OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
-    /* maximum number of blocks with a slot; a slot in an id has 17 bits, of which one value means "none" */
+    /* maximum number of blocks with a slot; an id has 17 bits for the slot, and one of their values means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
@@ -58,7 +58,7 @@ typedef struct ost_surface_block {
     bool contact;              /* true if at least one shade of the block has OST_SHADE_CONTACT */
     /* version of the points and shades, unique within the process; 0 before the first list */
     uint64_t version;
-    uint64_t listed;           /* `version` when the list of points last changed */
+    uint64_t listed;           /* value of `version` when the list of points last changed */
     uint32_t occupancy[OST_BLOCK_ROWS]; /* active voxels that are shown */
     uint32_t occupied[OST_BLOCK_ROWS];  /* all active voxels */
     /* owned; voxels of `occupied` that changed since the last update; NULL if none */
@@ -107,14 +107,15 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
 void ost_surface_free(ost_surface *surface);
 
 /*
- * Replaces the active voxels of the block at[] (in blocks). Bits outside the grid must be 0. Returns OST_ERR_RANGE if
- * this would need more than OST_BLOCKS_MAX slots.
+ * Replaces the active voxels of the block at position at[], in blocks. Bits outside the grid must be 0. Returns
+ * OST_ERR_RANGE if this would need more than OST_BLOCKS_MAX slots.
  */
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Replaces the active voxels of the chunk of n^3 voxels at[] (in chunks), where n is 16, 32 or 64. Voxel v = x + n * (y
- * + n * z) is bit v % 32 of word v / 32. Allocates no memory for blocks that have never contained an active voxel.
+ * Replaces the active voxels of the chunk at position at[], in chunks of n^3 voxels, where n is 16, 32 or 64. Voxel
+ * v = x + n * (y + n * z) is bit v % 32 of word v / 32. Allocates no memory for blocks that have never contained an
+ * active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);

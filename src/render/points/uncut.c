@@ -76,8 +76,8 @@ static int density_at(const ost_uncut *g, const int32_t at[3])
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate, that is, close to the face and without bone at distances from
- * PLATE_MM to PLATE_CLEAR_MM outward of it.
+ * Returns true if a voxel is in the subchondral plate, that is, if it is close to the face and there is no bone from
+ * PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -102,7 +102,7 @@ static bool in_plate(const ost_uncut *g, const int32_t at[3])
     return true;
 }
 
-/* Returns true if a voxel with a density in [from, to) is one or two steps away along one of the axes. */
+/* Returns true if a voxel with a density in [from, to) is one or two voxels away from at[] along one of the axes. */
 static bool near(const ost_uncut *g, const int32_t at[3], int from, int to)
 {
     for (int i = 0; i < 12; i++) {

@@ -149,7 +149,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The following functions use the methods of x86/smooth_avx512.c, which explains them. */
+/* The methods of the following functions are explained in x86/smooth_avx512.c. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)

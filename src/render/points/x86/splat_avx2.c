@@ -272,8 +272,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Redraws voxels so close to the eye that their rays run in both directions of an axis: one iteration for each
-   further combination of signs. */
+/* Redraws voxels that are so close to the eye that their rays run in both directions of an axis. There is one iteration
+   for each further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {

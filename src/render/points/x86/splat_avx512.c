@@ -350,8 +350,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Redraws voxels so close to the eye that their rays run in both directions of an axis: one iteration for each
-   further combination of signs. */
+/* Redraws voxels that are so close to the eye that their rays run in both directions of an axis. There is one iteration
+   for each further combination of signs. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
