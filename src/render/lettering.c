@@ -131,7 +131,8 @@ static const drawing drawings[] = {
 
 typedef struct glyph {
     /*
-     * position, relative to the start of the letter on the baseline, and size of the bitmap, in pixels; y points down
+     * position and size of the bitmap in pixels; the position is relative to the start of the letter on the baseline,
+     * and y points down
      */
     int x, y, width, height;
     double advance;

@@ -38,9 +38,9 @@ enum { OUTLINE = 2 };        /* width of an outline in pixels */
 enum { LEAST_SIDE = 120 };  /* minimum length, in pixels, of a panel's shorter side for letters to fit */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Cached colours, three values per voxel, of the voxel rows above and below a line of samples; `row` is their index,
-   -1 if not computed yet. Many samples share a row, so calling the callback for each sample would dominate the
-   drawing time. */
+/* Cached colours, three values per voxel, of the voxel rows above and below a line of samples. `row` contains the
+   indices of the two rows; -1 means that the row has not been computed yet. Many samples share a row, so calling the
+   callback for each sample would dominate the drawing time. */
 typedef struct row_pair {
     double *rgb[2];
     int row[2];

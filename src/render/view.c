@@ -77,7 +77,7 @@ static void halve(ost_sheet *sheet)
         for (int x = 0; x < sheet->width; x++) {
             const uint32_t *from = sheet->pixels + (size_t)(2 * y) * (size_t)sheet->stride + 2 * x;
             const uint32_t four[4] = {from[0], from[1], from[sheet->stride], from[sheet->stride + 1]};
-            /* starts at half of the divisor 4 in each channel, so that the mean is rounded */
+            /* each channel starts at 2, half of the divisor, so that the mean is rounded */
             uint32_t odd = 0x020002, green = 0x0200;
             for (int i = 0; i < 4; i++) {
                 odd += four[i] & 0xff00ff;
@@ -108,8 +108,8 @@ static ost_status mark(const ost_sheet *sheet, const ost_viewer *viewer, const a
 }
 
 /*
- * Draws a view for ost_picture_view and ost_view_draw. `before` is the uncut bone or NULL. `labels` and `unit` are as
- * for ost_view_draw.
+ * Draws a view for ost_picture_view and ost_view_draw. `before` is the uncut bone or NULL. `labels` and `unit` have the
+ * same meaning as for ost_view_draw.
  */
 static ost_status draw(const ost_volume *volume, const ost_volume *before, bool labels, double unit,
                        const ost_view_options *options, ost_picture *out, ost_error *err)

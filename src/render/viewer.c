@@ -80,7 +80,7 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 
 /*
  * Returns the tool's grid as a geometry like that of a bone: the origin is the centre of the first voxel, not the
- * corner of the grid. Half a voxel is rounded down to picometres, an error that is invisible.
+ * corner of the grid. Half a voxel is rounded down to picometres; the error is invisible.
  */
 static ost_geometry grid_of(const ost_tool_geometry *t)
 {

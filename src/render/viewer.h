@@ -57,9 +57,9 @@ typedef struct ost_viewer {
     ost_gl *gl;          /* OpenGL renderer; owned; NULL if the CPU draws frames */
     bool gl_current;     /* true if `gl` uses the context of the calling thread (ost_viewer_use_current) */
     const ost_gl_variant *variant;
-    /* why OpenGL was lost and the CPU draws frames instead; "" if it was not lost */
+    /* reason why OpenGL was lost, so that the CPU draws frames instead; "" if it was not lost */
     char lost[OST_ERROR_TEXT];
-    char no_card[OST_ERROR_TEXT]; /* why ost_viewer_use_card did not select OpenGL; "" if it did */
+    char no_card[OST_ERROR_TEXT]; /* reason why ost_viewer_use_card did not select OpenGL; "" if it did */
 } ost_viewer;
 
 /* Creates a viewer with an empty bone. For `isa` and `threads`, see ost_points_options. */

@@ -224,8 +224,8 @@ static ost_status create(ost_gl_context *c, const ost_gl_options *options, ost_e
 }
 
 /*
- * Closes the context but not the display, because other threads of the process may use the display, and because closing
- * the last display unloads the driver, after which some drivers leak this thread's data.
+ * Closes the context but not the display. Other threads of the process may use the display. Closing the last display
+ * would also unload the driver, and some drivers then leak this thread's data.
  */
 static void drop(ost_gl_context *c)
 {

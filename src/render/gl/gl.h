@@ -76,8 +76,8 @@ extern const ost_gl_variant ost_gl_mesh;
 
 typedef struct ost_gl_options {
     bool debug;  /* true to enable the driver's messages and report them as errors */
-    /* maximum OpenGL version, times ten; 0 means no limit. Falls back to an older version if the driver does not
-       support it. */
+    /* maximum OpenGL version, times ten; 0 means no limit. If the driver does not support this version, an older
+       version is used. */
     int version;
     bool hardware; /* true to refuse software renderers */
     /*

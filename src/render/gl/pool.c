@@ -70,7 +70,7 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
     GLint limit = 0;
     const uint64_t granules = least > 2 * (uint64_t)p->granules ? least : 2 * (uint64_t)p->granules;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    /* OpenGL passes vertex numbers as GLint, which limits their number. */
+    /* Vertex numbers are passed to OpenGL as GLint, so they must not exceed INT32_MAX. */
     if (granules << p->bits > INT32_MAX || (p->format && granules << p->bits > (uint64_t)limit))
         return ost_fail(err, OST_ERR_RANGE, "OpenGL (%s) holds at most %d %s; use --renderer points", c->info.driver,
                         p->format ? (int)limit : INT32_MAX, p->what);

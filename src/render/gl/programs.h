@@ -53,8 +53,8 @@ typedef struct ost_gl_programs {
 } ost_gl_programs;
 
 void ost_gl_programs_free(ost_gl_programs *programs);
-/* Makes a program current, and compiles it on first use. Unless `first` is NULL, stores the location of the
- * program's uniform `first` there. */
+/* Makes a program current, and compiles it on first use. Unless `first` is NULL, sets *first to the location of the
+ * uniform `first` in the program. */
 ost_status ost_gl_programs_use(ost_gl_context *context, ost_gl_programs *programs, const ost_gl_program_key *key,
                                GLint *first, ost_error *err);
 
