@@ -19,7 +19,7 @@ typedef struct segment_sparse_run {
     uint32_t first;     /* compact index of voxel `begin` */
     /* for each of the rows y - 1, y + 1, z - 1, z + 1, the index of the first run whose end is greater than `begin` */
     uint32_t near[4];
-    /* for each of these rows, the index after the last run of the row; at most near[] if no run of the row ends after
+    /* for each of these rows, the index after the last run of the row; equal to near[] if no run of the row ends after
      * `begin` */
     uint32_t past[4];
     int16_t label;

@@ -92,8 +92,8 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
     /*
      * Each side of a test below is a sum of products length * entry in which each length occurs at most once. The
      * error of r therefore contributes at most half the sum of all lengths. The error of d, which is 1/2 on each
-     * axis, is multiplied by the entries of one unit axis and contributes at most sqrt(3) / 2 * 2^30 and a few
-     * units.
+     * axis, is multiplied by the entries of one unit axis and contributes at most sqrt(3) / 2 * 2^30 plus a
+     * few units.
      */
     for (int i = 0; i < 3; i++)
         p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
