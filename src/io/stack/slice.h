@@ -7,8 +7,8 @@
  *
  * A file may be malicious. Only grey pictures with one value per pixel are accepted, and their form is checked before
  * any row is read. The limits are OST_DIM_MAX for the sizes of a picture, 256 MiB for one allocation of libtiff and
- * thus for a strip, and 1 MiB for a PNG chunk without pixels. The unpacked size must be at most OST_SLICE_UNPACK_MAX
- * times the file size, which is checked before the grid is allocated.
+ * thus for a strip, and 1 MiB for a PNG chunk without pixels. Before the grid is allocated, the reader checks that the
+ * unpacked size is at most OST_SLICE_UNPACK_MAX times the file size.
  */
 #ifndef OST_IO_STACK_SLICE_H
 #define OST_IO_STACK_SLICE_H

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the data of a NRRD or MetaImage header, which follow the header or are in files that the header names.
+ * Finds the data that belong to a NRRD or MetaImage header. The data follow the header or are in files that the header
+ * names.
  *
  *   name                         one file
  *   name.%03d MIN MAX STEP [D]   numbered files

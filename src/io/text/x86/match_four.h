@@ -82,8 +82,8 @@ static inline __attribute__((always_inline)) void match_front(match_state *s, co
 }
 
 /*
- * Processes the next four lines. `words` receives the eight bytes from the start of each density, for two lines per
- * vector.
+ * Processes the next four lines. `words` receives the eight bytes from the start of each density; a vector contains
+ * the bytes of two lines.
  */
 static inline __attribute__((always_inline)) void match_four(match_state *s, const ost_text_column *columns,
                                                              const uint8_t *lengths, __m128i words[2])
