@@ -2,8 +2,8 @@
 /*
  * Defines the parts of the scapula and joins them (scapula.h).
  *
- * Three of the parts are plates: a curved sheet given as a height over a plane,
- * cut out along an outline, with a thickness that depends on the position.
+ * Three of the parts are plates.  A plate is a curved sheet that is given as a height
+ * over a plane and cut out along an outline.  Its thickness depends on the position.
  *
  *   body      over (x, z): y = body_sheet, thick along the lateral border
  *   spine     over (x, y): z = spine_sheet, thin, with a crest swept along it

@@ -149,8 +149,8 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 /* Selects the segments of the bar for the ball around `centre`. The bar must exist as long as the part is used. */
 void ost_bar_near(const ost_bar *bar, ost_v3 centre, double radius, ost_bar_part *part);
 /*
- * Returns the result of ost_blend(a, ost_bar_distance(part->bar, p, far), width), bit-identical but in less time, for a
- * point p of the part's ball.
+ * For a point p of the part's ball, returns a result that is bit-identical to
+ * ost_blend(a, ost_bar_distance(part->bar, p, far), width), but takes less time.
  */
 double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, double width);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Removal and collision events of a plugin: passes the poses in the plugin's format, and checks the
+/* Passes removal and collision events to a plugin: converts the poses to the plugin's format, and checks the
    plugin's report chunk by chunk. */
 #include "plugin/adapt.h"
 

@@ -5,7 +5,8 @@
 
 #include <osteon/segment.h>
 
-/* Fills the holes of the volume with the surrounding labels, and adds their voxels to segments[label - 1].filled. */
+/* Fills the holes of the volume with the surrounding labels, and adds the numbers of filled voxels to
+   segments[label - 1].filled. */
 ost_status segment_fill_holes(const ost_volume *ct, int32_t air, ost_volume *labels, ost_segment *segments,
                               ost_error *err);
 /* Fills the holes of each slice z = constant with the negative of the surrounding label. */

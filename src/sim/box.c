@@ -160,9 +160,9 @@ static int32_t clamp(int64_t value, int32_t hi)
 
 /*
  * Alg. 2.8 clamps the corners of the tool to the bone's box and computes the bounds of the clamped corners. In the
- * bone's own frame, clamping acts on each axis separately and preserves order, so the result is the clamped
- * bone-aligned bounds of the tool. Here the bounds are computed directly, from the centre and the rotated half
- * extents: twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ * bone's own frame, clamping acts on each axis separately and preserves order, so the result is equal
+ * to the clamped bone-aligned bounds of the tool. Here the bounds are computed directly, from the centre and the
+ * rotated half extents: twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
  * Alg. 2.9 then converts the bounds to voxels.  The frame of Alg. 2.9 has the
  * centre of the box at the origin; this function uses the origin of the bone.  If a
