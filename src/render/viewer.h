@@ -101,9 +101,9 @@ ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_erro
 /* Adds a tool. Tools must be added in the order of the world's tools. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
- * Sets the meshes of the parts of the most recently added tool, in the frame of the tool. With OST_STYLE_SMOOTH, they
- * are drawn instead of the tool's voxels, unless there are no triangles or more than OST_SMOOTH_TRIANGLES_MAX
- * triangles.
+ * Sets the meshes of the most recently added tool, one mesh for each part, in the frame of the tool. With
+ * OST_STYLE_SMOOTH, the meshes are drawn instead of the tool's voxels, unless there are no triangles or more than
+ * OST_SMOOTH_TRIANGLES_MAX triangles.
  */
 ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the cameras of named views, which have the names that surgeons use, and of views that the user moves.
+ * Computes the cameras of named views and of views that the user moves. The names are those that surgeons use.
  *
  *   operator    over the surgeon's shoulder: the face, seen past the tool
  *   en-face     onto the glenoid's face, along its axis

@@ -164,7 +164,8 @@ static int find_candidates(candidate *out, ost_error *err)
     return count;
 }
 
-/* Opens a context of any version, only to name the version that the driver supports in the error message. */
+/* Reports that no context could be created. Opens a context of any version, so that the error message can state the
+   version that the driver supports. */
 static ost_status too_old(ost_gl_context *c, EGLConfig config, ost_error *err)
 {
     const EGLint none[] = {EGL_NONE};

@@ -2,9 +2,9 @@
 /*
  * The textures into which a frame is drawn.
  *
- *   G-buffer   depth; colour, face and depth along forward, or normal and colour as in the thesis
+ *   G-buffer   depth; colour, face and depth along the forward axis, or normal and colour as in the thesis
  *   tiles      the farthest depth in each tile of 8 x 8 pixels of the G-buffer (hide.h)
- *   picture    colour, with the face in the last channel; depth along forward
+ *   picture    colour, with the face in the last channel; depth along the forward axis
  *
  * Row 0 is the picture's top row, also in shaders.
  */

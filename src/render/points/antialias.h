@@ -42,9 +42,9 @@ _Static_assert(OST_ANTIALIAS_CELLS_ACROSS * OST_CELL_WIDTH >= OST_ANTIALIAS_REAC
                OST_ANTIALIAS_CELLS_DOWN * OST_CELL_HEIGHT >= OST_ANTIALIAS_REACH, "a changed pixel is in reach");
 
 /*
- * Compares each pixel of `row`, in `cells` cells, with the pixel below it and with its right neighbour. Sets bit i of
- * below[c] or right[c] if pixel OST_CELL_WIDTH * c + i and this neighbour form an edge. Also reads the pixel after the
- * last cell.
+ * Compares each pixel in the first `cells` cells of `row` with the pixel below it and with its right neighbour. Sets
+ * bit i of below[c] or right[c] if pixel OST_CELL_WIDTH * c + i and this neighbour form an edge. Also reads the pixel
+ * after the last cell.
  */
 typedef void ost_antialias_find(const uint32_t *row, const uint32_t *next, int cells, uint16_t *below, uint16_t *right);
 ost_antialias_find ost_antialias_find_scalar, ost_antialias_find_avx2;

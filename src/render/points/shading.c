@@ -254,8 +254,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
     /*
-     * number of slices of the bone's sums, of the cells and of the field of cells that have been computed or skipped so
-     * far
+     * numbers of slices that have been computed or skipped so far: slices of the bone's sums, of the cells, and of the
+     * field of cells
      */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);

@@ -2,7 +2,7 @@
 /*
  * The inner loop of triangles.c, written with the compiler's vector types: eight pixels at a time in
  * x86/triangles_avx2.c, four elsewhere. The variants are bit-identical, because each float operation is rounded once
- * and their order is fixed. Lanes outside the span compute values that are not stored.
+ * and the order of the operations is fixed. Lanes outside the span compute values that are not stored.
  */
 #ifndef OST_RENDER_TRIANGLE_ROW_H
 #define OST_RENDER_TRIANGLE_ROW_H

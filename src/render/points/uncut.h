@@ -12,8 +12,8 @@
  *
  * Depth is the distance from the voxel's centre to the nearest centre of a voxel outside the bone, minus half a voxel.
  * Depths are exact up to 32 voxels. A voxel is outside if it is not bone and a cube of 2^3 voxels can move through
- * empty space from the grid's border to within two voxels of it. Pores in the bone are therefore not outside. Voxels
- * beyond the grid are unknown, so a cropped bone has no surface at the grid's border.
+ * empty space from the grid's border to within two voxels of this voxel. Pores in the bone are therefore not outside.
+ * Voxels beyond the grid are unknown, so a cropped bone has no surface at the grid's border.
  */
 #ifndef OST_RENDER_UNCUT_H
 #define OST_RENDER_UNCUT_H

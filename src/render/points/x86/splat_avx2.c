@@ -142,8 +142,8 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture: to the right and
- * up. */
+/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture. Distances to the
+ * right and upward are positive. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));

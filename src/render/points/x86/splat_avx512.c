@@ -2,8 +2,8 @@
 /*
  * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that appear small are then tested sixteen
  * at a time, pixel by pixel of their rectangles. The covered pixels are collected in a list, and their keys are updated
- * one by one, because loading a single word that was just stored causes no stall, whereas overlapping register-wide
- * accesses do. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
+ * one by one, because loading a single word that was just stored causes no stall, whereas an overlapping register-wide
+ * access causes one. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -155,8 +155,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture: to the right and
- * up. */
+/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture. Distances to the
+ * right and upward are positive. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
