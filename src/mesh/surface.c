@@ -384,8 +384,8 @@ static ost_pm nearest_pm(double mm)
 }
 
 /*
- * Computes the positions of the vertices on edges, and then of each vertex in the middle of a loop as the mean of the
- * loop's vertices.
+ * Computes the positions of the vertices on edges. Then sets the position of each vertex in the middle of a loop to the
+ * mean of the loop's vertices.
  */
 static ost_status place_vertices(builder *b, ost_error *err)
 {

@@ -244,7 +244,7 @@ static void walk_voxels(work *k)
 
 /*
  * Computes the angles in degrees, in the planes of the CT, by which the outward direction deviates from lateral. *back
- * is the angle towards posterior, and *up the angle towards superior.
+ * is the angle towards posterior, and *up is the angle towards superior.
  */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {

@@ -124,8 +124,8 @@ static void note(ost_operation *o, int64_t t_ns, const char *text)
 }
 
 /*
- * Returns true if two poses are more than 5 mm apart. Valid poses lie within 8 m, so a difference is below 2^44 and the
- * square of a difference below 2^88.
+ * Returns true if two poses are more than 5 mm apart. Valid poses lie within 8 m, so a difference is below 2^44 and its
+ * square is below 2^88.
  */
 static bool is_far(const ost_pose *a, const ost_pose *b)
 {

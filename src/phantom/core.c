@@ -40,8 +40,8 @@ typedef struct recipe {
 } recipe;
 
 /*
- * Bone has thicknesses of 0.15 to 0.25 mm, spaces of 0.6 to 0.9 mm, and marrow in the spaces. Foam has cells of 1
- * to 2 mm, filled with air. If the core has a radius of 5.0 mm, the 3 outermost columns of chunks are empty at each
+ * Bone has walls and struts 0.15 to 0.25 mm thick, spaces of 0.6 to 0.9 mm, and marrow in the spaces. Foam has cells of
+ * 1 to 2 mm, filled with air. If the core has a radius of 5.0 mm, the 3 outermost columns of chunks are empty at each
  * corner of its box. In each layer, 88 of 100 chunks are therefore not empty, as in Table 3.2 (1060 of 1200, 1669
  * of 1900).
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes a spherical burr. It consists of a sphere whose lowest point is at z = 0, and a shaft with a third of the
- * sphere's diameter, which ends `length` above the sphere's top.
+ * Makes a spherical burr. It consists of a sphere, whose lowest point is at z = 0, and a shaft. The shaft has a third
+ * of the sphere's diameter and ends `length` above the sphere's top.
  *
  *         | |
  *        ,| |.   the shaft leaves the sphere where it has the shaft's radius

@@ -49,7 +49,7 @@ typedef struct ost_skin {
 /* Allocates the mesh, and sets its triangles and its two poles, which lie on the axis. rings must be at least 1. */
 ost_status ost_skin_init(ost_skin *skin, ost_mesh *mesh, int segments, int rings, ost_pm bottom, ost_pm top,
                          ost_error *err);
-/* Returns memory for the points of the next ring, which the caller must write. */
+/* Returns memory for the points of the next ring. The caller must write these points. */
 ost_pm3 *ost_skin_ring(ost_skin *skin);
 void ost_skin_circle(ost_skin *skin, ost_pm radius, ost_pm z);
 

@@ -99,8 +99,8 @@ static int by_size(const void *a, const void *b)
 }
 
 /*
- * Numbers the components that are large enough from 1, in descending order of size, and stores the numbers in label[c].
- * Small components keep the label 0.
+ * Assigns the labels 1, 2, ... to the components that are large enough, in descending order of size, and stores the
+ * labels in label[c]. Small components keep the label 0.
  */
 static ost_status rank(job *j, int16_t *label, ost_error *err)
 {

@@ -13,7 +13,7 @@
 #include "io/text/lattice.h"
 
 /*
- * Number of bytes that are read and then processed at a time. The number is small enough for the bytes to be
+ * Number of bytes that are read and then processed at a time. The number is small enough that the bytes are
  * still in the second-level cache when they are processed.
  */
 enum { CHUNK = 1 << 17, BUFFER = CHUNK + 2 * (OST_TEXT_LINE_MAX + 64) + OST_TEXT_MARGIN };

@@ -21,7 +21,7 @@
  * smallest number that represents all positions exactly. Returns OST_ERR_USAGE if the number is so small that rounding
  * would change a position by more than 1/8 of a voxel.
  *
- * If options->omit_empty is set, voxels of density 0 and the comment dims are omitted. origin_mm is then the lower
+ * If options->omit_empty is set, voxels of density 0 and the dims comment are omitted. origin_mm is then the lower
  * corner of the bounding box of the remaining voxels, because a reader takes this box as the grid. Returns
  * OST_ERR_INPUT if every voxel is 0. options may be NULL.
  */
