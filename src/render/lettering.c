@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A letter consists of strokes between points of a grid. A point is written as a digit for x and a letter for y: 'd' is
- * the baseline, 'j' the top of a small letter, 'm' the top of a capital.
+ * the baseline, 'j' is the top of a small letter, and 'm' is the top of a capital.
  *
  *     m  3          "0d3m6d 1g5g"      two strokes of straight lines
  *       / \

@@ -83,7 +83,7 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
 
 /*
  * Writes to out[] the numbers of the block's points that are in `wanted` cells and have a face toward the eye. Returns
- * how many there are.
+ * the number of these points.
  */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
@@ -102,7 +102,7 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns how many there are. The
+/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns their number. The
    bricks of a run are stored in the order of their bits. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
@@ -115,8 +115,8 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. The bound follows from the
- * slopes of splat_scalar.c at the corner of the frame. */
+/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. The bound uses the
+ * greatest slope (splat_scalar.c), which is at a corner of the frame. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;

@@ -69,7 +69,8 @@ typedef struct ost_gl_variant {
 } ost_gl_variant;
 
 extern const ost_gl_variant ost_gl_ours;
-/* Draws tools as triangles, with flat faces in every style. */
+/* Draws as in the thesis: the voxels of the first object as points, and the visible faces of the other objects as
+   triangles. Faces are flat in every style. */
 extern const ost_gl_variant ost_gl_thesis;
 /* Draws quads of visible faces. Requires ost_gl_set_mesher. */
 extern const ost_gl_variant ost_gl_mesh;

@@ -10,8 +10,8 @@
 
 /* Cosine of 40 degrees. */
 #define CREASE 0.76604444311897803
-/* Maximum number of triangles at a vertex whose normals are averaged. At a vertex with more triangles, each corner gets
-   the normal of its own triangle, which limits the computing time. */
+/* Maximum number of triangles at a vertex for which normals are averaged. If more triangles meet at a vertex, each
+   corner gets the normal of its own triangle. This limits the computing time. */
 enum { MEETING_MAX = 1024 };
 #define UNUSED UINT32_MAX
 
