@@ -88,8 +88,8 @@ static ost_v3 to_lps(const pose *p, ost_v3 bone)
 /* ----------------------------------------------------------------- tissue */
 
 /*
- * Returns the density of the soft tissue, which is below 100 HU: muscles separated by sheets of fat, and the lung
- * inside the chest.
+ * Returns the density of the soft tissue: muscles separated by sheets of fat, and the lung inside the chest. The
+ * density is below 100 HU.
  */
 static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, double bone)
 {

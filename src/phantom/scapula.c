@@ -104,7 +104,7 @@ static const ost_bar_node ROOT[] = {
  * CARTILAGE is the thickness of the cartilage at the centre. In a CT, the blur removes some of this thickness on
  * both sides.
  */
-#define GREATEST_SIZE 1.142 /* maximum size that fits into the box of Table 3.1, which is the scapula of a tall man */
+#define GREATEST_SIZE 1.142 /* maximum size that fits into the box of Table 3.1; the scapula of a tall man */
 #define CARTILAGE 2.4
 #define DISH_RADIUS 31.0
 #define PAD_RADIUS 29.0
