@@ -10,14 +10,14 @@
  * poses are poses of the hand. The motor's rotation is added to them (motor.h). A tick lasts 1 ms.
  *
  *   peg-hole      22 mm deep at 10 mm/s: within the vault, 25 to 30 mm deep
- *   glenoid-ream  3 mm deep at 1.5 mm/s: through the cartilage, 2 mm, and into the
- *                 subchondral plate behind it, 1.2 to 2.9 mm, whose remaining part
+ *   glenoid-ream  3 mm deep at 1.5 mm/s: through 2 mm of cartilage and into the subchondral
+ *                 plate, which is 1.2 to 2.9 mm thick; the remaining part of the plate
  *                 carries the implant (facts and sources: docs/spec/arithmetic.md, AR-CLS)
  *
  *   glenoid-slow  the depth of glenoid-ream in a minute, starting close to the face, so that the
  *                 tool is always in contact; for tests of the servo loop and of devices
  *   glenoid-press the target of a hand that presses, sweeps and wobbles for a minute or a given
- *                 number of ticks; it lies in the bone, so it requires a force (press.h)
+ *                 number of ticks; the target lies in the bone, so the path requires a force (press.h)
  *
  * Depths are integers. The code uses only + - * /, rint and sqrt of doubles. Every machine rounds these operations in
  * the same way, so a path is the same on every machine.

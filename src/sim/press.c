@@ -18,7 +18,7 @@ enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBB
 #define BREATH 1.5    /* amplitude of the motion along the axis in mm */
 #define SWEEP_X 4.0   /* half axis of the ellipse along x in mm; SWEEP_Y is the half axis along y */
 #define SWEEP_Y 6.0
-#define LEAN 0.0262   /* half of the lean, which is 3 degrees, in radians */
+#define LEAN 0.0262   /* half of the lean in radians; the lean is 3 degrees */
 
 static press_wheel wheel(double p)
 {

@@ -6,8 +6,8 @@
  *        near side        |  bone
  *                 .-------'        r
  *     front ->   :                 ^    w < -(3 + min(r, 18)^2 / 60) mm is in front of
- *   - - - - - - -:- - - - + - - - -+--> w  the face; a rim rises up to 5 mm above its
- *      axis      :        at            centre at 17 mm, where the border is at 7.8 mm
+ *   - - - - - - -:- - - - + - - - -+--> w  the face; a rim at r = 17 mm is up to 5 mm in front
+ *      axis      :        at            of the centre, and the border there is at -7.8 mm
  *                 '-------.
  *                         |
  *
