@@ -2,9 +2,9 @@
 /*
  * Manages the GLFW window: opens it, presents pictures, and recreates it.
  *
- * Three events can end a window during an operation, but must not end the program: a reset of the driver, after which
- * all OpenGL objects must be recreated, which with GLFW requires a new window; the loss of the X server; and the
- * destruction of the window by another program (x11.h).
+ * Three events can end a window during an operation, but must not end the program: a reset of the driver, the loss of
+ * the X server, and the destruction of the window by another program (x11.h). After a reset, all OpenGL objects must be
+ * recreated, which with GLFW requires a new window.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -295,8 +295,8 @@ static bool was_reset(const ost_window *w)
 }
 
 /*
- * Presents the picture through shared memory. Returns false if OpenGL must do it, for example because the picture must
- * be scaled to the size of the window.
+ * Presents the picture through shared memory. Returns false if OpenGL must present the picture instead, for example
+ * because the picture must be scaled to the size of the window.
  */
 static bool show_by_shm(ost_window *w, const ost_window_picture *picture, bool damaged)
 {

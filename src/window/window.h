@@ -129,7 +129,7 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
  * driver reset (ost_window_info.resets has increased), all objects of the other module are lost with the old context.
  */
 bool ost_window_can_be_drawn(const ost_window *window, int width, int height);
-/* Shows the contents of framebuffer 0. Otherwise like ost_window_present. */
+/* Shows the contents of framebuffer 0. In all other respects, the function works like ost_window_present. */
 ost_status ost_window_show_drawn(ost_window *window, bool sync, ost_error *err);
 
 #endif

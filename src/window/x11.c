@@ -35,7 +35,7 @@ static int on_error(void *display, x11_error *error)
     return 0;
 }
 
-/* Unlike libX11's default handler, prints nothing, because the caller of ost_x11_state_get reports the error. */
+/* Prints nothing, unlike libX11's default handler, because the caller of ost_x11_state_get reports the error. */
 static int on_io_error(void *display)
 {
     (void)display;

@@ -11,7 +11,7 @@
 
 typedef enum ost_x11_state { OST_X11_FINE, OST_X11_NO_SERVER, OST_X11_NO_WINDOW } ost_x11_state;
 
-/* Installs the handlers for a GLFW window, which must be the only one of the program. */
+/* Installs the handlers for a GLFW window, which must be the program's only window. */
 void ost_x11_outlive(void *glfw_window);
 /* Returns the state of the connection. Once it differs from OST_X11_FINE, it never becomes OST_X11_FINE again, and
    no GLFW function may be called. */
