@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Generates scapulae in random poses from known landmarks, and compares these with the landmarks that the search finds.
+ * Generates scapulae in random poses from known landmarks, and compares the landmarks that the search finds with the
+ * known ones.
  *
  * 12 phantoms are tested, or 200 with OST_TEST_LONG=1. The seeds are consecutive from OST_TEST_SEED, or from 1.
  * OST_TEST_VERBOSE=1 prints the errors of each phantom.
