@@ -114,7 +114,7 @@ static void video_frames_follow_clock(void **state)
     show(f, 5.42, 85);
     assert_int_equal(access("v.y4m", F_OK), -1); /* the file does not exist until it is complete */
     assert_ok(film_close(f, 5650000000, &r, &err));
-    /* The luma of black is 16, that of white is 235. */
+    /* The luma of black is 16, and that of white is 235. */
     const int expected[] = {16, 235, 235, 235, 89, 89};
     assert_int_equal(levels("v.y4m", got, 32), 6);
     assert_memory_equal(got, expected, sizeof expected);

@@ -138,8 +138,8 @@ static void test_planes_through_the_glenoid(void **state)
 }
 
 /*
- * The dense cube without a label is outlined in each plane that intersects it. If the options disable this outline,
- * there is none.
+ * The dense cube without a label must be outlined in each plane that intersects it, unless the options disable this
+ * outline.
  */
 static void test_left_out(void **state)
 {
@@ -201,8 +201,8 @@ static void test_densities(void **state)
         s->in.nearest = nearest;
         ost_picture p = draw(s);
         int worst = 0, last = -1, steps = 0;
-        /* The labelled part ends at 22 mm. With its margin of 25 mm, and limited by the border of the grid at 0 mm,
-           the picture shows 0 to 47 mm in each direction. */
+        /* The labelled part ends at 22 mm and has a margin of 25 mm, and the grid begins at 0 mm. Therefore the
+           picture shows 0 to 47 mm in each direction. */
         const double mm = 47.0 / SIDE;
         for (int x = 40; x < SIDE - 40; x++) {
             const double expected = (20 * (x * mm - 0.5 - 0.5) + 500) / 1800 * 255;
