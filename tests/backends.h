@@ -80,8 +80,8 @@ static inline bool next_test_backend(const char **at)
 }
 
 /*
- * Returns the number of random trials. With OST_TEST_LONG=1 this is n on every backend. Without it, this is n on the
- * first backend and a third of n on each other backend.
+ * Returns the number of random trials. With OST_TEST_LONG=1, the number is n on every backend. Otherwise, it is n on
+ * the first backend and a third of n on each other backend.
  */
 static inline int test_rounds(int n)
 {
