@@ -97,7 +97,7 @@ static void scatter_batch(machine *m, const scatter_grid *g, const ost_sample *s
 }
 
 /*
- * Returns a random coordinate: on the lattice, a random distance from the lattice, outside the grid, or
+ * Returns a random coordinate: on the lattice, at a random distance from the lattice, outside the grid, or
  * beyond the range of lengths.
  */
 static int64_t some_coordinate(test_rng *rng, ost_pm origin, ost_pm spacing, int32_t n, bool clean)

@@ -46,8 +46,8 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves all coordinates to the ends of their range or one unit from an end. The number of fraction bits stays the
-   same. */
+/* Moves each coordinate to an end of its range, or to a position one unit inside an end. The number of fraction bits
+   stays the same. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};

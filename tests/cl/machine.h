@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An interface that runs the kernels of src/cl/kernels, either compiled as C or on an OpenCL
+ * An interface for running the kernels of src/cl/kernels, either compiled as C or on an OpenCL
  * device. Every launch copies all buffers to the machine and back, which is slow but sufficient
  * for comparisons.
  */
@@ -65,7 +65,7 @@ static inline kernel_arg number_arg(int64_t number)
     return (kernel_arg){.number = (uint32_t)number};
 }
 
-/* BUFFER makes an argument from an array of `count` elements, ONE makes an argument from one struct. */
+/* BUFFER makes an argument from an array of `count` elements, and ONE makes an argument from one struct. */
 #define BUFFER(p, count) buffer_arg(p, sizeof *(p) * (size_t)(count))
 #define ONE(p) BUFFER(p, 1)
 

@@ -37,8 +37,8 @@ extern const ost_cl_api shim;
    all later calls that use the queue also fail. */
 void shim_fail(enum shim_call call, int n, bool lost);
 /*
- * Has the effect of shim_fail with lost = true, with one difference: only calls that wait report the loss,
- * and all other calls return success without any effect.
+ * Works like shim_fail with lost = true, except that only calls that wait report the loss. All other calls
+ * return success without any effect.
  */
 void shim_fail_late(enum shim_call call, int n);
 /* Returns true if the selected call has failed. */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a small session repeatedly. For each OpenCL call of the session, this call fails in one run; in a
- * second run, the device is also lost from this call on. In each run, the following must hold:
+ * Runs a small session repeatedly. Each OpenCL call of the session fails in one run. In a second run, the
+ * call fails, and the device is lost from this call on. In each run, the following must hold:
  *
- *   - the status is not OST_OK, and the message names the device; calls whose failure the backend
- *     can overcome are excepted
+ *   - the status is not OST_OK, and the message names the device, unless the backend can overcome
+ *     the failure of this call
  *   - there is no crash, and every OpenCL object is released
- *   - a bone whose change failed is unchanged, or every later call reports that it
- *     is lost; it is never partly changed
+ *   - a bone whose change failed is unchanged, or every later call reports that the
+ *     bone is lost; a bone is never partly changed
  *   - the reference continues from the last completed tick to the same final grid
  * Covers: AR-REM-1
  */
@@ -243,9 +243,9 @@ static ost_status run_session(const session *s, ost_error *err)
     return status;
 }
 
-/* Returns n if every n-th call is tested. If the sessions for all calls take at most a minute on the device, n is 1.
-   On rusticl they take longer, because rusticl compiles the kernels again in each session. With OST_TEST_LONG=1, n is
-   always 1. */
+/* Returns the number n such that every n-th call is tested. If the sessions for all calls take at most a minute on the
+   device, n is 1. On rusticl they take longer, because rusticl compiles the kernels again in each session. With
+   OST_TEST_LONG=1, n is always 1. */
 static int stride_of(const session *s)
 {
     enum { CALLS = 450, SECONDS = 60 };
@@ -265,7 +265,7 @@ static int stride_of(const session *s)
 }
 
 /* Returns true if the session may succeed although this call fails. After a failed query, the backend chooses
-   another device or ignores the cache. A failed final wait has no effect when a backend is closed. */
+   another device or ignores the cache. When a backend is closed, a failure of the final wait has no effect. */
 static bool failure_may_be_overcome(enum shim_call call)
 {
     return call == SHIM_clGetPlatformIDs || call == SHIM_clGetDeviceIDs || call == SHIM_clGetDeviceInfo ||

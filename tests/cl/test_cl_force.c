@@ -90,7 +90,7 @@ static void press(const char *kernels, int chunk, ost_force_mode mode)
     side ref = make_side("ref", &g, chunk, voxels, mode), cl = make_side(spec, &g, chunk, voxels, mode);
     uint64_t removed = 0;
     int touching = 0;
-    /* The hand moves from outside the bone deep into it, obliquely to its axes. */
+    /* The hand moves from outside the bone deep into the bone, obliquely to the bone's axes. */
     ost_pose hand = ost_pose_identity();
     hand.t = (ost_pm3){8000 * UM, 7000 * UM, -5000 * UM};
     for (int i = 0; i < TICKS; i++) {

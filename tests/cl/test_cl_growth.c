@@ -11,8 +11,8 @@
  * The bone is filled again, by an upload, when half of it has been removed. These uploads also
  * create and release buffers. The final state must equal the reference's.
  *
- * Memory that a driver retains is suppressed in tests/lsan.supp. OpenCL objects that osteon
- * does not release are therefore detected only by the counts of the shim.
+ * The file tests/lsan.supp suppresses the reports of memory that a driver retains. OpenCL objects
+ * that osteon does not release are therefore detected only by the counts of the shim.
  * Covers: REQ-CL-GROWTH
  */
 #include "cl/on_device.h"
@@ -82,7 +82,7 @@ static void close_releases_every_object(void **state)
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;
-    ost_backend *backend[2]; /* backend[0] is the reference, backend[1] the device */
+    ost_backend *backend[2]; /* backend[0] is the reference, and backend[1] is the device */
     ost_bone *bone[2];
     ost_tool *tool[2];
     ost_removal_report report[2];

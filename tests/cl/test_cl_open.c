@@ -311,7 +311,8 @@ static void devices_that_end_loops_early(void **state)
     assert_non_null(strstr(err.text, "ends a loop after 61503 iterations"));
 }
 
-/* Two backends that are open on one device at the same time use different kernel sets, each with its own kernels. */
+/* Opens two backends with different kernel sets on one device at the same time. Each backend must contain only the
+   kernels of its own set. */
 static void both_kernel_sets_at_once(void **state)
 {
     (void)state;
@@ -338,7 +339,7 @@ static void both_kernel_sets_at_once(void **state)
 }
 
 /* An event with more poses than a device with limited loops allows must be refused before anything changes. An event
-   with one pose less must be performed. */
+   with one pose fewer must be performed. */
 static void too_many_poses(void **state)
 {
     (void)state;

@@ -18,8 +18,8 @@ typedef struct pair {
 } pair;
 
 /*
- * The options of work groups that are tested. Without OST_TEST_LONG=1 only some of them are tested, because
- * an implementation may compile every kernel again for each size.
+ * The tested options for work groups. Without OST_TEST_LONG=1 only some of them are tested, because an
+ * implementation may compile every kernel again for each size.
  */
 static const char *const workgroups[] = {NULL, "workgroup=7,staging=1024,order=3", "workgroup=1,order=3",
                                          "workgroup=256,staging=20000"};
