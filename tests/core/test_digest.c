@@ -68,7 +68,7 @@ static void uneven_grid_has_the_expected_root(void **state)
 }
 
 /*
- * Each field of the header has distinct bytes, which are not 0 wherever possible, so that a moved or
+ * Each field of the header has distinct bytes, and these are nonzero wherever possible, so that a moved or
  * missing field is detected. The 128 bytes are built one by one from the table of AR-DIG-4, not from a C
  * layout:
  *   leaf i: 32 bytes of i + 1, i = 0..5; tree as above

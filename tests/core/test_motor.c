@@ -117,7 +117,7 @@ static void intervals_are_divided_into_ticks(void **state)
     /* A full turn is U = 6 * 10^10. In 100 ms at 200 rpm the motor turns by U / 3, which is greater than 2 U / 8.
        Therefore this interval has 3 parts. */
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
-    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* 37 ms are a turn by 7.4 * 10^9, which is less than U / 8 */
+    path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* the turn in 37 ms is 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
     path.ticks[3].lifted = true;                /* a lifted row is one tick for any interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
