@@ -42,8 +42,8 @@ static inline int open_team(void **state)
 }
 
 /*
- * Returns true if backend i is tested in this turn. Each turn selects one thread count for
- * every instruction set; with OST_TEST_LONG=1 the result is always true.
+ * Returns true if backend i is tested in the round `turn`. Each round tests every instruction set
+ * with one thread count; with OST_TEST_LONG=1, each round tests all backends.
  */
 static inline bool has_turn(int i, int turn)
 {

@@ -15,7 +15,7 @@
 
 enum { SCAPULA_CHUNKS = 202, CHUNK = 32 };
 
-/* Returns the anonymous memory of the process in RAM in bytes, or -1 if the system does not report it. */
+/* Returns the resident size in bytes of the process's anonymous memory, or -1 if the system does not report it. */
 static int64_t resident(void)
 {
     FILE *status = fopen("/proc/self/status", "r");

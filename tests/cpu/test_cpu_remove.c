@@ -67,8 +67,9 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
 /*
- * Sizes of tool voxels in thousandths of a bone voxel. They cover all steps of both window
- * edges, and sizes for which no windows are made.
+ * Sizes of tool voxels in thousandths of a bone voxel. They cover windows of 8^3 voxels with each of
+ * their steps, windows of 16^3 voxels with the steps 6, 3 and 1 (see src/cpu/remove/shape.h), and
+ * sizes for which no windows are made.
  */
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
                                       650,  532,  400,  347,  320,  288,  260,  247, 150, 63};
@@ -221,8 +222,8 @@ static void several_events_on_one_bone(void **state)
 }
 
 /*
- * Tests enough chunks for several threads and many batches, with a tool that extends through
- * the entire bone and a change of tools.
+ * Tests enough chunks for several threads and many batches. One of the two tools extends through
+ * the entire bone, and the tools alternate from event to event.
  */
 static void many_chunks(void **state)
 {

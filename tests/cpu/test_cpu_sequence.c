@@ -216,9 +216,9 @@ static void random_sequences(void **state)
 }
 
 /*
- * Tests a solid tool that fills its grid, with voxels as large as the bone's, rotated by quarter turns or
- * not at all. The tool moves along one axis from one side of a block to the opposite side. It starts and
- * ends outside the block, and each step is one voxel plus or minus one picometre.
+ * Tests a solid tool that fills its grid. The tool's voxels are as large as the bone's. The tool is rotated
+ * by quarter turns or not at all. It moves along one axis from one side of a block to the opposite side. It
+ * starts and ends outside the block, and each step is one voxel plus or minus one picometre.
  */
 static void block_limits_of_the_tool_grid(void **state)
 {
