@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Describes a DICOM series that the program make_series writes, with its deliberate faults. Every member is
- * set by a word KEY=VALUE of the command line; series.cpp contains the table of keys.
+ * Describes a DICOM series that the program make_series writes. The series may have deliberate faults. Every
+ * member is set by a word KEY=VALUE of the command line; series.cpp contains the table of keys.
  *
  * Voxel (i, j, k) is column i of row j of slice k. Its centre is at
  *
