@@ -11,11 +11,11 @@
  * values of K (for all values if N is 0). In each of these runs the folder is empty at first and the K-th call fails
  * (inject.c). Each run must satisfy:
  *
- *   - the command ends by itself, with the expected status, or 2 or 3;
- *   - with the expected status, the folder contains exactly the expected files, with the expected
- *     bytes, and standard output is as expected;
- *   - with 2 or 3, each expected file is absent or has the expected bytes, there is no other file,
- *     and standard error contains a line that begins with "osteon".
+ *   - the command ends by itself, and its exit status is the expected one, 2 or 3;
+ *   - if the exit status is the expected one, the folder contains exactly the expected files, with
+ *     the expected bytes, and standard output is as expected;
+ *   - if the exit status is 2 or 3, each expected file is absent or has the expected bytes, there is
+ *     no other file, and standard error contains a line that begins with "osteon".
  *
  * Files whose names contain a TEXT of --loose may have other bytes, because they contain times or are recorded while
  * the operation runs. With --in, the K-th call fails only in the processes that OST_FAIL_IN=TEXT selects. Without --in,
@@ -196,7 +196,7 @@ static bool message(char text[TEXT])
     return found;
 }
 
-/* Returns true if the name of the file contains a string of --loose. */
+/* Returns true if the name of the file contains one of the strings given with --loose. */
 static bool is_loose(const char *name)
 {
     char text[TEXT];
