@@ -62,8 +62,8 @@ static ost_bone *block(ost_backend *backend)
     return bone;
 }
 
-/* Returns a path from 3 mm above the bone to 5 mm inside the bone. At its end the tool is held still or dragged 6 mm
-   along x. */
+/* Returns a path from 3 mm above the bone to 5 mm inside the bone. There the tool is held still or dragged 6 mm along
+   x. */
 static ost_path plan(double lowest_mm, bool drag)
 {
     ost_error err = {0};

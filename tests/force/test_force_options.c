@@ -142,7 +142,7 @@ static void rotating_handle_comes_to_rest(void **state)
 /*
  * Compares two runs, one with and one without runout. As in an operation, the motor turns the pose by -phi about the
  * tool's z axis. The difference must follow the formula in the handle's axes, so the difference turns once per
- * revolution of the tool. The tool is a point on its axis, whose contact does not depend on the rotation.
+ * revolution of the tool. The tool is a point on the z axis, so its contact does not depend on the rotation.
  */
 static void runout_equals_its_formula(void **state)
 {
