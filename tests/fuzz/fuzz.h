@@ -6,7 +6,7 @@
  *   fuzz_seed                makes the initial inputs
  *   fuzz_words               contains the words that mutations insert
  *
- * and is built in one of two ways. With --enable-fuzz it is linked to libFuzzer; to write the
+ * and is built in one of two ways. With --enable-fuzz, the target is linked to libFuzzer; to write the
  * seeds of its corpus, build once without this option and run `fuzz_X --write-seeds DIR`.
  * Without this option, replay.c contains a main that runs every seed and a number of seeded
  * mutations in make check:
