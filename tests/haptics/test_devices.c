@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the devices that are always available: the list of devices, errors for wrong specs,
- * scripts and sessions row by row, and the simulated device compared with the equations of its
- * mechanics.
+ * Tests the devices that are always available. The tests check the list of devices, errors for
+ * wrong specs, and every row of scripts and sessions. The simulated device is compared with the
+ * equations of its mechanics.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -38,7 +38,7 @@ static void devices_are_listed(void **state)
     for (int i = 0; i < ost_haptic_count(); i++) {
         assert_ok(ost_haptic_describe(i, &info, &err));
         assert_true(info.name[0] && info.description[0]);
-        /* The first six devices are always available. For any other device that is not available, there is a reason. */
+        /* The first six devices are always available. A reason is given for each other device that is unavailable. */
         assert_true(i < 6 ? info.available : info.available || info.reason[0]);
         assert_int_equal((info.caps & OST_HAPTIC_FORCE) != 0, info.max_force_n > 0);
     }

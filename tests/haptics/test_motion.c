@@ -143,8 +143,9 @@ static void check_motion(const char *file)
         assert_true(fabs(length_of(moved) - way) < 2e-6 * 0.1 + 1e-9);
         assert_true(fabs(angle_between(&s.pose, &base) - turned) < 1e-5);
         /*
-         * The expected direction is the direction of the body's motion in the body's frame at the first
-         * tracked row, rotated by the tool's start pose. It must be the same after the drop-outs.
+         * To get the expected direction, the direction of the body's motion is transformed to the body's
+         * frame at the first tracked row, and then rotated by the tool's start pose. The expected direction
+         * is the same after the drop-outs.
          */
         double at[3], q[4];
         body_at(row_time(20), at, q);

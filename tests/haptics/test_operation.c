@@ -115,7 +115,7 @@ static void impossible_poses_are_ignored(void **state)
         {OST_FAULT_JUMP, 100, 105, {{-100 * MM, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 0},
         /* The tool rotates by half a turn within one tick, at the same position. */
         {OST_FAULT_TURN, 100, 101, {{-5 * MM + 100 * MM / 10, 10 * MM, 5 * MM}, 0, OST_Q30_ONE, 0, 0}, 0},
-        /* The quaternion is zero and therefore no rotation. */
+        /* The quaternion is zero and therefore not a rotation. */
         {OST_FAULT_TURN, 50, 60, {{0, 0, 0}, 0, 0, 0, 0}, 0},
         {OST_FAULT_TOOL, 30, 33, {{-5 * MM + 30 * MM / 10, 10 * MM, 5 * MM}, OST_Q30_ONE, 0, 0, 0}, 9},
     };

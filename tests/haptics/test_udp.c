@@ -482,7 +482,7 @@ static ost_haptic *a_hand(ost_path *path)
     ost_error err = {0};
     ost_haptic *device;
     assert_ok(ost_path_init(path, PATH_TICKS, &err));
-    for (size_t i = 0; i < path->count; i++) /* The hand moves down at 0.1 m/s, beginning far away. */
+    for (size_t i = 0; i < path->count; i++) /* The hand begins far away and moves down at 0.1 m/s. */
         path->ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000,
                                     .rpm = OST_RPM_ON,
                                     .pose = {.t = {500 * MM, 0, 500 * MM - (int64_t)i * MM / 10}, .qw = OST_Q30_ONE}};

@@ -556,7 +556,7 @@ static void spnav_hold_option_and_failures(void **state)
     assert_string_equal(note->calls, "oc");
     note = load_stand_in(SPNAV, "fake_spnav", "fake_spnav");
     assert_ok(ost_haptic_open("spnav:hold=1", &setup, &device, &err));
-    /* Listing the devices must not affect the connection, of which there can be only one. */
+    /* The library allows only one connection. Listing the devices must not affect the open connection. */
     assert_ok(ost_haptic_describe(spnav, &info, &err));
     assert_true(info.available);
     assert_string_equal(note->calls, "o");
