@@ -38,7 +38,7 @@ static void projection_equals_openxr_matrix(void **state)
         ost_headset_projection p;
         double clip[2];
         assert_true(ost_headset_project(&fov, width, height, &p));
-        /* The picture must cover all given angles. Along one of its axes it must not cover more. */
+        /* The picture must cover all given angles. Along at least one axis, it must cover no further angles. */
         assert_true(p.fov.left <= fov.left + 1e-12 && p.fov.right >= fov.right - 1e-12);
         assert_true(p.fov.up >= fov.up - 1e-12 && p.fov.down <= fov.down + 1e-12);
         const double wider = tan(p.fov.right) - tan(p.fov.left) - tan(fov.right) + tan(fov.left),
@@ -94,7 +94,7 @@ static void target_is_half_a_metre_ahead(void **state)
     assert_true(llabs(pose.t.y - 120 * OST_PM_PER_MM) < 1000 && llabs(pose.t.z - 230 * OST_PM_PER_MM) < 1000);
 }
 
-/* An orientation is given relative to the room. The axes of the pose must be the room's axes after this rotation. */
+/* An orientation is given relative to the room. It must rotate the room's axes to the axes of the pose. */
 static void orientations_are_converted_to_bone_frame(void **state)
 {
     (void)state;

@@ -130,9 +130,9 @@ static void close_session(ost_headset *h)
 }
 
 /*
- * Compares an eye's picture with a symmetric picture that the processor draws with the same focal length. The part of
- * the symmetric picture begins at an integer pixel position. Returns the number of pixels that differ. The eye's axis
- * follows from the angles and is only approximately at an integer position, so pixels at edges may differ.
+ * Compares an eye's picture with a part of a symmetric picture that the processor draws with the same focal length.
+ * This part begins at an integer pixel position. Returns the number of pixels that differ. The eye's axis follows from
+ * the angles and is only approximately at an integer position, so pixels at edges may differ.
  */
 static int differing(int eye, const ost_headset_projection *p)
 {
