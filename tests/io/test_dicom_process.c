@@ -59,7 +59,7 @@ static int descriptors(void)
     return count;
 }
 
-/* Scans the folder with a script as osteon-dicom. Fails if a process or a descriptor remains. */
+/* Scans the folder with a script in place of osteon-dicom. Fails if a process or a descriptor remains. */
 static ost_status scan_with(const char *script, ost_dicom_scan *scan)
 {
     const ost_dicom_launch launch = {.program = program, .seconds = 1};

@@ -241,7 +241,8 @@ static void duplicate_slices(void **state)
     ost_dicom_stack_free(&stack);
 }
 
-/* Tests slices 1 mm apart along z, each moved by 0.25 mm along y. The tilt is atan(0.25) = 14.04 degrees. */
+/* Tests slices that are 1 mm apart along z. Along y, each slice is displaced by 0.25 mm relative to the previous one.
+   The tilt is atan(0.25) = 14.04 degrees. */
 static void tilted_slices(void **state)
 {
     (void)state;
@@ -258,8 +259,8 @@ static void tilted_slices(void **state)
     refused("tilted by 14.04 degrees (each lies 0.25 mm beside the one before it)");
     assert_ok(make(&untilt, &stack, &report));
     assert_true(stack.untilted);
-    /* The slices move by 1 mm in total. This is between one and two rows of 0.75 mm, so two rows are added after the
-       last row. */
+    /* The last slice is displaced by 1 mm relative to the first. This is between one and two rows of 0.75 mm, so two
+       rows are added after the last row. */
     assert_int_equal(stack.sizes[0], 4);
     assert_int_equal(stack.sizes[1], 5);
     assert_int_equal(stack.margin[1], 0);
@@ -502,7 +503,8 @@ static void interpolation_between_slices(void **state)
     assert_int_equal(out[1], 5);
 }
 
-/* Tests a slice of 3 x 2 pixels that is moved by 1.5 pixels along x, and by -0.5 pixels along x and y. */
+/* Moves a slice of 3 x 2 pixels by 1.5 pixels along x. Then moves the original slice by -0.5 pixels along both x and
+   y. */
 static void shear_of_a_slice(void **state)
 {
     (void)state;

@@ -202,8 +202,8 @@ static void row_of_floats(void **state)
 }
 
 /*
- * Tests that a table has the results of ost_convert: for rows of random elements of one and two bytes, some of which
- * cannot be converted, the densities, the counts, the position of the first bad element and its description.
+ * Tests that a table gives the same results as ost_convert: the densities, the counts, and the position and description
+ * of the first bad element. The rows consist of random elements of one or two bytes. Some elements cannot be converted.
  */
 static void table_equals_conversion(void **state)
 {

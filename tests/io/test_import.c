@@ -201,8 +201,8 @@ static void every_format_gives_the_same_grid(void **state)
 }
 
 /*
- * The import receives slices one by one. For each of the 48 orders and directions of a file's axes, its
- * rect grid must equal the volume that ost_volume_read returns.
+ * The import receives slices one by one. For each of the 48 orders and directions of a file's axes, the
+ * rect grid of the import must equal the volume that ost_volume_read returns.
  */
 static void every_orientation_equals_the_volume(void **state)
 {
@@ -715,7 +715,7 @@ static int import_within_bounds(const char *spec, const char *path)
 /*
  * The test imports 20 MB of text for a grid of 50^3 voxels, each given eight times. The peak memory must not depend on
  * the size of the file: the grid and the buffers need a few hundred kilobytes, and the test allows 10 MiB. The import
- * runs in a new process for two reasons: this process has already used more memory, and after a fork without exec
+ * runs in a new process for two reasons: this process has already used more memory, and after a fork without exec,
  * OpenMP would wait for threads that exist only in the parent.
  */
 static void memory_is_bounded_by_the_grid(void **state)

@@ -48,8 +48,7 @@ static void put_json(bytes *b, const char *system, bool ras)
     }
 }
 
-/* Writes one row per point. A row consists of `before`, the label and the coordinates (or the coordinates and the
-   label), and `after`. */
+/* Writes one row per point. A row consists of `before`, the label and the coordinates in either order, and `after`. */
 static void put_rows(bytes *b, bool ras, const char *before, const char *after, bool label_last, const char *end)
 {
     for (int i = 0; i < POINTS; i++) {

@@ -287,7 +287,7 @@ static ost_pm plain_search(const axis_text *a, int64_t u)
                 best_off = off;
             }
         }
-        if (best == 0) /* all feasible spacings are below, or all are above, those that the loop tried */
+        if (best == 0) /* the feasible spacings are either all below or all above those that the loop tried */
             best = first > near ? first : last;
         return best;
     }

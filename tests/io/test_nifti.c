@@ -178,9 +178,9 @@ static void choice_of_sform_qform_or_pixdim(void **state)
 }
 
 /*
- * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The sform and the qform are equal except for the sform's z step and its
- * origin, which is moved along R. The displacement of the farthest corner is the sum of both changes. If this
- * displacement is at most one voxel, the forms agree. If it is greater, an option must select a form.
+ * Reads a grid of 2 x 2 x 2 voxels of 1 mm. The sform differs from the qform in its z step and in its origin, which is
+ * moved along R. The displacement of the farthest corner is the sum of both changes. If this displacement is at most
+ * one voxel, the forms agree. If it is greater, an option must select a form.
  */
 static void sform_and_qform_that_disagree(void **state)
 {

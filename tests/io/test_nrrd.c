@@ -441,7 +441,7 @@ static void space_without_patient_axes(void **state)
         assert_grid(&v.geometry, mm, 2 * mm, 3 * mm, 10 * mm, 20 * mm, 30 * mm);
         /*
          * The fact that the orientation was assumed must be preserved when the volume is written and read
-         * again. An option must not override it.
+         * again. An option must not override this fact.
          */
         assert_ok(ost_volume_write(at("again.nrrd"), &v, NULL, &err));
         ost_volume_free(&v);

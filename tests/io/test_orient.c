@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the conversion of axes to LPS+. For each of the 48 orientations of three axes the
- * position of every voxel is computed twice: from the file's affine, and from the result's
- * geometry at the element to which the placement maps it.
+ * Tests the conversion of axes to LPS+. For each of the 48 orientations of three axes, the
+ * position of every voxel is computed in two ways: from the file's affine, and from the result's
+ * geometry. For the second way, the placement maps the voxel to an element of the result.
  *
  * Covers: AR-GRID-4, AR-FILE-5
  */
@@ -143,10 +143,10 @@ static void reports_angle_and_refuses_parallel_axes(void **state)
 }
 
 /*
- * Resamples a volume rotated by the angle of the (3, 4, 5) triangle, which is exact: columns (0.6, 0.8, 0), (-0.8, 0.6,
- * 0), (0, 0, 1) mm. To find the nearest file voxel of each result voxel, the test compares the squared distances of all
- * file voxels. If there is a tie, or if the nearest centre is farther than half a voxel along a file axis, the voxel is
- * not checked.
+ * Resamples a volume that is rotated by an angle of the (3, 4, 5) triangle, so that the columns of the affine are
+ * exact: (0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1) mm. To find the nearest file voxel of each result voxel, the test
+ * compares the squared distances of all file voxels. If there is a tie, or if the nearest centre is farther than half a
+ * voxel along a file axis, the result voxel is not checked.
  */
 static void resampling_uses_the_nearest_voxel(void **state)
 {

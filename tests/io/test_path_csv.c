@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests paths in text files: exact integers, writing and reading again, metres and gzip, rows without a
- * pose, gaps in time and space, and each type of broken file.
+ * Tests paths in text files. The tests cover exact integers, writing and reading back, positions in metres,
+ * compressed files, rows without a pose, gaps in time and space, and each type of broken file.
  *
  * Covers: AR-POSE-2, AR-PATH-1, AR-PATH-2, AR-PATH-3, AR-PATH-4, AR-PATH-5
  */

@@ -208,7 +208,7 @@ static void written_records_are_read(void **state)
     ost_session_close(session);
 }
 
-/* In version 1, every block contains this version number, and the two bytes of a tick for the motor are 0. */
+/* In version 1, every block contains the version number 1, and in every tick the two bytes for the motor are 0. */
 static void version_1_is_read(void **state)
 {
     (void)state;
@@ -679,8 +679,8 @@ static void temporarily_full_disk_loses_no_records(void **state)
     ost_session_close(session);
 }
 
-/* The disk has too little space for the waiting records. It must store as many records as possible, beginning with
-   the first record. */
+/* The disk has too little space for the waiting records. The recorder must write as many of them as possible, beginning
+   with the first record. */
 static void nearly_full_disk_stores_the_first_records(void **state)
 {
     (void)state;

@@ -210,8 +210,8 @@ static void spacing_is_required(void **state)
     ost_volume_free(&v);
 }
 
-/* Tests values that int16 cannot represent. A uint16 value beyond int16 is refused with its position, or saturated
-   by option. NaN is refused, or converted to the density of air by option. */
+/* Tests values that int16 cannot represent. A uint16 value beyond int16 is refused with a message that contains its
+   position, unless an option requests saturation. NaN is refused, unless an option requests the density of air. */
 static void values_beyond_int16(void **state)
 {
     static bytes raw;

@@ -180,7 +180,8 @@ static void nifti_without_osteon_comment(void **state)
     }
 }
 
-/* If another program has moved the volume in the header, osteon's comment is outdated and must not be used. */
+/* If another program has changed the volume's position, osteon's comment in the header is outdated and must not be
+   used. */
 static void changed_nifti_header_overrides_the_comment(void **state)
 {
     (void)state;

@@ -101,8 +101,8 @@ static inline void put_gzip(bytes *out, const void *data, size_t size)
     put_deflated(out, data, size, 15 + 16);
 }
 
-/* Appends the lowest `size` bytes of bits, with the least significant byte first, or the most significant byte first
-   if big is true. */
+/* Appends the lowest `size` bytes of `bits`. If `big` is true, the most significant byte is first; otherwise, the least
+   significant byte is first. */
 static inline void put_bits(bytes *b, uint64_t bits, size_t size, bool big)
 {
     for (size_t i = 0; i < size; i++) {
