@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes meshes for tests on the lattice. Their coordinates are random, and many vertices lie on voxel
- * centres, where the ownership of a centre is hardest to determine.
+ * Makes random meshes for tests. Their vertices are on the lattice, and many of them are on voxel centres,
+ * where the ownership of a centre is hardest to determine.
  */
 #ifndef OST_TESTS_MESH_MAKE_H
 #define OST_TESTS_MESH_MAKE_H

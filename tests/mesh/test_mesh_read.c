@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests mesh files: the same box in every format must give the same mesh, and reading back a written STL
- * file must give the same mesh. Also tests units and the errors for broken files.
+ * file must give the same mesh. Further tests check units and the errors for broken files.
  *
  * Covers: AR-MESH-1, AR-MESH-2
  */
