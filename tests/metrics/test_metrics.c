@@ -17,7 +17,7 @@
 
 /*
  * The bone belongs to a right shoulder. The inward direction is +x. The face is the plane x = 0. The block is 40 mm
- * deep, 46 mm from front to back, and 50 mm high, up to the ends of the grid.
+ * deep, 46 mm from front to back, and 50 mm high, which is the height of the grid.
  */
 typedef struct cuts {
     /*
@@ -190,7 +190,7 @@ static void hole_at_an_angle(void **state)
     NEAR(m.hole_entry_mm, 4, 0.1);
     NEAR(m.hole_depth_mm, 20, 0.01);
     assert_false(m.hole_breach);
-    /* In the first case the hole is near the side of the block, in the second case it breaks through the side. */
+    /* In the first case, the hole is near the side of the block. In the second case, it breaks through the side. */
     const cuts near_side = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 18};
     NEAR(measure(&near_side, OST_OK).hole_wall_mm, 2, 0.75);
     const cuts through = {.radius = 27, .depth = 3, .hole_radius = 3, .hole_depth = 20, .hole_y = 21};
@@ -219,8 +219,8 @@ static void over_reaming(void **state)
 }
 
 /*
- * Over-reaming must grow with the depth. The part of a cap of height h that is deeper than the planned
- * depth plus the margin is a cap of height h - 4 mm, and the volume of a cap is pi h^2 (R - h / 3). The cap
+ * Over-reaming must grow with the depth. The planned depth and the margin are 4 mm together, so the
+ * over-reaming of a cut of depth d is a cap of height h = d - 4 mm, whose volume is pi h^2 (R - h / 3). The cap
  * must not count as a hole at any depth, and a drilled hole must not increase the over-reaming.
  */
 static void over_reaming_grows_with_depth(void **state)
@@ -236,7 +236,7 @@ static void over_reaming_grows_with_depth(void **state)
                             .hole_depth = drilled ? 22 : 0};
             const ost_metrics m = measure(&c, OST_OK);
             const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
-            /* The drill follows the reamer. The drill's cylinder within the lower cap counts as the hole. */
+            /* The drill follows the reamer. The part of the lower cap in the drill's cylinder is not over-reaming. */
             const double hole = drilled ? PI * 9 * h : 0;
             NEAR(m.over_mm3, cap - hole, 0.04 * cap + 5 + (drilled ? 0.2 * hole : 0));
             NEAR(m.over_max_mm, drilled ? fmax(0, m.over_max_mm) : depth - 3, 0.3);
