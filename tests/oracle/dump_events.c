@@ -99,8 +99,8 @@ static void cube_turn(int32_t q[4])
 }
 
 /*
- * Returns a pose around the position `around`. The parameter `style` selects any position, multiples of
- * half a tool voxel, or multiples of half a unit of 2^-20 of a tool voxel.
+ * Returns a pose around the position `around`. The parameter `style` selects the possible positions: any
+ * position, multiples of half a tool voxel, or multiples of half a unit of 2^-20 of a tool voxel.
  */
 static ost_pose make_pose(int style, ost_pm3 around, ost_pm spread, ost_pm tool_voxel)
 {
@@ -205,7 +205,7 @@ static void dump_sweep(void)
         {pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, pick(-OST_PM_PER_MM, OST_PM_PER_MM) * 40, -s.tool * 3}};
     ost_pose a = make_pose((int)pick(0, 2), (ost_pm3){0, 0, 0}, OST_PM_PER_MM * 100, s.tool), b;
     switch (pick(0, 4)) {
-    case 0: /* These are two random poses; the rotation between them is often too large. */
+    case 0: /* These are two random poses; the rotation between them is often too large for a sweep. */
         b = make_pose((int)pick(0, 2), a.t, s.bone * 40, s.tool);
         break;
     case 1: /* The motion is near a multiple of half a bone voxel, where the number of poses changes. */
