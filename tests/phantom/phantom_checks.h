@@ -100,7 +100,7 @@ static inline void read_vector(const ost_volume *v, const char *key, double out[
 }
 
 /*
- * Returns the density at a point given in mm in patient coordinates, interpolated between voxel centres.
+ * Interpolates the density between voxel centres at a point that is given in patient coordinates in mm.
  * Outside the grid, returns the density of the nearest voxel.
  */
 static inline double density_at(const ost_volume *v, const double mm[3])

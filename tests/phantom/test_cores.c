@@ -93,7 +93,7 @@ static void test_core_2(void **state)
     chunk_count c = count_chunks(&v);
     print_message("# core 2: %lld of %lld chunks active\n", (long long)c.active, (long long)c.all);
     assert_int_equal(c.all, 1200);
-    assert_in_range(c.active, 1039, 1081); /* at most 2 % from the thesis' 1060 chunks */
+    assert_in_range(c.active, 1039, 1081); /* differs by at most 2 % from the thesis' 1060 chunks */
     ost_volume_free(&v);
 }
 

@@ -2,7 +2,7 @@
 /*
  * Tests the cellular foam at the thesis' size of 60 million voxels: Tables 3.1 and 3.2. Measured
  * for seed 1: 1665 of 1900 chunks are active. The thesis gives 1669; a cylinder of 5 mm radius
- * reaches 88 of 100 columns, 88 * 19 = 1672 chunks.
+ * reaches 88 of 100 columns, that is, 88 * 19 = 1672 chunks.
  *
  * Covers: REQ-PHANTOM, AR-CUB-1, AR-CUB-2
  */
@@ -22,7 +22,7 @@ static void test_foam(void **state)
     print_message("# foam: %lld of %lld chunks active, %.1f %% solid\n", (long long)c.active, (long long)c.all,
                   100 * share);
     assert_int_equal(c.all, 1900);
-    assert_in_range(c.active, 1636, 1702); /* at most 2 % from the thesis' 1669 chunks */
+    assert_in_range(c.active, 1636, 1702); /* differs by at most 2 % from the thesis' 1669 chunks */
     assert_true(share > 0.05 && share < 0.3);
     ost_volume_free(&v);
 }

@@ -93,8 +93,8 @@ static void test_left_is_mirror_of_right(void **state)
     for (int64_t row = 0; row < (int64_t)d.y * d.z; row++)
         for (int i = 0; i < d.x; i++)
             assert_int_equal(left.voxels[row * d.x + i], right.voxels[row * d.x + d.x - 1 - i]);
-    /* The grids are mirrored at x = 0: the first voxel of the left bone is opposite to the last voxel of the right
-       bone. */
+    /* The grids are mirrored at x = 0: the first voxel of the left bone is the mirror image of the last voxel of the
+       right bone. */
     assert_int_equal(left.geometry.origin.x, -(right.geometry.origin.x + (d.x - 1) * right.geometry.spacing.x));
     assert_int_equal(left.geometry.origin.y, right.geometry.origin.y);
     double at[2][3], axis[2][3];

@@ -152,7 +152,7 @@ static void test_denser_posteriorly(void **state)
     double at[3], axis[3];
     read_vector(&scapula, OST_META_GLENOID_AT, at);
     read_vector(&scapula, OST_META_GLENOID_AXIS, axis);
-    /* The direction along the face that is perpendicular to the axis in the axial plane and points backward (+y). */
+    /* This direction lies in the axial plane, is perpendicular to the glenoid's axis, and points backward (+y). */
     double back[3] = {-axis[1], axis[0], 0}, mean[2] = {0, 0};
     for (int side = 0; side < 2; side++)
         for (double u = 4; u < 8; u += 0.25)
