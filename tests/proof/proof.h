@@ -3,8 +3,8 @@
  * Definitions for the proofs of ranges (AR-INT-3). Only cbmc reads these files; no compiler builds them. A harness
  * includes a source file of src, calls one of its functions with any input within the documented range, and asserts the
  * bound that docs/spec/arithmetic.md states. cbmc adds the checks for overflow and conversion. If a called function has
- * a proof of its own, its contract may replace it. The contract asserts the function's range of inputs and returns any
- * result within the function's bound.
+ * a proof of its own, a contract may replace the function. The contract asserts the function's range of inputs and
+ * returns any result within the function's bound.
  *
  * If WIDE is defined, the range of inputs is wider by one or more bits, and the proof must fail.
  */
