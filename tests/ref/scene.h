@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes small bones, tools and poses for the tests of removal and of the world. They are generated from a
- * seed, on any backend. They are so small that tests can download them completely.
+ * Makes bones, tools and poses for the tests of removal and of the world. They are generated from a seed, on
+ * any backend. Bones and tools are small enough for tests to download them completely.
  */
 #ifndef OST_TESTS_REF_SCENE_H
 #define OST_TESTS_REF_SCENE_H

@@ -312,8 +312,9 @@ static int16_t mean_of_eight(ost_backend *backend, const int16_t voxels[8])
 static void means_round_once_and_half_to_even(void **state)
 {
     /*
-     * The means are 5/8, for which rounding after each axis would give 2, 1, 0; the ties 12/8 and
-     * 20/8; their negatives; and the extremes of int16.
+     * The tested means are 5/8, the ties 12/8 and 20/8, the negatives of these three means, and the
+     * extremes of int16. 5/8 must be rounded to 1; rounding after each axis would give 2, 1 and
+     * finally 0.
      */
     static const struct {
         int16_t voxels[8];
