@@ -77,7 +77,8 @@ static bool differ(const picture *p, int x, int y, int x2, int y2)
     return any;
 }
 
-/* Returns the area between x = k and k + 1 under the line from 1/2 at x = 0 to 0 at the middle of a run. */
+/* Returns the area between x = k and x = k + 1 under a line. The line falls from 1/2 at x = 0 to 0 at the middle of the
+   run. */
 static double area_under(int k, int length)
 {
     const double middle = length / 2.0, to = fmin(k + 1, middle);

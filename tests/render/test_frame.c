@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests frames whose unchanged parts are not drawn again. Such a frame must be bit-identical to a frame
- * that is drawn completely, after any removal, any motion of the tool or of the camera, any change of
- * colours, clip plane, ghost or lines, and any overwriting of the last frame.
+ * that is drawn completely. Frames are drawn after removals, after motions of the tool and of the camera,
+ * after changes of colours, clip plane, ghost or lines, and after the last frame was overwritten.
  * Half of the frames are antialiased. Pixels that change must be in the cells that the frame reports as changed.
  * Covers: REQ-FRAME-KEPT, REQ-ANTIALIAS
  */

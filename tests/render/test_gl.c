@@ -19,7 +19,7 @@
 enum { SMALL_W = 480, SMALL_H = 270, LARGE_W = 1280, LARGE_H = 720 };
 
 static ost_gl *gl;
-static int version; /* OpenGL version, with the meaning of ost_gl_options.version */
+static int version; /* maximum OpenGL version, times ten; 0 means no limit */
 static char reason[OST_ERROR_TEXT];
 
 static void check(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things, int count,

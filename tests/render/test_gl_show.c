@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests pictures that OpenGL shows in a framebuffer without reading them back. The smoothed colours must be
- * bit-identical to those of the processor's antialiasing, also under a sheet of letters. The renderer must draw the
- * same picture in a context of its own and in a context that was current before, and it must leave no OpenGL error
- * there. The test is skipped if OpenGL without a display is not available.
+ * bit-identical to those of the processor's antialiasing, with and without a sheet of letters over the picture. The
+ * renderer must draw the same picture in its own context and in a context that the caller made current, and must leave
+ * no OpenGL error in the caller's context. The test is skipped if OpenGL without a display is not available.
  * Covers: REQ-GL-SHOW
  */
 #include "config.h"
@@ -267,7 +267,8 @@ static ost_status draw_in_current_context(void *user, ost_error *out)
     g->pixels = show_and_read(here, true, &empty, false);
     ost_gl_close(here);
     assert_int_equal(glGetError(), GL_NO_ERROR);
-    /* A renderer whose context was destroyed is freed without OpenGL; its objects remain in this context. */
+    /* A renderer whose context was destroyed is freed without OpenGL calls. In this test, the context still exists, so
+       the renderer's objects remain in it. */
     assert_ok(ost_gl_open(&options, &here, &err));
     assert_ok(ost_gl_draw(here, &ost_gl_ours, g->s->thing, 2, OST_STYLE_SMOOTH, &err));
     ost_gl_abandon(here);

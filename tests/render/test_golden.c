@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares pictures with golden hashes. A hash is computed from the voxel and the face that each pixel shows. The
- * hashes were computed with the function walk() in this file. It follows a ray through each pixel's middle from voxel
- * to voxel of the dense volume, in doubles. Unlike the renderer, walk() uses no points, rectangles, drawing order or
- * lists. The test repeats the walk, which must give the same hash. The renderer must give the same hash with every
+ * hashes were computed with the function walk() in this file, which follows a ray through each pixel's middle from
+ * voxel to voxel of the dense volume, in doubles. Unlike the renderer, walk() uses no points, rectangles, drawing order
+ * or lists. The test repeats the walk, which must give the same hash. The renderer must give the same hash with every
  * instruction set and number of threads. Pixels whose rays pass within a thousandth of a pixel of an edge are not part
  * of the hash. The walk finds these pixels; they are fewer than one in a hundred.
  *

@@ -28,8 +28,8 @@ static size_t index_of(int i, int j, int k)
 }
 
 /*
- * Makes a bone of many densities, with rounded corners and pores. *after is the same bone without a
- * cylinder along x, from i = 46 to the end.
+ * Makes a bone of many densities, with rounded corners and pores. In *after, a cylinder along x has been
+ * removed from this bone; it extends from i = 46 to the end of the bone.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {
@@ -117,8 +117,8 @@ static bool is_not_clipped(const ost_clip *c, const int v[3])
 }
 
 /*
- * A voxel next to the clip plane must be grey. Its grey level is given by its CT density in 126 steps from
- * black at -100 HU to white at 1300 HU.
+ * A voxel next to the clip plane must be grey. The voxel's CT density determines the grey level, which increases
+ * in 126 steps from black at -100 HU to white at 1300 HU.
  */
 static void check_clip(void *user, const int v[3], uint32_t point, uint32_t shade, const ost_surface_block *block)
 {
@@ -800,7 +800,7 @@ static int differing(const uint32_t *a, const uint32_t *b, int width, int height
 static bool compare_opengl(bool antialiased)
 {
     /* MOST is the number of pixels that may differ: 30 of 921,600 pixels, and one for each object drawn. With
-       antialiasing, each of them may also change the pixels within OST_ANTIALIAS_REACH. */
+       antialiasing, each of these pixels may also change other pixels at distances up to OST_ANTIALIAS_REACH. */
     enum { W = 160, H = 120, MOST = 2, SPREAD = 4 * OST_ANTIALIAS_REACH };
     ost_error err = {0};
     test_rng rng = rng_seeded("gl");

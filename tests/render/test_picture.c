@@ -324,9 +324,9 @@ static void test_colours_between_voxels(void **state)
 }
 
 /*
- * Returns a ball of 1000 HU with a radius of 8 mm, in the middle of 24^3 mm with voxels of 0.5
- * mm. If `bitten`, its front (y < -4 mm) is removed. The origin is chosen so that the middle is
- * at (0, 0, 0).
+ * Returns a ball of 1000 HU with a radius of 8 mm, in the middle of a cube of 24 mm with voxels
+ * of 0.5 mm. If `bitten`, the front of the ball (y < -4 mm) is removed. The origin is chosen so
+ * that the middle is at (0, 0, 0).
  */
 static ost_volume cubes(bool bitten)
 {

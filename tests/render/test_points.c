@@ -555,8 +555,8 @@ static void assert_bone(test_rng *rng, const ost_smooth_kernels *k, words *w, bo
 }
 
 /*
- * Compares the results of three functions with simple implementations: means of 2^3 words, lines of three blocks, and
- * interpolations between two slices.
+ * Compares the results of three functions with simple implementations: `cells` computes means of 2^3 words, `lines`
+ * joins the rows of three blocks, and `finer` interpolates between two slices.
  */
 static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 {
@@ -598,8 +598,8 @@ static void assert_cells(test_rng *rng, const ost_smooth_kernels *k, words *w)
 }
 
 /*
- * Compares shades for slopes of all sizes, including zero. In some cases the two slopes agree, in others
- * they disagree. The number of points per call is random.
+ * Compares shades for slopes of all sizes, including zero. The two slopes agree in some cases and disagree
+ * in others. The number of points per call is random.
  */
 static void assert_shades(test_rng *rng, const ost_smooth_kernels *k, words *w, int flat)
 {
@@ -756,7 +756,7 @@ static void test_rows(void **state)
 }
 
 /*
- * Compares the light and the colours of random shades for every instruction set with the results of the scalar
+ * For every instruction set, compares the light and the colours of random shades with the results of the scalar
  * functions.
  */
 static void test_tints(void **state)

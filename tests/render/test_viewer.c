@@ -95,7 +95,7 @@ static void nearer_object_is_visible(void **state)
     assert_int_equal(steel_pixels(&v.frame), 0);
     /*
      * The tool is in front of the middle of the block. At a distance of 58 mm and a focal length of 250
-     * pixels, the tool of 4 x 20 mm is about 17 x 86 pixels large.
+     * pixels, the tool of 4 x 20 mm covers about 17 x 86 pixels.
      */
     put_tool(&v, (ost_pose){.t = {35 * MM, 0, 15 * MM}, .qw = OST_Q30_ONE});
     assert_ok(ost_viewer_draw(&v, &c, &err));
