@@ -167,7 +167,7 @@ static void check_error(const bench_scene *e, const oracle_map *m, const wide ha
     assert_true(2 * (off < 0 ? -off : off) <= bound);
 }
 
-/* Computes which voxels of the complete bone are removed; one byte per voxel. */
+/* Computes which voxels of the complete bone are removed. The result has one byte per voxel. */
 static void oracle_bone_to_tool(const methods_scene *scene, uint8_t *in)
 {
     const ost_dims d = scene->event.bone.dims;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the results of `osteon reproduce`. JSON must be read back without a change, and broken JSON must be refused.
- * Also tests merging the results of several machines, and CSV.
+ * Further tests check the merging of results of several machines, and CSV files.
  *
  * Covers: REQ-REPRODUCE-FILES, REQ-REPRODUCE-MERGE
  */
