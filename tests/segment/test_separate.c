@@ -2,7 +2,7 @@
 /*
  * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle tests all
  * other voxels to find the distance of a voxel, and all paths at all heights to find the markers. During the flood, it
- * finds the next voxel by a linear search. Also tests the selection of labels.
+ * finds the next voxel by a linear search. Further tests check the selection of labels.
  *
  * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
@@ -17,7 +17,7 @@ static size_t voxel_count(const ost_volume *v)
     return (size_t)ost_dims_count(v->geometry.dims);
 }
 
-/* Makes a volume of a few overlapping boxes, some of which touch, with a few holes. */
+/* Makes a volume of a few boxes, which may overlap or touch, with a few holes. */
 static void make(ost_volume *ct, test_rng *rng)
 {
     ost_error err = {0};
@@ -58,7 +58,7 @@ typedef struct oracle {
     const ost_volume *labels; /* labels before the separation, with holes closed by close_slices */
     bool closed[MOST];        /* true for voxels that have a label only because a hole of their slice was closed */
     int64_t height[MOST];
-    int piece[MOST]; /* piece of each voxel, -1 if it belongs to none */
+    int piece[MOST]; /* piece to which each voxel belongs; -1 if there is none */
     int pieces;
 } oracle;
 
@@ -201,7 +201,7 @@ static void flood(oracle *o, int64_t depth)
         order[at] = i;
     }
     o->pieces = 0;
-    /* no path above the marker's height minus depth may lead from a marker to a preceding voxel */
+    /* no path above the marker's height minus `depth` may lead from a marker to a preceding voxel */
     for (size_t k = 0; k < voxels; k++)
         if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
             o->piece[order[k]] = o->pieces++;
