@@ -13,7 +13,7 @@
 typedef struct twin {
     ost_geometry g;
     ost_bone *bone[2];
-    ost_world *world[2]; /* world[0] has the broad phase, world[1] does not */
+    ost_world *world[2]; /* world[0] has the broad phase, and world[1] does not */
     int64_t t;
 } twin;
 
@@ -158,9 +158,9 @@ static void corners_that_just_touch(void **state)
 {
     /*
      * Tests the farthest voxel of a block of 16^3, where the computed coordinates are least accurate. The
-     * voxel is at each corner of a tool's grid, in random rotations, at most two units of 2^-20 inside or
-     * outside the grid. According to the rules, some of these voxels are removed although their centres lie
-     * outside the grid. Boxes are inflated for this reason.
+     * voxel is placed at each corner of a tool's grid, in random rotations, at most two units of 2^-20
+     * inside or outside the grid. According to the rules, some of these voxels are removed although their
+     * centres lie outside the grid. Boxes are inflated for this reason.
      */
     test_rng rng = rng_seeded("corners");
     const ost_pm v = INT64_C(1) << 30;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests failover. A world that is moved to another backend, at any tick and repeatedly, must have
- * the same grid and totals as a world that is not moved.
+ * Tests failover. A world that is moved to other backends repeatedly, at any ticks, must have the
+ * same grid and totals as a world that is not moved.
  * Covers: REQ-FAILOVER
  */
 #include "ref/scene.h"

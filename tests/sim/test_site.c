@@ -108,7 +108,7 @@ static void faces_heads_and_reversed_axes(void **state)
 
 /*
  * The tool is a cube of 4 mm without rotation. Its lower part cuts, and its upper part does not.
- * The voxels that it covers at any position form a box.
+ * At any position, the voxels that the tool covers form a box.
  */
 static void overlaps(void **state)
 {

@@ -164,9 +164,9 @@ static void lifted_tool_does_not_sweep(void **state)
 static void removal_period_selects_ticks(void **state)
 {
     /*
-     * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms, in the
-     * first tick, and at 3, 6 and 9 ms. At 10 ms another tool is selected, and the first tick of this tool
-     * also removes bone. The next removal occurs at 12 ms.
+     * Ticks occur at 1 kHz from t = 1 ms, and the removal period is 3 ms. Removals occur at 1 ms (the first
+     * tick) and at 3, 6 and 9 ms. At 10 ms another tool is selected, and the first tick of this tool also
+     * removes bone. The next removal occurs at 12 ms.
      */
     fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 3000000});
     static const bool removes[] = {false, true, false, true, false, false, true, false, false, true, true, false, true};
@@ -250,8 +250,8 @@ static void sweep_begins_at_last_pose_with_motor_off(void **state)
         assert_int_equal(r.report->total_voxels, 3 * 2 * 6);
         assert_int_equal(step(&l, motor_at(4, 200, 32000)).removal, !period);
         /*
-         * If a tool is selected while the motor is off, the tool's first sweep begins at its pose in the
-         * tick of the selection.
+         * If a tool is selected while the motor is off, the first sweep of this tool begins at the tool's
+         * pose in the tick of the selection.
          */
         ost_tick other = tick_at(5, 1, 20000, 10000, 5000);
         other.rpm = 0;
