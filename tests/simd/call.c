@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel and checks the processor state that it must leave unchanged, in
- * addition to the registers that a compiler preserves:
+ * Calls a kernel and checks the following processor state, which the kernel must leave
+ * unchanged. The general registers are not checked, because the compiler preserves them.
  *
  *   x86-64    MXCSR and the x87 control word. After the call, no x87 register
  *             may be in use (MMX code would leave registers in use), and the

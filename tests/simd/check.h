@@ -65,7 +65,7 @@ typedef struct check_kernel {
         return (check_fn *)kernels.slot;         \
     }
 
-/* The checks of every slot of every table. */
+/* The checks of all slots in all tables. */
 extern const check_kernel *const check_kernels[];
 extern const int check_kernel_count;
 
@@ -99,8 +99,8 @@ bool check_both(check *c, check_call_fn *call, void *a, void *b);
 
 typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, CHECK_U64, CHECK_BITS } check_type;
 /*
- * Returns true if `count` elements are equal. If they differ, the case fails, and a table of the first differences is
- * printed.
+ * Returns true if the `count` elements of `expected` and `got` are equal. If they differ, the case fails, and a table
+ * of the first differences is printed.
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*
@@ -111,7 +111,7 @@ bool check_that(check *c, bool holds, const char *format, ...) __attribute__((fo
 
 /* ------------------------------------------------------- running cases */
 
-/* Runs the cases first to first + count - 1, and stops at the first case that fails. */
+/* Runs `count` cases, beginning with number `first`, and stops at the first case that fails. */
 check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *other, const char *isa, uint64_t seed,
                        int first, int count, bool quiet);
 
@@ -125,8 +125,8 @@ check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *o
 void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
                 void *arguments, double items, const char *what);
 /*
- * Times all workloads of a kernel with the scalar kernel and the instruction set `only`, or with
- * all instruction sets if `only` is OST_ISA_COUNT.
+ * Times all workloads of a kernel, both with the scalar kernel and with the instruction set `only`.
+ * If `only` is OST_ISA_COUNT, times them with all instruction sets.
  */
 void bench_run(const check_kernel *kernel, ost_isa only);
 void bench_heading(ost_isa only);

@@ -4,9 +4,10 @@
  * bits to classes.
  *
  * The check allows every result that the contract of vox_fill allows. A variant may report all rows of a
- * block as unproven if one row is unproven, or if the rows begin differently. The bits of these rows are
- * then unspecified and not counted. Therefore bits are compared only in rows that both the scalar function
- * and the variant report as proven. After ost_vox_fill_unproven, the bits of all rows must be equal.
+ * block as unproven if one row is unproven, or if the first crossing enters the mesh in some rows and leaves
+ * it in others. The bits of these rows are then unspecified and not counted. Therefore bits are compared
+ * only in rows that both the scalar function and the variant report as proven. After ost_vox_fill_unproven,
+ * the bits of all rows must be equal.
  */
 #include <string.h>
 
@@ -89,8 +90,8 @@ static unsigned first_crossing(const uint64_t *plus, const uint64_t *minus, size
 }
 
 /*
- * Returns true if the block that contains this row may be reported as unproven. This is allowed
- * if a row of the block is unproven, or if the rows of the block begin differently.
+ * Returns true if the block that contains this row may be reported as unproven. This is allowed if a row of
+ * the block is unproven, or if the first crossing enters the mesh in some rows and leaves it in others.
  */
 static bool block_is_open(const ost_vox_tile *tile, size_t first_row, size_t rows, size_t row, const uint64_t *before,
                           size_t plane_words)

@@ -98,8 +98,8 @@ static void call_stretch_row(check_fn *kernel, void *with)
 }
 
 /*
- * Fills the array `at` with positions. The positions are at a constant ratio, as in resampling, or have
- * steps that are about as wide as one or two registers.
+ * Fills the array `at` with positions. Their steps are constant and fractional, as in resampling, or they
+ * are 1, with a few steps of up to 40 positions.
  */
 static void make_places(check *c, int32_t *at, int width)
 {

@@ -8,7 +8,7 @@
  *
  * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
  * sorted by the numbers of the parts, which are all different. The previous content of the lists must not
- * change, and nothing beyond the slack may be written.
+ * change, and nothing beyond the OST_CUBES_SLACK elements after a list may be written.
  *
  * `match` is tested with bricks in cells that a split classifies as mixed, up to the edges of the cells.
  * Half of the bricks are moved so that a voxel lies on a border between tool voxels or a few units from
@@ -188,7 +188,7 @@ static int by_number(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Copies the cubes of `mixed` to `out`, and sorts the cubes from index `from` on by number. */
+/* Copies the cubes of `mixed` to `out`, and sorts by number the cubes whose index is at least `from`. */
 static void listed(const ost_cubes *mixed, size_t from, part *out)
 {
     for (size_t i = 0; i < mixed->count; i++)
@@ -327,8 +327,8 @@ static void call_match(check_fn *kernel, void *with)
 }
 
 /*
- * Chooses at most MIXED_MAX random cells, by reservoir sampling, that a split classifies as mixed if its `least`
- * (ost_split) is this value. Returns the number of cells.
+ * Chooses at most MIXED_MAX random cells by reservoir sampling. A split with this value of `least` (ost_split)
+ * classifies each chosen cell as mixed. Returns the number of chosen cells.
  */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
@@ -412,8 +412,8 @@ static void call_match_tables(check_fn *kernel, void *with)
     ((ost_match_tables_fn *)kernel)(with);
 }
 
-/* Returns the set of the voxels for which the fraction of the offset along axis a and `fraction` add up to at least one
-   voxel. */
+/* Returns the set of voxels with a carry along axis a. A voxel has a carry if the sum of `fraction` and the fraction of
+   the voxel's offset is at least one tool voxel. */
 static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
 {
     const uint32_t mask = (1 << OST_MAP_FRACTION) - 1;
@@ -423,8 +423,8 @@ static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
     return carries;
 }
 
-/* A variant that is not the scalar kernel computes the tables in `carries` instead of the scalar kernel's tables. These
-   tables are compared with their definition (remove.h, "Carries"). */
+/* Variants other than the scalar kernel compute the tables in `carries`, which the scalar kernel does not compute. The
+   tables are therefore compared with their definition (remove.h, "Carries"). */
 static void test_match_tables(check *c)
 {
     solid s;

@@ -8,10 +8,10 @@
  *   checksimd --bench                          times the kernels instead, without checking the times
  *   checksimd --list                           lists the kernels
  *
- * A slot that contains the scalar function or the function of a lower level is not tested again. The scalar
- * functions are tested only for accesses outside the buffers of their contracts. The exit status is 0 for
- * success, 1 if a case failed, 2 for a usage error, and 77 if this machine runs only scalar code or cannot
- * run the requested instruction set.
+ * A slot that contains the scalar function or the function of a lower level is not tested again. The test of a
+ * scalar function only detects accesses outside the buffers that its contract allows. The exit status is 0
+ * for success, 1 if a case failed, 2 for a usage error, and 77 if this machine runs only scalar code or
+ * cannot run the requested instruction set.
  *
  * Covers: AR-LAW-1
  */

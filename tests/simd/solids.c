@@ -55,8 +55,8 @@ static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  98
                                  8388609, 12345678, 16777216};
 
 /*
- * Makes the columns of a rotation matrix, times `ratio`, rounded to integers. The rotation consists of quarter turns,
- * or has any angle.
+ * Makes the columns of a rotation matrix, times `ratio`, rounded to integers. The rotation is composed of quarter
+ * turns, or is any rotation.
  */
 static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
 {

@@ -32,7 +32,7 @@ static int64_t at(int x, int y, int z)
     return x + N * (y + (int64_t)N * z);
 }
 
-/* Makes a ball in which every voxel has a different density from its neighbours. */
+/* Makes a ball in which the density of every voxel differs from the densities of its neighbours. */
 static pair *make_pair(void)
 {
     static pair p;

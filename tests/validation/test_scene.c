@@ -132,8 +132,8 @@ static void small_bones_are_downloaded_completely(void **state)
 }
 
 /*
- * Counts the voxels of an axis whose source voxel would change if the index were truncated and the ratio were computed
- * with one division in double or single precision.
+ * Counts, along one axis, the voxels whose source voxel would change if the index were truncated and the ratio were
+ * computed with one division in double or single precision.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {

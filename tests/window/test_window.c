@@ -401,7 +401,8 @@ static void lost_key_releases_are_reported(void **state)
     fake_key(GLFW_KEY_W, GLFW_REPEAT, 0);
     fake_key(GLFW_KEY_KP_3, GLFW_PRESS, 0);
     fake_key(GLFW_KEY_F12, GLFW_RELEASE, 0);
-    /* for a modifier key, GLFW reports the modifiers before the key was pressed; the event must include the key */
+    /* when a modifier key is pressed, GLFW reports only the modifiers that were already pressed; the event must also
+       include this key */
     fake_key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS, 0);
     assert_true(ost_window_next(w, &e) && e.key == 'W' && e.pressed);
     assert_true(ost_window_next(w, &e) && e.key == '3');

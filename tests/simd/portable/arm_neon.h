@@ -13,8 +13,8 @@
 #include <simde/arm/neon.h>
 
 /*
- * SIMDe defines vcltq_f64 as a macro with parameters. Commas in a compound literal would separate its arguments, so the
- * macro is replaced by the function.
+ * SIMDe defines vcltq_f64 as a macro with parameters. The preprocessor would treat the commas in a compound literal as
+ * separators of the macro's arguments, so the macro is replaced by the function.
  */
 #undef vcltq_f64
 #define vcltq_f64 simde_vcltq_f64

@@ -170,7 +170,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
     type v[count];                   \
     memcpy(v, &(a), sizeof v)
 
-/* Defines NAME(a), in which lane i of the result is the expression of x, the lane of a. */
+/* Defines NAME(a). Lane i of the result is the value of `expression`, in which x is lane i of a. */
 #define OST_UNARY(name, to_reg, to, from_reg, from, count, expression) \
     OST_PORTABLE to_reg name(from_reg a)                               \
     {                                                                  \
@@ -185,7 +185,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return r;                                                      \
     }
 
-/* Defines a comparison: bit i of the result is the expression of x and y, the lanes of a and b. */
+/* Defines a comparison. Bit i of the result is the value of `expression`, in which x and y are lane i of a and b. */
 #define OST_COMPARE(name, mask, reg, type, count, expression) \
     OST_PORTABLE mask name(reg a, reg b)                      \
     {                                                         \
@@ -199,7 +199,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return r;                                             \
     }
 
-/* Defines a load of the lanes of a mask; the other lanes are 0. */
+/* Defines a load of the lanes that a mask selects; the other lanes are 0. */
 #define OST_MASKZ_LOAD(name, mask, reg, type, count)                    \
     OST_PORTABLE reg name(mask k, const void *from)                     \
     {                                                                   \
@@ -212,7 +212,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return r;                                                       \
     }
 
-/* Defines a store of the lanes of a mask. */
+/* Defines a store of the lanes that a mask selects. */
 #define OST_MASK_STORE(name, mask, reg, type, count)          \
     OST_PORTABLE void name(void *to, mask k, reg a)           \
     {                                                         \
@@ -222,14 +222,15 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
                 memcpy((type *)to + i, &in[i], sizeof in[i]); \
     }
 
-/* Defines a comparison of the lanes of a mask. */
+/* Defines a comparison of the lanes that a mask selects; the other bits of the result are 0. */
 #define OST_MASK_COMPARE(name, mask, reg, all)   \
     OST_PORTABLE mask name(mask k, reg a, reg b) \
     {                                            \
         return (mask)(k & all(a, b));            \
     }
 
-/* Defines a gather of the lanes of a mask, from `base` + index * scale. The other lanes are copied from `other`. */
+/* Defines a gather of the lanes that a mask selects, from `base` + index * scale. The other lanes are copied from
+   `other`. */
 #define OST_MASK_GATHER(name, mask, reg, type, index_reg, index_type, count)                                           \
     OST_PORTABLE reg name(reg other, mask k, index_reg index, const void *base, int scale)                             \
     {                                                                                                                  \
@@ -242,7 +243,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return other;                                                                                                  \
     }
 
-/* Defines a reduction of the lanes, from `start` on: r is the result of the lanes before x. */
+/* Defines a reduction. r is `start` at first; `expression` then combines r with each lane x in turn. */
 #define OST_REDUCE(name, reg, type, count, start, expression) \
     OST_PORTABLE type name(reg a)                             \
     {                                                         \
@@ -358,7 +359,7 @@ OST_UNARY(_mm512_cvtepi64_epi16, __m128i, int16_t, __m512i, int64_t, 8, x)
 OST_UNARY(_mm512_cvtepi32_ps, __m512, float, __m512i, int32_t, 16, x)
 OST_UNARY(_mm512_cvtepi32_pd, __m512d, double, __m256i, int32_t, 8, x)
 /* A value that does not fit becomes INT32_MIN. For doubles, adding and subtracting 1.5 * 2^52 rounds to the nearest
-   integer, and a tie to the even one. */
+   integer; a tie is rounded to the even integer. */
 OST_UNARY(_mm512_cvttps_epi32, __m512i, int32_t, __m512, float, 16,
           x >= -0x1p31f && x < 0x1p31f ? (int32_t)x : INT32_MIN)
 OST_UNARY(_mm512_cvtpd_epi32, __m256i, int32_t, __m512d, double, 8,

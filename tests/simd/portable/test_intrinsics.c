@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the intrinsics that immintrin.h supplies with a processor's instructions: with hashes of recorded results on
- * every machine, and with the instructions themselves where the processor has them.
+ * Tests the intrinsics that immintrin.h supplies. On every machine, hashes of their results are compared with hashes
+ * that were recorded on a processor with the instructions. If this machine's processor has the instructions, the
+ * results are also compared with those of the instructions.
  *
- * To add an intrinsic, run the test on a processor with AVX-512. The failure prints the hash to record in cases.c.
+ * To add an intrinsic, run the test on a processor with AVX-512. The test fails and prints the hash to record in
+ * cases.c.
  */
 #include <inttypes.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests every kind of deviation in random scenes, at random positions and rates. The test checks that
- *   - a result differs from the reference only if the record states it,
- *   - the first difference is at the position that the record states,
+ *   - a result differs from the reference if and only if the record contains a changed result,
+ *   - the first difference is at the position in the record,
  *   - the mistake took effect before that difference, in the stage of its kind,
  *   - the mistake changes the results of at least one scene. If the table states "never" for the conditions
  *     in which the mistake survives (that is, changes no result), it must change the results of every

@@ -87,7 +87,7 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 
 /*
  * Writes one of two traces of a case. The chunks are equal in both traces. The tick after them differs: if
- * `other` is true, the trace removes one voxel less in one leaf and does not change another leaf.
+ * `other` is true, the tick removes one voxel less in one leaf and does not change another leaf.
  */
 static void write_trace(const char *path, bool other)
 {
@@ -449,7 +449,7 @@ static void changed_byte_is_detected(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        /* one problem concerns the manifest, another one the page, which no longer follows from the bundle */
+        /* one problem concerns the manifest; another problem is that the page no longer follows from the bundle */
         assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
         assert_non_null(strstr(all, REPORT_FILE " does not follow"));
