@@ -38,7 +38,8 @@ static bool choose(runner *r, int *number, int *subject_index)
     return false;
 }
 
-/* A batch has as many cases as fit into BATCH_BYTES by the estimated size of their traces, and at least one. */
+/* Divides the cases into batches. The estimated size of the traces of a batch is at most BATCH_BYTES, unless the batch
+   has only one case. Returns the largest estimated size of a batch. */
 enum { BATCH_BYTES = 128 << 20 };
 static uint64_t cut_batches(runner *r)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A campaign runs every case of a plan on every backend, each backend in its own process. It compares each trace with
- * the reference's trace with memcmp.
+ * A campaign runs every case of a plan on every backend, each backend in its own process. Each trace is compared with
+ * the reference's trace by memcmp.
  *
  *   plan, subjects --campaign_run--> results[case][subject], counts and times
  *
@@ -101,7 +101,7 @@ typedef struct campaign {
     uint64_t records, bytes; /* number of compared records, and of compared bytes, over all backends */
     uint64_t stage_records[TRACE_STAGES]; /* for each stage, the number of the reference's records */
     int counts[CASE_VERDICTS]; /* for each verdict, the number of results of all backends except the reference */
-    /* number of cases that the reference refused, which gives it the verdict CASE_FAILED */
+    /* number of cases that the reference refused; the verdict of the reference in these cases is CASE_FAILED */
     int refused;
     /* number of equal results in cases that the reference did not refuse; only these are evidence */
     int shown;

@@ -22,7 +22,7 @@ typedef struct stored_trace {
     struct stored_trace *next;
 } stored_trace;
 
-/* A backend's cases of a batch that have not been completed. */
+/* The cases of a batch that a backend has not completed yet. */
 typedef struct task {
     int from; /* next case to run; equal to the end of the batch when all cases are done */
     bool running;
@@ -88,8 +88,8 @@ void batch_free(batch *b);
 
 /* Starts a worker for the cases of a batch that a backend has not completed. */
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
-/* Frees the slot `which` after its worker ended with the result *end, and returns its content. The task counts as
-   running until runner_judge. */
+/* Frees the slot `which` after its worker ended with the result *end, and returns the content of the slot. The task
+   counts as running until runner_judge is called. */
 slot runner_take(runner *r, int which, const worker_result *end);
 /* Reads, judges and closes the trace of a worker that has ended. */
 ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, ost_error *err);

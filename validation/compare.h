@@ -33,8 +33,8 @@ typedef struct compare_difference {
     uint64_t word_ref, word_got;
     int32_t voxel[3];      /* COMPARE_VOXEL: the first voxel that differs, in x-fastest order over the entire grid */
     int32_t voxel_ref, voxel_got;
-    /* number of differing voxels in this record; for a tick, only the leaves that changed on at least one backend
-       count */
+    /* number of differing voxels in this record; for a tick, only voxels in leaves that changed on at least one backend
+       are counted */
     uint64_t voxels;
     uint64_t records;      /* number of compared records of this case, including the record with the difference */
     bool words_too;        /* COMPARE_VOXEL: true if words of the report differ too */

@@ -3,7 +3,7 @@
  * The random number generator for a campaign's inputs: splitmix64, which returns the same numbers on every
  * machine. Each stream has a name, so that a case added to a campaign does not change any other case.
  *
- * Several calls of draw functions in one statement are allowed only if && ?: or the commas between declarators define
+ * Several calls of draw functions in one statement are allowed only if &&, ?: or the commas between declarators define
  * their order. In f(draw(), draw()) and {draw(), draw()} the compiler chooses the order. gcc and clang choose
  * differently, so the same name would give different cases. tests/validation/test_scene checks the digests of the
  * results.

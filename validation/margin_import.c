@@ -95,8 +95,8 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
     for (size_t i = 0; i < count; i++) {
         int32_t at[3];
         margin_position(a->dims, list[i].voxel, at);
-        /* The other backend differs either because a sample with its value entered the voxel, or because all samples
-           left the voxel and it is empty. */
+        /* The other backend's value differs either because a sample with this value entered the voxel, or because
+           all samples left the voxel, which is then empty. */
         if (list[i].enter >= 0)
             margin_decided(m, (uint64_t)list[i].enter, 0, at);
         else if (list[i].got == 0 && list[i].leave >= 0)

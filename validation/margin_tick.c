@@ -175,8 +175,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         return ost_fail(err, OST_ERR_INPUT, "a trace has tick %u, the case has %zu", (unsigned)tick, w->s->path.count);
     ost_map *maps = NULL;
     bool made = false;
-    /* A change of a voxel with its old value. The old values are stored because the new values overwrite them in the
-       bones. */
+    /* A changed voxel and its old values in both bones. The old values are stored because the new values overwrite them
+       in the bones. */
     typedef struct change {
         size_t at;
         int16_t value[2];

@@ -131,7 +131,7 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
     return *made ? OST_OK : status;
 }
 
-/* Extends the range of chunks that must contain the reference's event. */
+/* Extends p->range, the range of chunks that the event must cover, to the chunks that the box meets. */
 static void widen_range(performer *p, const ost_voxel_box *box)
 {
     const int32_t size = p->s->chunk_size;

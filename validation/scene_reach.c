@@ -229,7 +229,7 @@ static ost_status make_rods(const plan_case *c, scene *s, draw *d, ost_error *er
         if (status == OST_OK)
             rod_ticks(s, d, t);
     }
-    if (status == OST_OK) /* a row has two words; the numbers of rows and of layers are a power of two plus three */
+    if (status == OST_OK) /* a row has two words; there are 2^6 + 3 rows per layer, and 2^6 + 3 layers */
         status = scene_add_bar(s, (ost_dims){65, 67, 67}, 7, 1000 * UM, err);
     for (int i = 0; i < 2 && status == OST_OK; i++)
         next_tick(s, 3)->pose.t = (ost_pm3){s->rect.origin.x + (i ? 40000 : 12000) * UM, s->rect.origin.y + 15000 * UM,

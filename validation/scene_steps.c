@@ -86,7 +86,7 @@ static ost_status make_tool(scene *s, draw *d, ost_pm voxel, int32_t wide, ost_e
     return status == OST_OK ? ost_mesh_snap(mesh, &grid, &tool->cutting, err) : status;
 }
 
-/* Computes in q the rotation `last`, followed by a rotation of up to `turn` about each axis. */
+/* Sets q to the rotation `last`, followed by a rotation of up to `turn` about each axis. */
 static void turn_on(draw *d, double turn, const double last[4], double q[4])
 {
     const double h[4] = {1, draw_real(d, -turn, turn), draw_real(d, -turn, turn), draw_real(d, -turn, turn)};

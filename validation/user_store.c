@@ -340,9 +340,9 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 /*
  * Estimates the size of a case's trace in bytes. The estimate includes rect, cubic, chunks and the bone at
  * the end, each tool, and for each tick the leaves that it changes. Of the leaves that the tool covers, a
- * tick changes only those at the tool's border in which bone remains. One leaf per tick is several times the
- * amount that slow cutting changes. If the estimate is too small and the disk becomes full, the campaign
- * ends.
+ * tick changes only those at the tool's border in which bone remains. The estimate assumes one changed leaf
+ * per tick (TICK_LEAVES), which is several times the number that slow cutting changes on average. If the
+ * estimate is too small and the disk becomes full, the campaign ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

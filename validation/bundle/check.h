@@ -26,7 +26,7 @@ typedef struct check_how {
     const plan_user *own;  /* cases from the user's own files; NULL if the bundle has none */
     const char *backend;   /* backend specification, as for ost_backend_open; NULL selects only the reference */
     double limit_s;        /* time limit in seconds for each backend, over all its cases */
-    /* called with the progress, `share` from 0 to 1; may be NULL */
+    /* called to report the progress; `share` increases from 0 to 1; may be NULL */
     void (*show)(void *user, const char *what, double share);
     void *show_user;
 } check_how;

@@ -22,7 +22,7 @@ static void report(const again *a, const json_t *one, const char *text)
     ++*a->found;
 }
 
-/* Compares the reference's digests of a case with those of the bundle, including the digests of leaves. */
+/* Compares the reference's digests of a case, including the digests of leaves, with those of the bundle. */
 static ost_status compare_reference(const again *a, const campaign *c, int i, const json_t *one, ost_error *err)
 {
     json_t *row;

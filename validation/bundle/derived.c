@@ -256,7 +256,7 @@ static void readme(FILE *to, const json_t *protocol, const json_t *cases, const 
         to);
 }
 
-/* Writes one line for each stage of each result that differs from the reference. */
+/* For each result that differs from the reference, writes one line for each stage that has margins. */
 static void margins_csv(FILE *to, const json_t *protocol, const json_t *cases, const json_t *summary)
 {
     static const char *const keys[] = {"records",     "reports",    "voxels",  "inherited", "below_threshold",

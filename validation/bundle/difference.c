@@ -82,7 +82,7 @@ static bool dims_in(const json_t *list, ost_dims *out)
     return true;
 }
 
-/* Finds the dims for a case of the user's own files, whose grids have their dims in the protocol. If only a part of a
+/* Finds the dims of a grid for a case of the user's own files. The protocol contains these dims. If only a part of a
    case was run (--case), the dims are unknown, and the function returns false. */
 static bool own_dims(const json_t *protocol, const char *id, const char *stage, json_int_t item, ost_dims *out)
 {

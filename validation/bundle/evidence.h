@@ -102,8 +102,8 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
 
 /*
  * Reads cases.jsonl line by line within the limits of limits.h. The error line of OST_ERR_INPUT contains the line
- * number. The digests of leaves are the largest part. If with_leaves is false, they are omitted, and each line must be
- * identical to the text that this program writes.
+ * number. If with_leaves is false, the digests of leaves, which are the largest part of the file, are omitted, and each
+ * line must be identical to the text that this program writes.
  */
 ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err);
 

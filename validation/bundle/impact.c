@@ -42,8 +42,8 @@ static void add_change(json_t *list, const char *what, const char *a, const char
         json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "what", what, "old", a, "new", b));
 }
 
-/* Adds a row with both values of a protocol's key as strings. The value of the key "arithmetic" is a number, the others
-   are strings. */
+/* Adds a row for a key of the protocol, with both values as strings. In the protocol, only the value of the key
+   "arithmetic" is a number. */
 static void add_protocol(json_t *list, const char *key, const json_t *a, const json_t *b)
 {
     const json_t *x = json_object_get(a, key), *y = json_object_get(b, key);
@@ -85,7 +85,7 @@ static json_t *compare_indexes(json_t *a, json_t *b)
     return list;
 }
 
-/* Makes an object from devices.json that maps each backend to a string with its driver, version and fingerprint. */
+/* Makes an object that maps each backend in devices.json to a string with its driver, version and fingerprint. */
 static json_t *devices_in(const json_t *file)
 {
     const json_t *list = json_object_get(json_object_get(file, "opencl"), "devices");

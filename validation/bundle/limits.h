@@ -19,7 +19,8 @@ enum {
     LIMIT_DEPTH = 16, /* maximum nesting depth of arrays and objects */
     LIMIT_VALUES = 1 << 20, /* maximum number of values in a JSON text */
     LIMIT_LINE =
-        /* maximum size in bytes of a line of cases.jsonl; a grid of 2^30 voxels has 32768 leaves of 67 bytes */
+        /* maximum size in bytes of a line of cases.jsonl; a leaf takes 67 bytes of a line, and a grid of 2^30
+           voxels has 32768 leaves */
         64 << 20,
     LIMIT_ALL_VALUES = LIMIT_VALUES * 8, /* maximum number of values in cases.jsonl, over all its lines */
 };

@@ -8,9 +8,10 @@
  *                 folder.c); two runs with the same list have the same results_root, independently of the
  *                 machine, its drivers and the time
  *
- * A root is the tree of RFC 6962 section 2.1 over SHA-256(0x00 || name || 0x00 || digest of the file). The
- * text of the manifest is canonical, so any change of a byte in the manifest itself is detected. The
- * manifest does not list signatures/, because a signature covers the manifest.
+ * A root digest is the Merkle tree hash of RFC 6962, section 2.1. The tree has one leaf for each file, with
+ * the hash SHA-256(0x00 || name || 0x00 || digest of the file). The text of the manifest is canonical, so any
+ * change of a byte in the manifest itself is detected. The manifest does not list signatures/, because a
+ * signature covers the manifest.
  */
 #ifndef OST_VALIDATION_MANIFEST_H
 #define OST_VALIDATION_MANIFEST_H

@@ -9,7 +9,7 @@
  *                  above, environment.json, times.json and the cases; verify derives them again
  *
  * If shards ran on equal machines, their tools.json and devices.json are equal and are written once. If the files
- * differ, the merged file has an object {"1/3": ...}.
+ * differ, the merged file contains an object {"1/3": ...} with the file of each shard.
  */
 #ifndef OST_VALIDATION_RECORD_H
 #define OST_VALIDATION_RECORD_H

@@ -43,8 +43,8 @@ static bool sort_result(const char *id, const char *backend, const char *verdict
 }
 
 /* Returns PASSED if all results are equal and the campaign covers enough to be evidence. Returns WARNED if all results
-   are equal but the campaign covers too little. Returns FAILED in all other cases, also if nothing was compared or the
-   campaign is incomplete. */
+   are equal but the campaign covers too little. Returns FAILED in all other cases, for example if nothing was compared
+   or the campaign is incomplete. */
 static const char *result_of(const json_t *summary)
 {
     if (!json_is_true(json_object_get(summary, "equal")))
@@ -211,7 +211,7 @@ typedef struct check {
     const char *folder;
     int signatures; /* file descriptor of the folder signatures/ */
     const sign_trust *trust;
-    const contents *is; /* contents of the bundle; NULL if it cannot be read, which has been reported */
+    const contents *is; /* contents of the bundle; NULL if the bundle cannot be read; sign.c does not report this */
     bundle_problem *problem;
     void *user;
     int *found;

@@ -40,7 +40,8 @@ typedef struct sign_envelope {
     struct {
         unsigned char *bytes;
         size_t size;
-        /* fingerprint of the key as stated in the envelope, a hint that no signature protects; "" if malformed */
+        /* fingerprint of the key, as stated in the envelope; only a hint, because no signature protects it; "" if it
+           is malformed */
         char keyid[OST_DIGEST_HEX];
     } signatures[SIGN_SIGNATURES_MAX];
 } sign_envelope;

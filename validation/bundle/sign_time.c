@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks time stamps of RFC 3161. The response of a time-stamping authority is in a file next to its envelope. */
+/* Checks time stamps of RFC 3161. The response of a time-stamping authority is in a file next to the envelope. */
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/ts.h>

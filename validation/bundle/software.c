@@ -9,7 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* A row of the table below, which lists software. The row belongs to the libraries whose file names start with
+/* A row of the table below, which lists software. The row applies to the libraries whose file names begin with
    `begins`. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;

@@ -31,8 +31,8 @@ const char *tools_commit(void)
     return BUILT_COMMIT;
 }
 
-/* Reads ID from the file os-release. It is the namespace in the names of packages. Sets name to "" on a system
-   without this file. */
+/* Reads the name of the distribution, which is the field ID of the file os-release. Package URLs contain this name. On
+   a system without the file, sets `name` to "". */
 static ost_status distribution_of(char name[32], ost_error *err)
 {
     static const char path[] = "/etc/os-release";

@@ -130,7 +130,7 @@ static bool fields_of(char *line, char *field[FIELDS])
     return false;
 }
 
-/* Returns the suite's result of a test by binary search in the sorted array; NULL if there is none. */
+/* Returns the entry of a test in the suite, or NULL if there is none. The entries are sorted by test. */
 static const json_t *result_of(const json_t *suite, const char *test)
 {
     const json_t *list = json_object_get(suite, "tests");

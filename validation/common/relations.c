@@ -176,8 +176,8 @@ static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
     return wrong;
 }
 
-/* Checks three laws for boxes with borders at any position: all faces turned inside out, the box cut into two halves,
-   and the box moved by a whole number of voxels. */
+/* Checks three laws for boxes with borders at any position. They concern a box whose faces are all turned inside out, a
+   box that is cut into two halves, and a box that is moved by a whole number of voxels. */
 static void mesh_laws(lab *l)
 {
     draw d = draw_named(l->seed, "meshes");

@@ -40,8 +40,8 @@ typedef enum deviation_stage {
 } deviation_stage;
 
 /*
- * The list of mistakes. Each entry has the form X(kind, name, stage, unit, effect, cause, survival). The unit is the
- * object for which one random decision is made. The survival states when the mistake acts but changes no result.
+ * The list of mistakes. Each entry has the form X(kind, name, stage, unit, effect, cause, survival). `unit` is the
+ * object for which one random decision is made. `survival` describes when the mistake acts but changes no result.
  */
 #define DEVIATION_LIST(X)                                                                                              \
     /* samples to rect grid */                                                                                         \

@@ -87,8 +87,8 @@ static inline int128 dense_floor(int128 n, int128 d)
     return -((-n + d - 1) / d);
 }
 
-/* Returns the integer nearest to n / d; if two integers are equally near, returns the even one. Compares twice the
-   remainder with d; d is below 2^98 in all uses. */
+/* Returns the integer nearest to n / d; if two integers are equally near, returns the even one. The remainder
+   times 2 is compared with d, which is below 2^98 in all uses. */
 static inline int128 dense_nearest(int128 n, int128 d)
 {
     const int128 below = dense_floor(n, d), twice = 2 * (n - below * d);

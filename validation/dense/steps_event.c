@@ -24,8 +24,8 @@ static const ost_tick *taken(const steps_history *h, size_t position)
     return &h->ticks[h->taken[position]];
 }
 
-/* Returns true if an event is due at the tick: the first tick after a restart or after the motor was off, and the first
-   tick in each period (AR-REM-7). */
+/* Returns true if an event is due at the tick. An event is due at the first tick after a restart, at the first tick
+   after the motor was off, and at the first tick in each period (AR-REM-7). */
 static bool is_due(const steps_history *h, const ost_tick *tick, bool restarts)
 {
     if (restarts || h->period_ns == 0 || taken(h, h->count - 1)->rpm == 0)

@@ -49,7 +49,7 @@ static int32_t of_unit_length(int32_t c, wide r)
     return (int32_t)wide_to_int64(wide_nearest(wide_times(wide_power_of_two(30), wide_of(c)), r));
 }
 
-/* Returns pose j of the m poses between the rows a and b of the path of the handle. */
+/* Returns pose j of the m poses between rows a and b of the handle's path. */
 static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int m)
 {
     ost_pose p = steps_sweep_pose(a, b, j, m);

@@ -4,7 +4,7 @@
  * compared like the results of a backend. docs/spec/dumps.md describes the format for the authors of such
  * programs.
  *
- *   DIR/dump.json                 the campaign and its cases from which the dump was made
+ *   DIR/dump.json                 the campaign, and the cases from which the dump was made
  *   DIR/import-0/rect.raw         or .nrrd; cubic, chunks, tool-0, tick-12, final
  *
  *   reference's trace, DIR --dump_trace--> a trace to compare with it
@@ -23,7 +23,7 @@ enum { DUMP_NAME = 200 };
 typedef struct dump_head {
     plan_tier tier;
     uint64_t seed;
-    /* cases whose identifiers begin with this prefix are in the dump (plan_make); "" stands for all */
+    /* prefix of the identifiers of the cases in the dump (plan_make); "" means all cases */
     char only[PLAN_ID];
     char program[DUMP_NAME];  /* name of the program that made the dump, in one line */
 } dump_head;

@@ -22,7 +22,7 @@ typedef struct finding {
     const char *class;
     char text[PATTERN_TEXT]; /* the evidence for the class, as a sentence */
     operands operands;
-    /* name of a file in the bundle with a small case that shows the same difference; "" if there is no such file */
+    /* name of the bundle's file that contains a small case with the same difference; "" if there is no such file */
     char reproduce[96];
     char small[MINIMISED_TEXT]; /* description of the minimised case (minimised_text) */
 } finding;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes the complete grids of one record from two traces, with the input of the record's stage, in the form
- * that pattern.h requires.
+ * Makes the complete grids of one record from two traces, and the input of the record's stage. The grids and
+ * the input have the form that pattern.h requires.
  *
  * A tick's record has only the leaves that changed, so the bone is made by applying all earlier records in
  * order. Before the first difference, the bones of both traces are equal, so the reference's records are

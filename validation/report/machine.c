@@ -72,7 +72,7 @@ static void one_machine(const page *p, const char *shard, const json_t *e)
     end_row(p, "environment.json");
 }
 
-/* Returns the number in a path's name that ends in "on N threads"; 0 if there is none. */
+/* Returns N if the name of a path ends in "on N threads", otherwise 0. */
 static int threads_in(const char *path)
 {
     const char *at = strstr(path, " on "), *digits = at ? at + strlen(" on ") : "";

@@ -5,8 +5,8 @@
  *   protocol, cases, files of the folder (pictures, sensitivity.json) --report_write--> report.html
  *
  * The report is derived only from the bundle's files; the date and the machine, too, are read from these files.
- * Therefore a check of the bundle can derive the report again and compare the bytes. It is written last, because it
- * mentions an optional file only if the file is in the folder.
+ * Therefore a check of the bundle can derive the report again and compare the bytes. The report is written last,
+ * because it mentions an optional file only if the file is in the folder.
  */
 #ifndef OST_VALIDATION_REPORT_H
 #define OST_VALIDATION_REPORT_H

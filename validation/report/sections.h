@@ -31,7 +31,7 @@ void section_sensitivity(const page *p);
 void section_common(const page *p);
 /* Writes the build, the program, the devices and the libraries. Writes nothing if the bundle has no tools.json. */
 void section_made_with(const page *p);
-/* Writes the numbers of requirements with tests, of requirements that are also supported by results, and of orphans.
+/* Writes how many requirements have tests, how many are also supported by results, and how many orphans there are.
    Writes nothing if the bundle has no trace.csv. */
 void section_requirements(const page *p);
 /* Writes the tests that requirements name, with their results. Writes nothing if the bundle has no suite.json. */

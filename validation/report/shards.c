@@ -10,7 +10,8 @@
 #include "validation/bundle/reproduce.h"
 #include "validation/report/pictures.h"
 
-/* Copies a file from the shard that contains it; at most one shard contains it. Sets *taken to false if none does. */
+/* Copies a file from the shard that contains it, and sets *taken to true. If no shard contains it, sets *taken to
+   false. At most one shard contains the file. */
 static ost_status take(const char *folder, const char *name, bool *taken, evidence_sink *sink, void *user,
                        ost_error *err)
 {

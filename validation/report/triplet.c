@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* LEAST is the smallest width that is shown, MARGIN the width around the differences, both in voxels. PANEL is the
-   length of the longest side and GAP the distance between panels, both in pixels. */
+/* LEAST is the smallest width that is shown, and MARGIN is the width of the border around the differences; both are in
+   voxels. PANEL is the length of a panel's longest side, and GAP is the distance between panels; both are in pixels. */
 enum { LEAST = 32, MARGIN = 6, PANEL = 288, GAP = 8 };
 
 static int16_t at_voxel(const ost_volume *v, const int32_t at[3])
