@@ -346,8 +346,9 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
 }
 
 /*
- * Returns a coordinate at or below u for a brick on axis a. At this coordinate, a voxel of the brick lies
- * on a border between two tool voxels or at most 200 units from such a border.
+ * Returns a coordinate of a brick along axis a. The coordinate is at most u and differs from u by less than
+ * one tool voxel. At this coordinate, a voxel of the brick lies on a border between two tool voxels or at
+ * most 200 units from such a border.
  */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {

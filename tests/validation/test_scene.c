@@ -382,8 +382,8 @@ static void reach_cases_have_designed_properties(void **state)
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
             /*
-             * The bounds of more than 2^16 triangles must contain the centre of a row. The bounds are along
-             * y and z, and half a voxel is 2^9 units.
+             * For each of more than 2^16 triangles, the bounds along y and z must contain the centre of a row.
+             * Half a voxel is 2^9 units.
              */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;
             int64_t with_rows = 0;
