@@ -20,7 +20,7 @@ static bool busy(const runner *r, int subject_index)
 /* Chooses the next worker. Returns false if no worker can start before another one ends. */
 static bool choose(runner *r, int *number, int *subject_index)
 {
-    /* The next reference has priority, because all other backends are compared with its trace. */
+    /* The reference's next batch has priority, because all other backends are compared with the reference's trace. */
     if (r->begun < r->batches && r->begun < r->done + ALIVE && !busy(r, 0)) {
         *number = r->begun;
         *subject_index = 0;

@@ -57,7 +57,7 @@ typedef struct margins {
     margin_stage of[TRACE_STAGES];
 } margins;
 
-/* Computes the margins of one case from its two traces. If apart is true, the other backend got the reference's input
+/* Computes the margins of one case from its two traces. If `apart` is true, the other backend got the reference's input
    at every stage (perform_apart), so no difference is inherited. */
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                       bool apart, margins *out, ost_error *err);

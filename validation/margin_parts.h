@@ -28,8 +28,8 @@ typedef struct margin_walk {
     int64_t event_tick;
 } margin_walk;
 
-/* Each of these functions takes the records of one stage and item: a from the reference's trace, b from the other
-   backend's. */
+/* Each of these functions takes two records of one stage and item: `a` is from the reference's trace, and `b` is from
+   the other backend's trace. */
 ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_block_view *b, ost_error *err);
 void margin_cubic(margin_walk *w, const trace_block_view *a, const trace_block_view *b);
 void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_view *b);

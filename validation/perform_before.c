@@ -60,8 +60,8 @@ ost_status perform_other_chunks(performer *p, ost_error *err)
     ost_status status = ost_grid_create(p->backend, &geometry, &grid, err);
     if (status == OST_OK)
         status = ost_grid_upload(grid, 0, GRID_SIDE, voxels, err);
-    /* If the case's chunks do not have the smallest size, these chunks are smaller. Memory that a backend retains by
-       mistake is then too small for the chunks of the case. */
+    /* The chunks made here are smaller than those of the case, unless the case's chunks have the smallest size. Memory
+       that a backend retains by mistake is then too small for the chunks of the case. */
     if (status == OST_OK)
         status = ost_cubic_to_chunks(grid, s->chunk_size == 16 ? 64 : s->chunk_size / 2, s->threshold, &bone, err);
     ost_bone_free(bone);

@@ -35,7 +35,7 @@ typedef struct performer {
     int16_t *was, *is;    /* `was` is the bone in its last record, and `is` is the bone as it was last downloaded */
     ost_removal_report collided, removed;
     bool second;          /* true if the second implementation computes the steps in place of a world */
-    bool light;           /* true if only the steps of the ticks are computed; used only if second is true */
+    bool light;           /* true if only the steps of the ticks are computed; used only if `second` is true */
     ost_path path;        /* the ticks of the case; the performer frees them if own_path is true */
     bool own_path;
     steps_history history; /* state of the second implementation; used only if `second` is true */
@@ -43,7 +43,7 @@ typedef struct performer {
     ost_map *made_maps;
     ost_map *maps;         /* owned; maps of an event if `second` is true, OST_SWEEP_MAX elements */
     ost_voxel_box *boxes;
-    /* the member boxes_meet, and the range of chunks that the event must cover; used only if second is true */
+    /* the member boxes_meet, and the range of chunks that the event must cover; used only if `second` is true */
     ost_step_result range;
     perform_watch *watch;
     void *user;
@@ -106,8 +106,8 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* Imports the CT into p->bone. Sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
-/* Samples the bone. If time is 0, the function runs after the import and writes items 0 and 1; if time is 1, it runs
-   at the end of the case and writes items 2 and 3. */
+/* Samples the bone. If `time` is 0, the function runs after the import and writes items 0 and 1; if `time` is 1, it
+   runs at the end of the case and writes items 2 and 3. */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
 /* Copies the bone to a second bone by uploading its slices in parts. */
 ost_status perform_upload(performer *p, ost_error *err);

@@ -16,7 +16,7 @@ static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
 /* Makes `count` solids in random orientations. If inside_out is true, the faces of every second solid are turned
-   inside out. If same is true, all solids are equal. */
+   inside out. If `same` is true, all solids are equal. */
 static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
 {
     ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);

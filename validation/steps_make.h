@@ -29,7 +29,7 @@ ost_pose steps_between(bool second, const ost_pose *a, const ost_pose *b, int k,
 ost_status steps_meshes_of(bool second, const scene_tool *t, ost_snapped_mesh out[2], bool *own, ost_error *err);
 void steps_meshes_free(ost_snapped_mesh meshes[2], bool own);
 
-/* Returns the scene's ticks. If second is true, they are computed again from the handle's poses and the motor's
+/* Returns the scene's ticks. If `second` is true, they are computed again from the handle's poses and the motor's
    rotation. *own has the same meaning as in steps_meshes_of. */
 ost_status steps_path_of(bool second, const scene *s, ost_path *out, bool *own, ost_error *err);
 

@@ -34,13 +34,13 @@ void steps_blocks(ost_dims bone, int32_t first[3][3]);
 /* Computes the digest of a mesh (AR-DIG-7) with code of its own, for comparison with src/core. */
 ost_status steps_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
-/* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without the functions of src/core. g is the bone's grid;
-   voxels are its densities, x fastest. */
+/* Computes the digest of a bone by AR-DIG-2 to AR-DIG-5 without the functions of src/core. `g` is the bone's grid;
+   `voxels` are its densities, x fastest. */
 ost_status steps_bone_digest(const ost_geometry *g, int32_t threshold, const int16_t *voxels, ost_digest *out,
                              ost_error *err);
 
-/* Adds the words of a snap record. If second is true, steps_mesh_digest computes the digest. parts[1] has no triangles
-   if there is no second mesh. parts is NULL if the meshes before snapping are not available. */
+/* Adds the words of a snap record. If `second` is true, steps_mesh_digest computes the digest. parts[1] has no
+   triangles if there is no second mesh. `parts` is NULL if the meshes before snapping are not available. */
 ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *parts, ost_error *err);
 void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, const ost_tick *tick);
 void steps_put_pose(trace_writer *w, const steps_pose *p);

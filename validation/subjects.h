@@ -10,7 +10,7 @@
  *         the counts 2, 3 and 7, and the last set also with the missing counts
  *   cl    each device that is not refused, with both kernel sets, each with the
  *         data undivided and with large data in parts. In the smoke tier the set
- *         for GPUs gets the data only in parts, the other set only undivided
+ *         for GPUs gets the data only in parts, and the other set gets it only undivided
  *   plugin:FILE.so   a plugin, if the user names it; it is first opened in a
  *                    separate process, because its code may crash or change the process
  *   dump:DIR         the dump of another program, if the user names it
@@ -44,7 +44,7 @@ typedef struct subject_list {
     char no_opencl[SUBJECT_REASON]; /* why no OpenCL device is available */
 } subject_list;
 
-/* Finds the subjects. wanted is a list of specs separated by semicolons, as in "cpu:isa=avx2;cl:device=0", or NULL
+/* Finds the subjects. `wanted` is a list of specs separated by semicolons, as in "cpu:isa=avx2;cl:device=0", or NULL
    for all subjects of the tier. The specs "cpu" and "cl" alone select all subjects of that backend. */
 ost_status subjects_find(plan_tier tier, const char *wanted, subject_list *out, ost_error *err);
 void subjects_free(subject_list *list);

@@ -19,9 +19,9 @@
 #include "validation/plan.h"
 
 /* Called in the worker. Runs the cases [from, to) of the plan on the backend `spec`, and writes a line to stderr for
-   each stage that fails. If given is NULL, the input of a stage is the result of the previous stage. If given is not
-   NULL, it is the path of the reference's trace of these cases, and every stage gets its input from the grids in that
-   trace (perform_apart). */
+   each stage that fails. If `given` is NULL, the input of a stage is the result of the previous stage. If `given` is
+   not NULL, it is the path of the reference's trace of these cases, and every stage gets its input from the grids in
+   that trace (perform_apart). */
 ost_status worker_run(const plan *p, int from, int to, const char *spec, const char *trace_path, const char *given,
                       ost_error *err);
 

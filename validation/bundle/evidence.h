@@ -24,8 +24,8 @@
 /* version of the bundle's format; version 1 had a word such as "equal" in place of each backend's digest */
 enum { EVIDENCE_FORMAT = 2 };
 
-/* Makes protocol.json; the caller owns *out. The parameter chosen lists the requested backends and is "" if all
-   available backends are used. */
+/* Makes protocol.json; the caller owns *out. `chosen` lists the requested backends and is "" if all available backends
+   are used. */
 ost_status evidence_protocol(const plan *p, const subject_list *subjects, const char *chosen, bool cpu_only,
                              json_t **out, ost_error *err);
 /* Makes the line of one case, without its results. Must be called while the case's batch is open
@@ -73,7 +73,7 @@ const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 
 /*
  * Returns the options that a command needs for the user's own cases, such as " --ct FILE --tool FILE
- * --cubic=0.5". The word FILE replaces the names of the files, which are not recorded. If how is true, the
+ * --cubic=0.5". The word FILE replaces the names of the files, which are not recorded. If `how` is true, the
  * text includes the options by which osteon validate reads the files. Returns "" if there are no such
  * cases, NULL if memory is exhausted. The caller frees the text with free().
  */

@@ -43,15 +43,15 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
 /* Trusted public keys, and the certificates of a time-stamping authority. */
 typedef struct sign_trust sign_trust;
 
-/* Reads the trusted keys. paths lists PEM files of public keys or folders of such files. authority is a PEM file of
-   certificates, or NULL. */
+/* Reads the trusted keys. `paths` lists PEM files of public keys or folders of such files. `authority` is a PEM file
+   of certificates, or NULL. */
 ost_status sign_trust_open(const char *const paths[], int count, const char *authority, sign_trust **out,
                            ost_error *err);
 void sign_trust_free(sign_trust *trust); /* NULL is allowed */
 
 /*
- * Checks every file in signatures/. If trust is not NULL, there must be at least one signature, and each
- * signature must be by a trusted key. If trust is NULL, envelopes are read and compared with the bundle,
+ * Checks every file in signatures/. If `trust` is not NULL, there must be at least one signature, and each
+ * signature must be by a trusted key. If `trust` is NULL, envelopes are read and compared with the bundle,
  * but no signature is verified. Sets *out to [{file, by, meaning, claimed_time, keys[], checked, stamped,
  * time_stamp}], which the caller owns.
  */

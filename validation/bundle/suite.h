@@ -29,8 +29,8 @@ enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
    exhausted. The caller owns the result. */
 json_t *suite_tests(const char *requirements);
 
-/* Returns "passed", "skipped" or "failed". The parameter stopped is the reason why the test was stopped, or "" if the
-   test ended by itself. */
+/* Returns "passed", "skipped" or "failed". `stopped` is the reason why the test was stopped, or "" if the test ended by
+   itself. */
 const char *suite_result(json_int_t status, const char *stopped);
 
 /* Counts the passed, skipped and failed tests in the array "tests" of o, and adds these counts to o. */

@@ -24,8 +24,8 @@
  */
 char *trace_requirements(void);
 
-/* Writes trace.csv. requirements is the text of the bundle's requirements.csv. common and suite are the contents of
-   common.json and suite.json, or NULL. */
+/* Writes trace.csv. `requirements` is the text of the bundle's requirements.csv. `common` and `suite` are the contents
+   of common.json and suite.json, or NULL. */
 ost_status trace_table_write(const char *requirements, const json_t *cases, const json_t *common, const json_t *suite,
                              evidence_sink *sink, void *user, ost_error *err);
 

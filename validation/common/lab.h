@@ -38,8 +38,8 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);
 /* Fills voxels with random densities: 0 in one voxel out of four, 120 to 1000 in the others. */
 void lab_fill(draw *d, int16_t *voxels, int64_t count);
 
-/* Makes a bone of `voxels`, runs one event with these poses, and writes the resulting bone to `voxels`. report may be
-   NULL. */
+/* Makes a bone of `voxels`, runs one event with these poses, and writes the resulting bone to `voxels`. `report` may
+   be NULL. */
 void lab_remove(lab *l, const ost_geometry *g, int chunk, int16_t *voxels, const ost_tool *tool, const ost_pose *poses,
                 int count, ost_removal_report *report);
 uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const ost_pose *poses, int count,
@@ -48,7 +48,7 @@ uint64_t lab_removed(lab *l, const ost_geometry *g, const ost_tool *tool, const 
 /* Makes a box of twelve triangles. Seen from outside, their corners are counter-clockwise, or clockwise if inside_out
    is true. */
 void lab_box(lab *l, ost_pm3 min, ost_pm3 max, bool inside_out, ost_mesh *out);
-/* Voxelizes a mesh on the given grid or, if grid is NULL, on the grid of the mesh's bounds. Initialises *out. */
+/* Voxelizes a mesh on the given grid or, if `grid` is NULL, on the grid of the mesh's bounds. Initialises *out. */
 void lab_voxelize(lab *l, const ost_mesh *mesh, const ost_tool_geometry *grid, ost_pm voxel, ost_tool_volume *out);
 
 void lab_golden(lab *l);

@@ -17,7 +17,7 @@
 
 #include "validation/dense/deviation.h"
 
-/* Opens the dense backend. how is the deviation, or NULL for correct results. The caller closes *out with
+/* Opens the dense backend. `how` is the deviation, or NULL for correct results. The caller closes *out with
    ost_backend_close. */
 ost_status dense_open(const deviation *how, ost_backend **out, ost_error *err);
 

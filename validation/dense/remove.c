@@ -101,8 +101,8 @@ static void lose_last_chunk(deviant *m, const dense_bone *bone, dense_marks mark
 
 /* ---------------------------------------------------------------- report */
 
-/* Returns the density class by AR-CLS-1. If above is true, the function makes a deliberate mistake: it compares density
-   > border instead of density >= border. */
+/* Returns the density class by AR-CLS-1. If `above` is true, the function makes a deliberate mistake: it compares
+   density > border instead of density >= border. */
 static int class_of(const ost_density_classes *classes, int16_t density, bool above)
 {
     int found = 0;

@@ -26,7 +26,7 @@
 
 #include "validation/dense/wide.h"
 
-/* Computes q v q* = M v for quaternion q and rotation matrix M of a pose. If back is true, computes q* v q = M^T v
+/* Computes q v q* = M v for quaternion q and rotation matrix M of a pose. If `back` is true, computes q* v q = M^T v
    instead (AR-POSE-4). The function steps_norm returns the N of a pose. */
 void steps_turn(const ost_pose *pose, bool back, const wide v[3], wide out[3]);
 wide steps_norm(const ost_pose *pose);
@@ -84,7 +84,7 @@ typedef struct steps_event {
 ost_status steps_history_begin(const ost_path *path, bool sweep_off, int64_t period_ns, steps_history *out,
                                ost_error *err);
 void steps_history_free(steps_history *h);
-/* Determines the event of tick i. The function must be called for all ticks in order. grid is the grid of the tick's
+/* Determines the event of tick i. The function must be called for all ticks in order. `grid` is the grid of the tick's
    tool. */
 steps_event steps_next(steps_history *h, size_t i, const ost_tool_geometry *grid, ost_pm bone_voxel);
 

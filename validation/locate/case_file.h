@@ -25,7 +25,7 @@ ost_status case_of_json(const json_t *o, const char *where, const plan_user *use
 /* Returns the case as a JSON object that the caller owns, or NULL if memory is exhausted. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);
 
-/* Reads all cases of a file as a plan. If document is not NULL, sets *document to the content of the file, which the
+/* Reads all cases of a file as a plan. If `document` is not NULL, sets *document to the content of the file, which the
    caller owns. */
 ost_status case_file_read(const char *path, const plan_user *user, plan *out, json_t **document, ost_error *err);
 

@@ -27,8 +27,8 @@ typedef struct minimised {
     int runs;   /* number of workers that the minimisation has run */
 } minimised;
 
-/* Minimises a case. program is the path of this program's file, which workers run. Temporary files are written to
-   folder and removed afterwards. *out is valid only if *done is true. */
+/* Minimises a case. `program` is the path of this program's file, which workers run. Temporary files are written to
+   `folder` and removed afterwards. *out is valid only if *done is true. */
 ost_status minimise(const plan_case *c, const char *spec, const compare_difference *d, const finding *f,
                     const char *program, const char *folder, minimised *out, bool *done, ost_error *err);
 

@@ -5,7 +5,8 @@
 #include <string.h>
 
 /* LEAST is the smallest width that is shown, and MARGIN is the width of the border around the differences; both are in
-   voxels. PANEL is the length of a panel's longest side, and GAP is the distance between panels; both are in pixels. */
+   voxels. PANEL is the length of the longest side of all panels, and GAP is the distance between panels; both are in
+   pixels. */
 enum { LEAST = 32, MARGIN = 6, PANEL = 288, GAP = 8 };
 
 static int16_t at_voxel(const ost_volume *v, const int32_t at[3])
