@@ -91,7 +91,7 @@ void *check_input(check *c, const char *name, size_t count, size_t size, size_t 
  * lie at the same edge of their pages.
  */
 void check_outputs(check *c, const char *name, size_t count, size_t size, size_t align, void *both[2]);
-/* Sets the description of the case that is printed if the case fails. */
+/* Sets a description of the case, which is printed if the case fails. */
 void check_note(check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Calls the scalar kernel with a and the other kernel with b. Returns false if one of the calls failed. */
