@@ -55,7 +55,7 @@ typedef struct case_result {
     ost_digest made;
     /* true if the backend's trace contains the case, so that the verdict is equal, differs or failed */
     bool has_made;
-    /* running time of the backend in this case, including the time to generate its input; 0 if not measured */
+    /* running time of the backend in this case, including the time to generate the case's input; 0 if not measured */
     double seconds;
     char *lines;     /* owned; digest lines; NULL if has_made is false or the lines equal those of the reference */
 } case_result;
@@ -92,7 +92,7 @@ typedef struct campaign {
     char **lines;
     /* owned; for each case, its range in the trace `reference`; count is 0 if the case is not in this batch */
     compare_range *ranges;
-    /* owned; for each subject, the backend paths counted by those of its workers that ended normally */
+    /* owned; for each subject, the path counts of the backend, summed over its workers that ended normally */
     path_list *paths;
     time_t begun;
     double *seconds;       /* owned; for each backend, the total time of its workers in seconds */

@@ -38,7 +38,7 @@ typedef struct compare_difference {
     uint64_t voxels;
     uint64_t records;      /* number of compared records of this case, including the record with the difference */
     bool words_too;        /* COMPARE_VOXEL: true if words of the report differ too */
-    int64_t chunk;         /* first chunk of the bone whose line in the report differs; -1 if there is none */
+    int64_t chunk;         /* number of the first chunk whose line in the report differs; -1 if there is none */
 } compare_difference;
 
 /* Range of a case's records in a trace; count is 0 if the case has no records. */

@@ -9,7 +9,7 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A voxel of the rect grid that differs. The struct contains the minimum distances by which samples would have to move
+/* A differing voxel of the rect grid. The struct contains the minimum distances by which samples would have to move
    so that the reference would compute the other backend's value. */
 typedef struct moved {
     size_t voxel;

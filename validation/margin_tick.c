@@ -164,8 +164,8 @@ static bool fits(const trace_block_view *b, ost_dims d)
            b->lo[1] + b->dims.y <= d.y && b->lo[2] + b->dims.z <= d.z;
 }
 
-/* Counts the voxels of a record in which the bones begin to differ at this tick. There are two passes, because the
-   second pass requires both bones as they were before the tick. */
+/* Counts the voxels of a record that are equal in both bones before this tick and differ after it. There are two
+   passes, because the second pass requires both bones as they were before the tick. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;

@@ -29,10 +29,11 @@ static vector cross(vector a, vector b)
 
 /*
  * A squared distance as a fraction of 128-bit integers. Coordinates are twice those of the lattice, so that
- * voxel centres have integer coordinates. Coordinates are at most 2^21, differences 2^22, cross products
- * 2^45, and the squares of cross products 2^92. The square (n . p)^2 for a plane with normal n is up to
- * 2^136 and would not fit. The squared distance to a plane is therefore computed only for |n . p| < 2^63,
- * which is sufficient for triangles of this size. For larger values the distance to the edges is used.
+ * voxel centres have integer coordinates. The maximum magnitudes are 2^21 for coordinates, 2^22 for
+ * differences, 2^45 for cross products, and 2^92 for the squares of cross products. The square (n . p)^2 for
+ * a plane with normal n is up to 2^136 and would not fit. The squared distance to a plane is therefore
+ * computed only for |n . p| < 2^63, which is sufficient for triangles of this size. For larger values the
+ * distance to the edges is used.
  */
 typedef struct fraction {
     unsigned __int128 top, bottom;

@@ -34,8 +34,8 @@ ost_status perform(ost_backend *backend, const scene *s, uint32_t case_index, tr
 
 /*
  * Runs a case with the steps of the second implementation in place of those of src/core and src/sim
- * (steps_make.h): snapped meshes, ticks of a motor, events, poses and maps. If a case would take too long,
- * only the steps of its ticks are computed.
+ * (steps_make.h). The steps are snapped meshes, ticks of a motor, events, poses and maps. If a case would
+ * take too long, only the steps of its ticks are computed.
  */
 ost_status perform_second(ost_backend *backend, const scene *s, uint32_t case_index, trace_writer *w, ost_error *why,
                           ost_error *err);

@@ -115,7 +115,7 @@ ost_status perform_upload(performer *p, ost_error *err);
 ost_status perform_tool(performer *p, int i, ost_error *err);
 /* Creates the state for the ticks: a world, or the second implementation's history and memory for an event. */
 ost_status perform_begin_ticks(performer *p, ost_error *err);
-/* Runs tick i. Records its steps, its event and the leaves of the bone that changed. */
+/* Runs tick i. Records the tick's steps, its event and the changed leaves of the bone. */
 ost_status perform_tick(performer *p, size_t i, ost_error *err);
 /* Computes only the steps of tick i. The sweep begins at the previous tick if that tick has the same tool. */
 ost_status perform_steps(performer *p, size_t i, ost_error *err);

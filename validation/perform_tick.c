@@ -144,7 +144,7 @@ static void widen_range(performer *p, const ost_voxel_box *box)
 }
 
 /* Records the poses of the sweep from `from` to the pose of tick i. If p->maps is not NULL, also stores the map of each
-   pose in p->maps, with which the event is executed later. */
+   pose in p->maps. The event is executed later with these maps. */
 static ost_status record_steps(performer *p, size_t i, bool refused, bool removal, int count, const ost_pose *from,
                                ost_error *err)
 {

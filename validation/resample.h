@@ -52,7 +52,7 @@ static inline ost_pm3 resample_origin(const ost_geometry *rect, ost_pm cubic)
                      rect->origin.z + ost_rhe_div(cubic - rect->spacing.z, 2)};
 }
 
-/* Returns the spacing of the second resampling that a campaign makes (TRACE_RESAMPLE). */
+/* Returns the spacing of a campaign's second resampling (TRACE_RESAMPLE). */
 static inline ost_pm resample_again(ost_pm cubic)
 {
     return cubic * 7 / 5;

@@ -166,8 +166,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
-/* Returns a position for a rod that can place the centres of bone voxels exactly on borders between tool voxels (ties),
-   or a position up to 6 / 65536 of a tool voxel away from such a position. */
+/* Returns a position for a rod. At this position, or at most 6 / 65536 of a tool voxel away from it, centres of bone
+   voxels can lie exactly on borders between tool voxels (ties). */
 static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
 {
     const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);

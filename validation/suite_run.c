@@ -33,7 +33,7 @@ typedef struct running {
     const char *stopped; /* "time" or "output", the limit that the test exceeded; "" if the test was not stopped */
     bool line_ended;
     size_t used;
-    char line[SUITE_REASON]; /* last line of the output that is not empty */
+    char line[SUITE_REASON]; /* last non-empty line of the output */
 } running;
 
 typedef struct runner {

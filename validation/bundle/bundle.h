@@ -33,7 +33,7 @@ ost_status bundle_put(bundle *b, const char *name, const void *bytes, size_t siz
    files. */
 ost_status bundle_put_json(bundle *b, const char *name, const json_t *value, ost_error *err);
 ost_status bundle_log(bundle *b, const char *action, ost_error *err, const char *detail, ...) OST_PRINTF(4, 5);
-/* Writes the manifest, and renames the folder to `out`. Frees b, also on failure. */
+/* Writes the manifest, and renames the folder to `out`. Frees b even on failure. */
 ost_status bundle_end(bundle *b, ost_error *err);
 void bundle_abandon(bundle *b); /* b may be NULL */
 

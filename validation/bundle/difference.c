@@ -47,8 +47,8 @@ static bool leaf_at(const json_t *leaves, size_t i, json_int_t *number, const ch
     return *digest != NULL;
 }
 
-/* Returns the smallest number of a leaf that differs or that is in only one of the lists; -1 if there is no such
-   leaf. */
+/* Returns the lowest leaf number for which the digests differ or only one of the lists has a digest; -1 if there is no
+   such leaf. */
 static json_int_t first_leaf(const json_t *a, const json_t *b)
 {
     size_t i = 0, j = 0;

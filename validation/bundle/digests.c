@@ -85,7 +85,7 @@ static ost_status digest_without_bounds(const trace_record *r, const uint8_t *wo
     return status;
 }
 
-/* Computes the digest of the part of a record that is compared. Words that are bounds count as 0. In the record of a
+/* Computes the digest of the compared part of a record. Words that are bounds count as 0. In the record of a
    failed stage, only the status is included. */
 static ost_status digest_of_record(const trace_record *r, ost_digest *out, ost_error *err)
 {

@@ -23,8 +23,8 @@ extern char **environ;
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* Copies the value from the first line of a file that begins with `name`, such as "name : value". The result is "" if
-   the file or such a line does not exist. */
+/* Searches a file for the first line that begins with `name`, such as "name : value", and copies the value from this
+   line. The result is "" if the file or such a line does not exist. */
 static ost_status line_of(const char *path, const char *name, char text[], size_t size, ost_error *err)
 {
     char line[4096];

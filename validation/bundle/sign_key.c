@@ -31,7 +31,7 @@ static bool is_supported(const EVP_PKEY *key)
            strcmp(group, "prime256v1") == 0;
 }
 
-/* Checks the type of a key and stores it in *out. Takes ownership of pkey, also on failure. */
+/* Checks the type of a key and stores it in *out. Takes ownership of pkey even on failure. */
 static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_error *err)
 {
     unsigned char *der = NULL;

@@ -32,7 +32,7 @@ typedef struct dense {
     bool has_last_map;
 } dense;
 
-/* The voxels of a rect grid, and a flag for each voxel that is set if the voxel has a sample. */
+/* The voxels of a rect grid, and one flag per voxel, which is set if the voxel has a sample. */
 typedef struct dense_scatter {
     int16_t *voxels;
     uint8_t *seen;

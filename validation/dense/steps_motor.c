@@ -14,7 +14,7 @@ static wide way_of(int64_t from, int64_t to, int64_t rpm)
     return wide_times(wide_minus(wide_of(to), wide_of(from)), wide_of(rpm));
 }
 
-/* Returns the pose of the tool at phase P of the motor for a pose of the handle (AR-MOTOR-3, AR-MOTOR-4). */
+/* Returns the tool's pose for a pose of the handle and the phase P of the motor (AR-MOTOR-3, AR-MOTOR-4). */
 static ost_pose turned(const ost_pose *handle, wide phase)
 {
     const int64_t k = wide_to_int64(wide_floor(wide_times(wide_of(4096), phase), wide_of(turn)));

@@ -46,7 +46,7 @@ bool page_has(const page *p, const char *file);
 bool page_picture(const page *p, const char *file, const char *caption);
 
 /*
- * These functions begin and end a part of the page that has a label. On a screen the reader opens the part
+ * These functions begin and end a labelled part of the page. On a screen the reader opens the part
  * with its label; on paper the part is always open. The HTML element `details` is not used, because some
  * browsers print it closed. The content of the part is one div. The id must be unique on the page.
  */

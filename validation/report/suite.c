@@ -13,7 +13,7 @@ static json_int_t number(const json_t *o, const char *key)
     return n > 0 ? n : 0;
 }
 
-/* Writes a row for each test of the suite that has this result. */
+/* Writes a row for each test with this result. */
 static void rows(const page *p, const json_t *tests, const char *result)
 {
     for (size_t i = 0; i < json_array_size(tests); i++) {
