@@ -67,12 +67,11 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
 /*
- * Sizes of tool voxels in thousandths of a bone voxel. They cover windows of 8^3 voxels with each of
- * their steps, windows of 16^3 voxels with the steps 6, 3 and 1 (see src/cpu/remove/shape.h), and
- * sizes for which no windows are made.
+ * Sizes of tool voxels in thousandths of a bone voxel. They cover windows of 8^3 and of 16^3 voxels with
+ * each of their steps (see src/cpu/remove/shape.h), and sizes for which no windows are made.
  */
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
-                                      650,  532,  400,  347,  320,  288,  260,  247, 150, 63};
+                                      650,  532,  400,  380,  347,  320,  288,  260, 247, 150, 63};
 
 static void compare_event(const team *t, test_rng *rng, int64_t poses_max)
 {
