@@ -120,7 +120,7 @@ static ost_status static_tick(const bench_options *options, bench_table *table, 
         status = verify(&scene, &ours, &equal, err);
     for (int i = 0; i < bench_repeat(options, REPEAT) && status == OST_OK && equal; i++) {
         status = ost_bone_upload(ours.bone, z0, z_count, slices, err);
-        if (status == OST_OK) /* loads the event's data into the caches, as for the rows "fresh" of suite_removal.c */
+        if (status == OST_OK) /* loads the event's data into the caches, as for the "fresh" rows of suite_removal.c */
             status = ost_bone_collide(ours.bone, ours.tool, &scene.event, &seen, err);
         if (status == OST_OK)
             status = step(&scene, &ours, &fresh, err);

@@ -155,7 +155,8 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 
 /*
  * Records that a case has no grid at this stage. The record is empty on every backend, including the reference, and is
- * compared. If p->watch is set, the empty record replaces a grid of the case, and the grid is not made.
+ * compared. If p->watch is set, a grid that the case has is not made,
+ * and the empty record replaces its record.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

@@ -342,8 +342,8 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
 enum { THIN_X = 2, THIN_Y = 257, THIN_Z = 256, NEEDLES = 6, RING = 4 };
 
 /*
- * Adds a needle that fills column 1 of a row, but no voxel of the rows next to it. Along x it extends over
- * the complete column; along y and z it extends one unit from the row's centre.
+ * Adds a needle that fills the voxel of a row in column 1, but no voxel of the neighbouring rows. Along x, the
+ * needle is as long as a voxel; along y and z, it extends one unit from the row's centre.
  *
  *         1           Each end consists of four triangles around the row's
  *       / | \         centre.  Twice the area of each projection is 1.  One of

@@ -201,7 +201,7 @@ ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, c
     return OST_OK;
 }
 
-/* Computes the inward normal of a point, in voxels per metre. */
+/* Converts the inward normal of a point of the shell to voxels. The length of the result is that of 1 m. */
 static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, size_t i, double out[3])
 {
     for (int a = 0; a < 3; a++)

@@ -391,8 +391,8 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
     if (error)
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device inverse3: cannot create a thread for its connection: %s",
                         strerror(error));
-    /* If the service fails after its first state, the device is nevertheless opened. The next read then reports that
-       the device is lost. */
+    /* If the service fails after it has sent its first state, opening still succeeds. The next read then reports
+       that the device is lost. */
     if (wait_for(&h->met, OPEN_MS) && atomic_load(&h->states) > 0)
         return OST_OK;
     stop_thread(h);

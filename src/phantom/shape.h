@@ -146,7 +146,10 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
  * distance to the box, which is smaller.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
-/* Selects the segments of the bar for the ball around `centre`. The bar must exist as long as the part is used. */
+/*
+ * Sets *part to those segments of the bar that can be nearest to a point of the ball around `centre`. The bar must
+ * exist as long as *part is used.
+ */
 void ost_bar_near(const ost_bar *bar, ost_v3 centre, double radius, ost_bar_part *part);
 /*
  * For a point p of the part's ball, returns a result that is bit-identical to

@@ -12,8 +12,8 @@
  * The target therefore lies far behind the face. In dense bone, the tool needs half a minute to reach the target.
  * Afterwards, the sweep and the wobble move the tool into new bone.
  *
- * Each of the three periodic motions is a point that moves on a circle by the recurrence (c, s) * (p + i) / |p + i|.
- * The recurrence needs only + - * / and sqrt.
+ * Each of the three periodic motions is a point c + i s that moves on the unit circle. In each tick, this complex
+ * number is multiplied by (p + i) / |p + i|, where p depends on the period. This needs only + - * / and sqrt.
  */
 #ifndef OST_SIM_PRESS_H
 #define OST_SIM_PRESS_H

@@ -332,8 +332,8 @@ static void chunks_round(machine *m, test_rng *rng)
     const int n = 16 << rng_range(rng, 0, m->small ? 1 : 2);
     const int32_t threshold = (int32_t)(rng_range(rng, 0, 2) ? 120 : rng_range(rng, 1, 32767));
     const size_t count = (size_t)ost_dims_count(d), slice = (size_t)d.x * (size_t)d.y;
-    /* The voxels consist of runs of random length. Runs of kind 0 are empty. In the other runs, about `solid` of 21
-       voxels are active. */
+    /* The voxels consist of runs of random length. Runs of kind 0 are empty. In the other runs, about `solid` out of
+       every 21 voxels are active. */
     const int solid = (int)rng_range(rng, 0, 20);
     int16_t *voxels = zeros(count, 2);
     for (size_t v = 0, left = 0, kind = 0; v < count; v++, left--) {

@@ -51,7 +51,7 @@ typedef struct shim_count {
 extern const char *const shim_object_names[SHIM_OBJECTS];
 /* Returns the number of objects of this kind created and released since the program's start. */
 shim_count shim_objects(enum shim_object kind);
-/* Returns the number of objects of all kinds that were created and are not yet released. */
+/* Returns the number of objects of all kinds that have been created and not yet released. */
 long shim_alive(void);
 bool shim_goes_to_queue(enum shim_call call);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs a small session repeatedly. Each OpenCL call of the session fails in one run. In a second run, the
- * call fails, and the device is lost from this call on. In each run, the following must hold:
+ * Runs a small session twice for each of its OpenCL calls. In the first run, this call fails. In the second
+ * run, this call fails, and the device is lost from then on. In each run, the following must hold:
  *
  *   - the status is not OST_OK, and the message names the device, unless the backend can overcome
  *     the failure of this call

@@ -587,7 +587,8 @@ static void variants_equal_the_scalar_kernel(void **state)
                                                                   &have_next),
                                  good);
                 assert_memory_equal(want, have, (most + 1) * sizeof *want);
-                /* a kernel must not write beyond the densities that it found; another thread may own these elements */
+                /* elements beyond the densities that a kernel found may belong to another thread, so the kernel must
+                   not write to them */
                 for (size_t i = good; i <= most; i++)
                     assert_int_equal(have[i], 12345);
                 assert_ptr_equal(have_next, want_next);

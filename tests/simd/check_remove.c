@@ -3,14 +3,15 @@
  * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
  * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
- * near the limits of three ranges: the fractions for which the base must be computed by a division, the bases
- * that exist, and the bases of blocks that the tool can reach.
+ * near three kinds of limits: the limit of the fraction beyond which the base is computed by a division, the
+ * least and greatest base that a block can have, and the least and greatest base at which the tool reaches
+ * the block.
  *
  * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
  * sorted by the numbers of the parts, which are all different. The previous content of the lists must not
  * change, and nothing beyond the OST_CUBES_SLACK elements after a list may be written.
  *
- * `match` is tested with bricks in cells that a split classifies as mixed, up to the edges of the cells.
+ * `match` is tested with bricks that a split classifies as mixed. They lie anywhere in the cells, also at the edges.
  * Half of the bricks are moved so that a voxel lies on a border between tool voxels or a few units from
  * such a border, where the 16-bit sums have ties.
  */

@@ -308,7 +308,7 @@ static void reach_cases_have_designed_properties(void **state)
             assert_true(s.tools[0].noncutting.triangle_count > 0);
             /*
              * Twice the distance from a voxel's middle to the bar's end, in units of the map. If this number is odd,
-             * the distance is a tie.
+             * the distance lies halfway between two units.
              */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;

@@ -4,9 +4,9 @@
  * docs/spec/arithmetic.md, and uses dense arrays and simple loops.
  *
  * Without a deviation, its results show whether the reference and the backends derived from the reference
- * have a mistake in common. It has its own functions for integer division, uses neither far blocks nor the
- * event's boxes, and processes rows and triangles in their given order. With a deviation it behaves like a
- * port with that mistake (deviation.h).
+ * have an error in common. It has its own functions for integer division, uses neither far blocks nor the
+ * event's boxes, and processes rows and triangles in their given order. With a deviation (deviation.h), it
+ * behaves like a backend that contains this deliberate mistake.
  *
  * The second implementation is part of the command and not of the library, so no backend string opens it.
  */

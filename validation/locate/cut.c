@@ -122,7 +122,7 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
     for (int i = tools; i < s->tool_count; i++)
         s->tools[i] = (scene_tool){.name = ""};
     s->tool_count = tools;
-    /* The cut counts ticks. Poses of the handle are counted differently, so they cannot be cut. */
+    /* The poses of the handle do not correspond to ticks, so their path cannot be shortened and is removed. */
     if (ticks != s->path.count || cut->no_tools) {
         ost_path_free(&s->handle_path);
         s->handle_path = (ost_path){.count = 0};

@@ -6,9 +6,9 @@
  *   reference's trace            --pictures_of_operation--> before, after, slices-before, slices-after .png
  *   both traces at a difference  --pictures_of_difference--> reference | got | difference
  *
- * A tick's record has only the leaves that changed, so the bone at a tick is made by applying the
- * reference's records up to this tick in order. This is correct for both bones, because they are equal
- * before the first difference.
+ * A tick's record has only the leaves that changed, so the bone before a tick is made by applying the
+ * reference's records of all earlier ticks in order. Before the first difference, the bones of the reference
+ * and of the backend are equal. The record of the tick itself is then applied to each bone.
  */
 #ifndef OST_VALIDATION_REPORT_PICTURES_H
 #define OST_VALIDATION_REPORT_PICTURES_H

@@ -21,7 +21,8 @@
 
 /*
  * With the option -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work
- * of item i + s or n - 1 - i + s, modulo n.  No result may depend on the permutation.
+ * of item (i + s) mod n if s is even, and of item (n - 1 - i + s) mod n if s is odd.  No result
+ * may depend on the permutation.
  */
 #ifdef OST_ORDER
 static inline size_t ost_item(uint dimension)

@@ -215,9 +215,9 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
 }
 
 /*
- * Copies a run of voxels from their sources. If the spacings are equal, the source index of a voxel is the voxel's own
- * index or, beyond the end of the rect grid, the last index. Therefore the sources of a run are adjacent if the last
- * source index of the run minus the first source index is count - 1.
+ * Copies a run of voxels from their sources. If the spacings are equal, voxel i has the source i or,
+ * beyond the end of the rect grid, the last source. From one voxel to the next, the index of the source therefore
+ * increases by 1 or not at all, and the sources of a run are adjacent if it increases by count - 1 in total.
  */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)

@@ -385,9 +385,9 @@ typedef struct ost_cl_block_report {
  *   ost_fingerprint_atomics(count, in, counters)  count items; counters uint[OST_CL_FINGERPRINT_COUNTERS], see
  *                                                 fingerprint.cl
  *
- *   ost_fingerprint_turns(end, turns)             one item; turns uint[2]: the number of loop iterations until the
- *                                                 value is end (OST_CL_TURNS unless the device ends the loop early),
- *                                                 and the last value
+ *   ost_fingerprint_turns(end, turns)             one item; turns uint[2]: the number of iterations of a loop that
+ *                                                 ends at the value `end`, and the last value. The number is
+ *                                                 OST_CL_TURNS unless the device ends the loop early.
  *
  *   in  const ulong[2 * count], out  ulong[OST_CL_FINGERPRINT * count]
  *

@@ -47,7 +47,8 @@ typedef struct cpu_grid {
 typedef struct cpu_view {
     const int16_t *voxels;
     size_t row, slice;     /* distance, in elements, between adjacent rows and between adjacent slices */
-    const int32_t *map[3]; /* index lists of the axes; if all are NULL, voxel i is voxel i of the store */
+    /* index lists of the axes; if all are NULL, the view has the voxels of the store in the same order */
+    const int32_t *map[3];
     const int16_t *minus[3];
 } cpu_view;
 

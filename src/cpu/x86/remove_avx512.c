@@ -212,8 +212,8 @@ INLINED void read_cells(const int8_t *table, const int32_t *cell, int wide, int8
     }
 }
 
-/* Returns the mask of the lanes of register q whose parts are not dropped. Part p of cube c is not dropped if bit p of
-   byte c of `keep` is set. */
+/* Returns the mask of the lanes of register q whose parts are kept. Part p of cube c is kept if bit p of byte c of
+   `keep` is set. */
 INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 {
     if (wide == 8)

@@ -20,9 +20,9 @@
 #include "core/isa.h"
 
 /*
- * OST_TEXT_MARGIN is the maximum number of bytes that a kernel reads beyond the end of the text. It is sufficient
- * for eight lines, each with the longest pattern and a density that is one byte too long, and for the reads that
- * begin at the end of the last line.
+ * OST_TEXT_MARGIN is the maximum number of bytes that a kernel reads beyond the end of the text. A kernel
+ * may read eight lines that the text does not contain, each with the longest pattern and a density of one byte more
+ * than the maximum, and the first bytes after them.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
 _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +

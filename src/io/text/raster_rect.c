@@ -19,7 +19,7 @@ typedef struct axis_map {
     int32_t *index;    /* owned; for each coordinate, the index of its voxel in the complete grid */
     ost_pm spacing;
     int64_t good;      /* number of coordinates within the crop that are at most 1/8 of a voxel from the voxel centre */
-    int64_t worst;     /* maximum distance from a voxel centre within the crop, in millionths of a voxel */
+    int64_t worst;     /* maximum distance of these coordinates from their voxel centres, in millionths of a voxel */
     int32_t worst_at;  /* index of the first coordinate with this distance */
 } axis_map;
 

@@ -183,7 +183,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     input->form, (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* Unpacks more bytes. out_at == out_end afterwards means that the last member has ended at the end of the file. */
+/* Unpacks more bytes. If out_at == out_end on return, the last member ends at the end of the file. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);

@@ -54,7 +54,7 @@ typedef struct ost_frame_tile {
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
                "cells are whole tiles");
 
-/* Scratch of a thread for drawing a band; small enough to stay in a cache between bands and layers. */
+/* Per-thread scratch for drawing a band; small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
     /* owned; planes for the current layer; for the first layer, only the keys are used */
     ost_planes over;
@@ -103,8 +103,8 @@ typedef struct ost_frame {
     int width, height;
     /* owned; planes of the frame; without keys unless ost_frame_store_keys was called */
     ost_planes planes;
-    /* planes that objects are drawn into: those of `planes`. After a call of ost_frame_antialias, `colour` is instead
-       a separate array, which is owned */
+    /* planes that objects are drawn into. They share the memory of `planes`, except `colour` after a call of
+       ost_frame_antialias, which the frame then owns separately. */
     ost_planes drawn;
     ost_antialias antialias; /* owned; edges of the picture; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */

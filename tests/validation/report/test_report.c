@@ -210,7 +210,7 @@ static void append_problem(void *user, bundle_problem_kind what, const char *fil
     char *all = user;
     const size_t used = strlen(all);
     if (strcmp(file, REPORT_FILE) != 0 && strncmp(file, "pictures/", 9) != 0)
-        return; /* no campaign made these bundles, so their other files do not follow from a plan */
+        return; /* The bundles were made without a campaign, so problems in their other files are expected. */
     about_page++;
     snprintf(all + used, 4096 - used, "%s %s\n", file, problem);
 }

@@ -112,8 +112,8 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
 }
 
 /*
- * Processes one line of any length. Finds the end of the line in the eight bytes from the start of its density, and
- * returns these bytes.
+ * Processes one line, whose pattern may have any length. Returns the eight bytes that begin with the density. They
+ * contain the end of the line.
  */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
