@@ -43,13 +43,13 @@ ost_status target_find(const app_state *app, const target_options *options, cons
         ost_fail_context(err, "%s", bone);
         return status;
     }
+    const char *const missing =
+        has_at     ? "axis is not set: pass --axis X,Y,Z (into the bone), or import with --axis"
+        : has_axis ? "position is not set: pass --at X,Y,Z, or import with --at or --landmarks"
+                   : "position and axis are not set: pass --at X,Y,Z and --axis X,Y,Z (into the bone), or import with "
+                     "--at or --landmarks";
     if (!has_at || !has_axis)
-        return usage_error(app, err, "%s: the glenoid's %s not set: pass %s%s%s, or import with %s", bone,
-                           has_at     ? "axis is"
-                           : has_axis ? "position is"
-                                      : "position and axis are",
-                           has_at ? "" : "--at X,Y,Z", has_at || has_axis ? "" : " and ",
-                           has_axis ? "" : "--axis X,Y,Z (into the bone)", has_at ? "--axis" : "--at or --landmarks");
+        return usage_error(app, err, "%s: the glenoid's %s", bone, missing);
     status = target_side(options, meta, bone, &side, err);
     if (status == OST_OK && (status = ost_glenoid_side(out->axis, side, &out->left, err)) != OST_OK)
         ost_fail_context(err, "%s", bone);
