@@ -336,7 +336,8 @@ ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centr
     for (int a = 0; a < 3 && status == OST_OK; a++)
         if (!(fabs(centre_mm[a]) <= 8000))
             status = ost_fail(err, OST_ERR_RANGE, "the glenoid at %g mm; expected a position within 8 m", centre_mm[a]);
-    if (status == OST_OK && !(ost_vector_unit(face.inward, 0) > 0))
+    const double length = ost_vector_unit(face.inward, 0);
+    if (status == OST_OK && !(length > 0 && isfinite(length)))
         status = ost_fail(err, OST_ERR_RANGE, "the axis of the glenoid is not a direction");
     if (status == OST_OK)
         status = fine_make(bone, centre_mm, &fine, err);

@@ -11,6 +11,8 @@
 #include <osteon/anatomy.h>
 #include <osteon/metrics.h>
 
+#include <math.h>
+
 #include "anatomy/scene.h"
 
 /* Each phantom has VALUES values: the ERRORS errors, then the processor time, which is printed but not limited. */
@@ -172,8 +174,28 @@ static void refuses_incomplete_bones(void **state)
     }
 }
 
+static void rim_needs_a_direction(void **state)
+{
+    (void)state;
+    static const double axes[][3] = {{0, 0, 0}, {INFINITY, 0, 0}, {0, -INFINITY, 1}, {1, NAN, 0}};
+    ost_error err = {0};
+    ost_volume v;
+    ost_pm3 rim[OST_RIM_MAX];
+    double at[3];
+    int count;
+    assert_ok(ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &v, &err));
+    scene_read(&v.meta, OST_META_GLENOID_AT, at);
+    const ost_anatomy_bone bone = {&v, SCENE_THRESHOLD, 32767};
+    for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++) {
+        assert_int_equal(ost_glenoid_rim_find(&bone, at, axes[i], rim, &count, &err), OST_ERR_RANGE);
+        assert_string_equal(err.text, "the axis of the glenoid is not a direction");
+    }
+    ost_volume_free(&v);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(refuses_incomplete_bones), cmocka_unit_test(finds_landmarks)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refuses_incomplete_bones),
+                                       cmocka_unit_test(rim_needs_a_direction), cmocka_unit_test(finds_landmarks)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
