@@ -34,7 +34,7 @@ typedef struct ost_anatomy_bone {
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
     bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
-    /* range of the radius, 5 to 100 mm; if both are 0, the range is 17 to 32 mm or, if concave, 20 to 45 mm */
+    /* range of the radius, within 5 to 100 mm; if both limits are 0, 17 to 32 mm or, if concave, 20 to 45 mm */
     ost_pm radius_min, radius_max;
     bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;
@@ -98,7 +98,7 @@ OST_API ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, cons
 /*
  * Finds the rim of a glenoid, given its centre (mm) and its inward axis. The result has up to OST_RIM_MAX
  * positions, ordered around the axis. Returns OST_ERR_RANGE if a coordinate of the centre is beyond 8 m or the axis is
- * not a direction, and OST_ERR_INPUT if the region around the centre is outside the volume.
+ * zero, and OST_ERR_INPUT if the region around the centre is outside the volume.
  */
 OST_API ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centre_mm[3], const double axis[3],
                                         ost_pm3 rim[OST_RIM_MAX], int *count, ost_error *err);

@@ -232,10 +232,11 @@ OST_API ost_status ost_bone_upload(ost_bone *bone, int32_t z0, int32_t count, co
 OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t count, int16_t *voxels, ost_error *err);
 /*
  * Reads the densities of `count` single voxels. Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y
- * and z. If a voxel is not active or is outside the grid, its density is 0. The function allocates no memory, so it
- * may be called in a tick. If the bone is on a device, there are two exceptions: the first call after the bone was
- * made or uploaded copies all voxels to host memory, and the first call after a removal blocks until the occupancy of
- * the changed chunks has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read only slices, like `plugin`.
+ * and z. If a voxel is not active or is outside the grid, its density is 0. The function allocates no memory and does
+ * not block, so it may be called in a tick. If the bone is on a device, there are two exceptions: the first call after
+ * the bone was made or uploaded allocates host memory and copies all voxels to it, and the first call after a removal
+ * blocks until the occupancy of the changed chunks has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read
+ * only slices, like `plugin`.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);

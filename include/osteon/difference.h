@@ -24,7 +24,7 @@ typedef struct ost_difference_options {
     int32_t threshold_a, threshold_b; /* lowest density of a solid voxel in each grid; 0 selects 120, or 1 for a tool */
     bool tool;                /* true if the voxels are the classes of a tool (tool.h) */
     int chunk_size;           /* 16, 32 or 64; 0 selects 32 */
-    /* The bone before the event that made both grids, or NULL. Must have the dims of a. */
+    /* The bone before the event that made both grids, or NULL. Its dims must be those of grid `a`. */
     const ost_volume *before;
     bool report_differs;      /* true if the reports of the event differ too */
 } ost_difference_options;
@@ -48,9 +48,9 @@ typedef struct ost_difference {
 } ost_difference;
 
 /*
- * Classifies the difference between two grids. The voxels of a are assumed to be correct. Spacing and origin are not
+ * Classifies the difference between two grids. The voxels of `a` are assumed to be correct. Spacing and origin are not
  * compared. If the dims differ, axis-swap is the only pattern that is checked. Returns OST_ERR_USAGE if a volume has no
- * voxels, if the dims of `before` differ from those of a, or if the chunk size is not 16, 32 or 64. Returns
+ * voxels, if the dims of `before` differ from those of `a`, or if the chunk size is not 16, 32 or 64. Returns
  * OST_ERR_RANGE if a threshold is not within 0 to 32767.
  */
 OST_API ost_status ost_difference_find(const ost_volume *a, const ost_volume *b, const ost_difference_options *options,

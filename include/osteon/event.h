@@ -64,10 +64,10 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
  *   exactly  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
  *
- * with base = RHE(exact) at the first voxel of its block, 0 <= di, dj, dk < 16, and step = RHE(column / divisor).
- * RHE rounds half to even. The coordinate that is used differs from the exact coordinate by at most 23 / 2^20 of a
- * tool voxel. Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24. The edge of a bone voxel is at most
- * OST_MAP_RATIO_MAX tool voxels long.
+ * Here, (di, dj, dk) is the position of the voxel in its block, 0 to 15 on each axis, base is RHE(exact) at the first
+ * voxel of the block, and step is RHE(column / divisor). RHE rounds half to even. The coordinate that is used differs
+ * from the exact coordinate by at most 23 / 2^20 of a tool voxel. Ranges: |origin| < 2^126, divisor < 2^98,
+ * |step| <= 2^24. The edge of a bone voxel is at most OST_MAP_RATIO_MAX tool voxels long.
  */
 typedef struct ost_map {
     ost_int128 origin[3];

@@ -150,8 +150,9 @@ OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose
 OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*
  * Sets the motor of the current tool (AR-MOTOR). speed is the angular speed in rad/s from now on. If speed is 0,
- * the motor is off, and the tool presses on bone without cutting. turned is an angle in radians about the tool's z
- * axis: the motor has turned the tool and the device's pose by this angle since the last step.
+ * the motor is off, and the tool presses on bone without cutting. turned is the angle in radians by which the motor
+ * has rotated the tool about its z axis since the last step. The device's pose that is passed to the next step must
+ * include this rotation.
  */
 OST_API void ost_force_motor(ost_force *force, double speed, double turned);
 /* Makes `tool` the current tool and sets its pose, which may differ from the device's pose. */
@@ -164,8 +165,8 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    /* Maximum force in N and maximum torque in N m. A value far below its maximum hardly changes; a greater value is
-       reduced to less than the maximum. */
+    /* Maximum force in N and maximum torque in N m. Every value is reduced to less than its maximum; a value far below
+       its maximum hardly changes. */
     double max_force_n, max_torque_nm;
     double slew_n;              /* maximum change of the force in one tick, in N */
     double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */

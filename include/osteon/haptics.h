@@ -164,7 +164,7 @@ OST_API int ost_haptic_counts(const ost_haptic *device, ost_haptic_tally out[OST
 typedef enum ost_haptic_answer {
     OST_HAPTIC_FRESH, /* a new pose */
     OST_HAPTIC_NO_SAMPLE, /* no new sample; the state is unchanged */
-    /* tracking is lost; afterwards, the tool continues from its last pose, unless the first new pose is lifted */
+    /* tracking is lost; when it resumes, the tool continues from its last pose, unless the first new pose is lifted */
     OST_HAPTIC_NOT_TRACKED,
     OST_HAPTIC_ENDED, /* the input, for example a path, has ended; no more poses will follow */
     OST_HAPTIC_LOST   /* the device failed or was unplugged; no more poses will follow */

@@ -15,7 +15,7 @@
  *   force.h     force feedback and safety layer      metrics.h    the outcome of an operation
  *   render.h    voxels drawn as points               live.h       the state of a running operation for viewers
  *   motor.h     the motor that turns a tool          segment.h    a CT divided into bones
- *   anatomy.h   spheres and landmarks of a scapula   difference.h the class of the difference of two grids
+ *   anatomy.h   spheres and landmarks of a scapula   difference.h the class of the difference between two grids
  */
 #ifndef OSTEON_H
 #define OSTEON_H

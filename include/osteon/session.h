@@ -207,8 +207,8 @@ OST_API ost_status ost_recorder_open(const char *path, const ost_session_header 
  */
 OST_API bool ost_recorder_put(ost_recorder *recorder, const ost_record *record);
 /*
- * Waits until the ring has a free slot, and then puts a record into the ring. For callers without a deadline. If
- * the ring remains full and the disk fails for ten seconds, the record is lost and the function returns false.
+ * Waits until the ring has a free slot, and then puts a record into the ring. Intended for callers without a deadline.
+ * If the ring remains full and the disk fails for ten seconds, the record is lost and the function returns false.
  */
 OST_API bool ost_recorder_put_waiting(ost_recorder *recorder, const ost_record *record);
 /* Copies the state of the recorder to *out. May be called on any thread. */

@@ -102,10 +102,10 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  *
  *   stored copy --upload--> bone --repeat the later ticks--> state after the last complete tick
  *
- * Requires saved_ticks > 0.  Such a world stores in host memory the complete grid of the bone (2 bytes per voxel), the
- * grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world is
- * created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the new
- * copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
+ * Requires saved_ticks > 0.  The world then stores in host memory the complete grid of the bone (2 bytes per voxel),
+ * the grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world
+ * is created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the
+ * new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
  *
  * The caller owns *bone and the tools, which must outlive the world.  tools is an array of OST_WORLD_TOOLS_MAX
  * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
@@ -166,8 +166,8 @@ typedef enum ost_side { OST_SIDE_UNKNOWN, OST_SIDE_LEFT, OST_SIDE_RIGHT } ost_si
  */
 OST_API ost_side ost_side_of_axis(const double axis[3]);
 /*
- * Determines the side of a glenoid.  The result is `stated` or, if stated is OST_SIDE_UNKNOWN, the side that the axis
- * implies.  Returns OST_ERR_INPUT if stated contradicts the axis, and OST_ERR_USAGE if neither stated nor the axis
+ * Determines the side of a glenoid.  The result is `stated` or, if `stated` is OST_SIDE_UNKNOWN, the side that the axis
+ * implies.  Returns OST_ERR_INPUT if `stated` contradicts the axis, and OST_ERR_USAGE if neither `stated` nor the axis
  * determines the side.
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
@@ -178,7 +178,7 @@ OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool 
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
 /*
  * Reads the header fact OST_META_GLENOID_AXIS. If it is missing, *there is set to false. Returns OST_ERR_INPUT if
- * the value is not a direction.
+ * the value is not three decimals, or if all three are 0.
  */
 OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
 /*
@@ -210,7 +210,7 @@ OST_API const char *ost_builtin_name(
  * dwell, retreat. For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.
  * ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
  * contain. `geometry` is the grid of the tool, whose working face points to -z. Returns OST_ERR_USAGE if the axis of
- * the glenoid is not a direction. The caller frees *out.
+ * the glenoid is zero or not finite. The caller frees *out.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
                                     int32_t tool, ost_path *out, ost_error *err);
