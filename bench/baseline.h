@@ -4,9 +4,9 @@
  * --disable-native-bench, they are compiled for any machine. They form a separate library, which only the command
  * links.
  *
- * This code may contain instructions that the executing machine lacks, so bench_baseline_runs() must be called first.
- * The file baseline_needs.c lists the instruction sets that the compiler was allowed to use. This file contains no
- * code, so every machine can read the list.
+ * The baselines may contain instructions that the executing machine lacks, so bench_baseline_runs() must be called
+ * first. It reads the list of instruction sets that the compiler was allowed to use. The list is in a file without
+ * code, baseline_needs.c, so every machine can read it.
  */
 #ifndef OST_BENCH_BASELINE_H
 #define OST_BENCH_BASELINE_H

@@ -111,7 +111,7 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* a filter that is set for a geometry needs no flag */
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* no flag is needed for the filter, which belongs to a geometry */
     rtcSetSceneBuildQuality(scene, low_quality ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(scene);
     return scene;

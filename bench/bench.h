@@ -33,7 +33,7 @@ typedef struct bench_options {
 
 /* ------------------------------------------------------------------ figures */
 
-/* The times of all repetitions of a measurement. A series must be zero-initialized before use and freed at the end. */
+/* The times of all repetitions of a measurement. A series must be zero-initialized before use and freed after use. */
 typedef struct bench_series {
     size_t count, capacity;
     double *ns; /* owned */

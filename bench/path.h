@@ -25,8 +25,8 @@ typedef struct bench_sequence {
 
 ost_status bench_sequence_init(bench_sequence *sequence, int count, ost_error *err);
 void bench_sequence_add(bench_sequence *sequence, const double *ns);
-/* Stores the mean, p50, p99 and maximum in the row, once over all ticks and once over the minimum time
-   of each tick. The minima contain no interruptions by other processes. */
+/* Stores in the row: the mean time of a tick; p50, p99 and maximum of the times of all ticks; mean, p99 and maximum of
+   the minimum times in `best`, which contain no interruptions by other processes. */
 void bench_sequence_row(bench_sequence *sequence, bench_row *row);
 void bench_sequence_free(bench_sequence *sequence);
 

@@ -4,10 +4,10 @@
  * chunks of 16^3, 32^3 and 64^3 voxels as in Tables 3.3 and 3.4.
  *
  *   bone      128^3 voxels of 0.47 mm, all of them active
- *   reamer    the parametric head, through a corner of the bone: the oriented box
- *             of its grid enters 84, 18 and 5 chunks
- *   peg       the parametric cylinder, tilted inside the bone: the chunks of
- *             its intersection box (Alg. 2.9) are 80 = 5*4*4, 18 = 3*3*2, 8 = 2*2*2
+ *   reamer    the parametric head, in a corner of the bone; the oriented box of
+ *             its grid enters 84, 18 and 5 chunks
+ *   peg       the parametric cylinder, tilted inside the bone; its intersection box
+ *             (Alg. 2.9) has 80 = 5*4*4, 18 = 3*3*2 and 8 = 2*2*2 chunks
  *
  * The thesis gives no poses. The poses in scene.c were found by random search. The number of chunks in
  * an intersection box is a product of three numbers, one per axis. No intersection box of the reamer's

@@ -2,13 +2,13 @@
 /*
  * Measures how a CT in text form is read into a rect grid (thesis, Algs. 2.2 to 2.4, Table 2.2). The
  * text is the scapula: 256 x 234 x 201 lines of "x y z density" with six decimals, 424 MB. The option
- * --scale selects a fraction of its layers.
+ * --scale selects a fraction of its slices.
  *
  *   parse/text        the baseline is fscanf on one thread
  *   parse/text/floor  the baseline reads every byte of the mapped file, with as many
  *                     threads as osteon uses
  *
- * osteon's time is the time of the complete import without its last two stages. The import opens the file, finds the
+ * osteon's time is the time of an import without its last two stages. The import opens the file, finds the
  * spacing, converts every number exactly, checks every line, and scatters the samples. The file is in the page cache.
  * The file has no name while it is used, so it is deleted when the program ends for any reason.
  */
@@ -71,7 +71,7 @@ static ost_status write_all(parse *p, const char *text, size_t bytes)
     return OST_OK;
 }
 
-/* Writes the file, one layer of lines at a time. */
+/* Writes the file, the lines of one slice at a time. */
 static ost_status write_text(parse *p, int layers)
 {
     char x[NX][LINE], *layer = malloc((size_t)NX * NY * LINE);

@@ -6,11 +6,12 @@
  *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
  *           the baseline's chunks were read once
  *   cold    the event runs immediately after the voxels were restored; osteon restores complete
- *           slices, so the caches contain less of the event's data than before the baseline's event
+ *           slices and the baseline only the event's chunks, so before osteon's event, the caches
+ *           contain less of the event's data than before the baseline's event
  *   steady  the event is repeated without restoring the voxels, so no voxel remains to be removed
  *
- * A repetition consists of the steps restore, cold, restore, collide, fresh, steady, steady, first for
- * osteon and then for the baseline. The first steady run is a warm-up.
+ * A repetition consists of the steps restore, cold, restore, collide (for the baseline: read), fresh,
+ * steady, steady, first for osteon and then for the baseline. The first steady run is a warm-up.
  */
 #include "bench/path.h"
 #include "bench/thesis_cl.h"

@@ -3,11 +3,11 @@
  * Measures the servo loop without an operation. The result shows how many deadlines are missed because of the machine.
  *
  *   servo/empty   a tick does nothing
- *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes,
- *                 because a hypervisor interrupts a busy core more than an idle one
+ *   servo/spin    a tick reads the clock for SPIN_US, about as long as a tick of an operation takes
  *
- * The rows contain the delay from the planned to the actual beginning of a tick. The rows have no baseline:
- * the deadlines that `osteon sim` misses are compared with the results of this suite.
+ * Both are measured, because a hypervisor interrupts a busy core more than an idle one. The rows contain
+ * the delay from the planned to the actual beginning of a tick. The rows have no baseline: the deadlines
+ * that `osteon sim` misses are compared with the results of this suite.
  */
 #include "bench/bench.h"
 

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Makes the models for the measurements of voxel_methods.h, counts their voxels and measures meshing. These
- * measurements do not use OpenGL. voxel_frames.c measures frames. The surface of a model lists its blocks of 32^3
- * voxels in the order of the grid, so "the first k chunks" are the slots 0 to k - 1. In this file a block is called a
- * chunk, because a bone with chunks of 32^3 voxels has the same division.
+ * measurements do not use OpenGL. voxel_frames.c measures frames.
+ *
+ * In this file, a chunk is a block of a surface, because a bone with chunks of 32^3 voxels has the same division. The
+ * slots of a model's surface contain the blocks in the order of the grid, so the first k chunks are the slots 0 to
+ * k - 1.
  */
 #include "bench/voxel_model.h"
 

@@ -64,7 +64,7 @@ typedef struct bench_voxel_grid {
 } bench_voxel_grid;
 
 typedef struct bench_voxel_counts {
-    bench_voxel_grid rect;  /* the grid with the CT's voxel size, which is sufficient for the thesis' triangle mesh */
+    bench_voxel_grid rect;  /* the grid with the CT's voxel size; the thesis' triangle mesh needs no cubic voxels */
     bench_voxel_grid cubic; /* the grid with cubic voxels, which GL_POINTs need */
 } bench_voxel_counts;
 
@@ -147,9 +147,9 @@ typedef struct bench_voxel_cut {
 
 /*
  * Measures the time per frame while a ball moves into the model. The ball advances by a quarter of a voxel per frame.
- * Its radius is 18 mm, the radius of the thesis' reamer head; this is 38 voxels of the scapula. The ball is scaled with
- * the model. The model is restored at the end. `mesher` is the backend that meshes the chunks, such as "cpu"; only
- * BENCH_VOXEL_MESH uses it.
+ * Its radius is 38 voxels times the scale of the model, but at least 4 voxels. In the scapula at scale 1, this is
+ * 18 mm, the radius of the thesis' reamer head. The model is restored at the end. `mesher` is the backend that meshes
+ * the chunks, such as "cpu"; only BENCH_VOXEL_MESH uses it.
  */
 ost_status bench_voxel_removal(bench_voxel_model *model, bench_voxel_method method, const char *mesher, int frames,
                                bench_voxel_cut *out, ost_error *err);
