@@ -5,8 +5,8 @@
  *
  *   phantom or the user's CT --> rect grid --> bone, counts
  *
- * A model is made when it is first used, and stays in memory until the store is freed: 2 bytes per voxel
- * of the rect grid, 234 MB for all five phantoms.
+ * A model is made when it is first used, and remains in memory until the model_store is freed. It needs 2 bytes
+ * per voxel of the rect grid, which is 234 MB for all five phantoms.
  */
 #ifndef OST_REPRODUCTION_MODELS_H
 #define OST_REPRODUCTION_MODELS_H

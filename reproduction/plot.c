@@ -115,8 +115,8 @@ static bool range_of(const plot *p, bool of_x, double *least, double *most)
 }
 
 /*
- * Returns the horizontal axis. If the plot has at most FEW different values and they are far enough apart, the values
- * are the ticks, and the axis extends a little beyond them.
+ * Returns the horizontal axis. If the plot has 2 to FEW different values of x, and they are far enough apart, these
+ * values are the ticks, and the axis extends a little beyond them.
  */
 static plot_axis x_axis(const plot *p, double least, double most)
 {

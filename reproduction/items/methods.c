@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Figures 3.8 to 3.12: the time of an event, on the one hand with the chunk system and different numbers of chunks, and
- * on the other hand with the methods that process the tool's voxels instead of the bone's (reproduction/methods/).
+ * Figures 3.8 to 3.12: the time of an event with the chunk system, for different numbers of chunks, and with the
+ * methods that process the tool's voxels instead of the bone's (reproduction/methods/).
  *
  *   by_chunks       Figs. 3.8 and 3.10 to 3.12: the peg drill in a bone in which 1 to 64 chunks have active voxels
  *   by_resolution   Figs. 3.10 to 3.12: the static event of the peg drill; tool and bone have 64^3 to 1024^3 voxels

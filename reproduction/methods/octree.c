@@ -26,7 +26,8 @@
 
 enum { BRICK = 4, TASK_LEVEL = 2, LEVEL_MIN = 3 };
 
-/* Children are numbered x + 2 (y + 2 z). A child is 1 + the index of a node, or of a brick at level 1. */
+/* Child (x, y, z) has the number x + 2 (y + 2 z). A child is 0 if it is void. Otherwise, it is 1 + the index of a node
+   or, in a node of level 1, 1 + the index of a brick. */
 typedef struct node {
     int32_t child[8];
 } node;
@@ -284,8 +285,9 @@ static void run_task(octree *s, task *t)
     t->is_void = remove_from(s, t, t->node, TASK_LEVEL, none, m->base[block]);
 }
 
-/* Updates the nodes above the tasks after an event: children that became void are set to 0. `next` is the next task in
-   the order of list_tasks. Returns true if the node is void. */
+/* Updates a node and its descendants down to the tasks, which are the nodes of 16^3 voxels, after an event: children
+   that became void are set to 0. `next` is the index of the next task in the order of list_tasks. Returns true if the
+   node is void. */
 static bool refresh(octree *s, int32_t index, int level, const int32_t corner[3], size_t *next)
 {
     if (!overlaps(&s->scene->event.box, corner, BRICK << level))

@@ -8,9 +8,10 @@
  *   map      u_b = base_b + sum_a e_a step[a][b]        in units of 2^-f of a bone voxel
  *   voxel    anchor_b + floor(u_b / 2^f) on axis b; if this voxel is not in the bone's grid, the point is outside
  *
- * Let R = M / N and t be the pose (AR-POSE-4), c the centre and s_t the voxel size of the tool's grid, and o the
- * origin and s the voxel size of the bone. In bone voxels, counted from the lower corner of bone voxel (0, 0, 0),
- * the centre of the tool's grid is at V_b = ((R c + t - o)_b + s / 2) / s. Then
+ * Let the pose have the rotation R = M / N and the translation t (AR-POSE-4). Let c be the centre and s_t the voxel
+ * size of the tool's grid, and o the origin and s the voxel size of the bone. In bone voxels, counted from the lower
+ * corner of bone voxel (0, 0, 0), the centre of the tool's grid is at V_b = ((R c + t - o)_b + s / 2) / s. RHE rounds
+ * half to even. Then
  *
  *   anchor_b  = floor(V_b)
  *   base_b    = RHE(2^f (V_b - anchor_b))

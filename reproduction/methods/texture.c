@@ -7,7 +7,7 @@
  *   clear   for each voxel of the box with a mask: write 0 into the bone's image
  *
  * The bone is an image of int16, and the tool is an image of uint8, in which positions outside the grid read as 0.
- * A device must have images and must be able to write 3D images (cl_khr_3d_image_writes).
+ * A device must support images, and kernels must be able to write 3D images (cl_khr_3d_image_writes).
  */
 #include "reproduction/methods/matrix.h"
 #include "reproduction/methods/device.h"
