@@ -6,8 +6,7 @@
  *
  * The built-in path drills a peg's hole into the middle of the glenoid, whose position is a fact in the
  * bone's file. The function ost_path_read_csv reads other paths from files with one tick per row. A program
- * that computes poses itself calls ost_world_step for each pose, because only this function advances the
- * world.
+ * that computes poses itself passes each pose to ost_world_step, the only function that advances the world.
  */
 #include <osteon/osteon.h>
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Steps along the ray through the cells of a brick, one per voxel, up to the first with an exposed face (Amanatides and
- * Woo 1987). In a regular grid, every ray meets the bricks in the order of the distances from the eye to their centres;
- * the same applies to voxels.
+ * Follows a ray through the cells of a brick, one for each voxel, to the first voxel with an exposed face (Amanatides
+ * and Woo 1987). In a regular grid, every ray meets the bricks in the order of the distances from the eye to their
+ * centres; the same applies to voxels.
  *
- * A voxel that is drawn as a single point is slightly wider than a cell. Therefore, if the ray passes close to an edge
- * of a cell, the shader tests every voxel of the brick like point.frag, and uses the nearest one that is hit.
+ * point.frag draws each voxel slightly wider than a cell, so a ray that passes close to an edge of a cell can hit a
+ * voxel whose cell it does not enter. For such a ray, the shader therefore tests every voxel of the brick as point.frag
+ * does, and uses the nearest voxel that the ray hits.
  */
 flat in uvec4 what;
 flat in vec3 o;

@@ -3,7 +3,7 @@
  * Draws a voxel as a point or, if the driver does not support points of this size, as a rectangle of two triangles
  * (QUADS).
  *
- *   EVERY_VOXEL   one density per vertex, whose number determines its position (thesis 2.6)
+ *   EVERY_VOXEL   one density per vertex; the number of the vertex determines the voxel's position (thesis 2.6)
  *   else          a surface point of points/surface.h
  */
 /* position of the block's first voxel, for each group of 2^PAGE_BITS vertices */
@@ -22,7 +22,7 @@ flat out vec3 o;
 
 /*
  * Places a vertex where it is invisible: outside the clip volume or, without TRUE_DEPTH, on the far plane, where it
- * fails every depth test. A vertex on the far plane need not be clipped, which would be slow in software.
+ * fails every depth test. A vertex on the far plane need not be clipped; clipping is slow in software.
  */
 void nowhere()
 {

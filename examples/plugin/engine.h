@@ -48,7 +48,8 @@ void engine_close(engine *e);
 
 /*
  * Computes the voxel of each sample. samples contains four floats for each sample: x, y, z and density.
- * Stores the voxel's index in the grid *rect, or -1, in index[] for each sample.
+ * For each sample, stores in index[] the index of the voxel in the grid *rect, or -1 if the index is
+ * outside the grid.
  */
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
                      int *index, ost_plugin_error *error);

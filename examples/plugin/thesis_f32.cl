@@ -10,7 +10,7 @@
  *   Alg. 2.5   the rect layer of a cubic layer         thesis_layer
  *   section 2.3  the voxel centres inside the mesh     thesis_row
  *   Alg. 2.8   the box that bone and tool share        thesis_share
- *   Alg. 2.9   its chunks
+ *   Alg. 2.9   the chunks of this box
  *   Alg. 2.10  a bone voxel's tool voxel               thesis_class
  *
  * MUL_ADD(a, b, c) is a * b + c. It marks the expressions that a compiler may
@@ -195,7 +195,7 @@ FUNCTION thesis_boxes thesis_share(thesis_boxes x)
     return x;
 }
 
-/* Returns the index of the tool voxel at bone voxel (i, j, k), or -1. */
+/* Returns the index of the tool voxel at bone voxel (i, j, k), or -1 if the voxel lies outside the tool's grid. */
 FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
 {
     const float p0 = MUL_ADD((float)i + 0.5f, x.bone_voxel, -x.bone[0]);
