@@ -47,7 +47,7 @@ int32_t engine_open(const char *options, engine **out, ost_plugin_error *error);
 void engine_close(engine *e);
 
 /*
- * Computes the voxel of each sample. samples contains four floats for each sample: x, y, z and density.
+ * Computes the voxel of each sample. `samples` contains four floats for each sample: x, y, z and density.
  * For each sample, stores in index[] the index of the voxel in the grid *rect, or -1 if the index is
  * outside the grid.
  */
@@ -55,7 +55,7 @@ int32_t engine_index(engine *e, const float first_last_size[9], const float *sam
                      int *index, ost_plugin_error *error);
 int32_t engine_layers(engine *e, float cubic, float rect, size_t count, int *layer, ost_plugin_error *error);
 int32_t engine_minimum(engine *e, const float least[3], float size, float minimum[3], ost_plugin_error *error);
-/* Sets the voxels inside the mesh to the value `mark`. corners contains nine floats per triangle. */
+/* Sets the voxels inside the mesh to the value `mark`. `corners` contains nine floats per triangle. */
 int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
                      ost_plugin_error *error);
 /*

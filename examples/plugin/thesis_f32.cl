@@ -139,7 +139,7 @@ FUNCTION int thesis_owned(float ay, float az, float by, float bz, float y, float
 
 /*
  * Processes row (j, k) of the tool's grid: sets solid[i] to `mark` if the voxel's centre
- * is inside the mesh. corners contains nine floats per triangle.
+ * is inside the mesh. `corners` contains nine floats per triangle.
  */
 FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int k, int mark, GLOBAL int *count,
                          GLOBAL unsigned char *solid)

@@ -23,8 +23,8 @@ extern "C" {
 #endif
 
 /*
- * The bone voxels of a volume, which are the voxels with values from low to high. For label k of a label map, both
- * low and high are k. For a CT, low is the threshold and high is 32767. low must be at least 1.
+ * The bone voxels of a volume, which are the voxels with values from `low` to `high`. `low` must be at least 1. For
+ * label k of a label map, both members are k. For a CT, `low` is the threshold and `high` is 32767.
  */
 typedef struct ost_anatomy_bone {
     const ost_volume *volume;
@@ -88,7 +88,7 @@ typedef struct ost_scapula_landmarks {
 } ost_scapula_landmarks;
 
 /*
- * Proposes the landmarks of a scapula. head is the sphere of the humeral head, or NULL if it is not known. Returns
+ * Proposes the landmarks of a scapula. `head` is the sphere of the humeral head, or NULL if it is not known. Returns
  * OST_ERR_INPUT with the reason if the bone is not a complete scapula with one glenoid, or if its glenoid is not
  * visible from outside.
  */

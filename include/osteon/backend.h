@@ -220,7 +220,7 @@ OST_API void ost_bone_free(ost_bone *bone);
  */
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
- * Copies densities from host memory to slices z0 <= k < z0 + count of a bone.  voxels has dims.x * dims.y * count
+ * Copies densities from host memory to slices z0 <= k < z0 + count of a bone.  `voxels` has dims.x * dims.y * count
  * elements, x fastest, without the padding of chunks. Densities below the threshold are stored as 0. Returns
  * OST_ERR_USAGE if the bone does not contain these slices.
  */
@@ -241,8 +241,8 @@ OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t c
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
 /*
- * Reads the occupancy of `count` chunks. chunks contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
- * cz). words has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
+ * Reads the occupancy of `count` chunks. `chunks` contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
+ * cz). `words` has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
  * and is bit v % 32 of word v / 32. The function allocates no memory, so it may be called in a tick. If the bone is
  * on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE if a chunk number is out of range,
  * and OST_ERR_UNAVAILABLE if the backend can read only slices, like the backend `plugin`.
@@ -251,7 +251,7 @@ OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const 
                                       ost_error *err);
 /*
  * Computes the digest of a bone and the digests of its leaves, in x-fastest order.  ost_leaf_dims gives the number of
- * leaves along each axis.  leaves may be NULL.
+ * leaves along each axis.  `leaves` may be NULL.
  */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 

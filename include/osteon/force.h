@@ -102,7 +102,7 @@ OST_API void ost_shell_free(ost_shell *shell);
 typedef struct ost_force ost_force;
 
 /*
- * Creates an ost_force for a bone, without tools. The bone must outlive the ost_force. params is copied; NULL selects
+ * Creates an ost_force for a bone, without tools. The bone must outlive the ost_force. `params` is copied; NULL selects
  * the defaults. Returns OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
@@ -149,8 +149,8 @@ OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose
  */
 OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*
- * Sets the motor of the current tool (AR-MOTOR). speed is the angular speed in rad/s from now on. If speed is 0,
- * the motor is off, and the tool presses on bone without cutting. turned is the angle in radians by which the motor
+ * Sets the motor of the current tool (AR-MOTOR). `speed` is the angular speed in rad/s from now on. If speed is 0,
+ * the motor is off, and the tool presses on bone without cutting. `turned` is the angle in radians by which the motor
  * has rotated the tool about its z axis since the last step. The device's pose that is passed to the next step must
  * include this rotation.
  */
@@ -234,12 +234,12 @@ typedef enum ost_safety_answer {
     OST_SAFETY_FAULT     /* the force is 0 because the computed force or torque is not finite */
 } ost_safety_answer;
 
-/* Initialises the safety layer. params is copied; NULL selects the defaults. */
+/* Initialises the safety layer. `params` is copied; NULL selects the defaults. */
 OST_API void ost_safety_begin(ost_safety *safety, const ost_safety_params *params);
 /* Sets the force to 0 after a fault. In the following steps, the force rises gradually from 0. */
 OST_API void ost_safety_stop(ost_safety *safety);
 /*
- * Applies the limits to force_n and torque_nm in place. device is the newest pose of the device. fresh is true if
+ * Applies the limits to force_n and torque_nm in place. `device` is the newest pose of the device. `fresh` is true if
  * this pose is new in this tick. Allocates no memory and does not block.
  */
 OST_API ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bool fresh, uint32_t buttons,

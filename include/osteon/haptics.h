@@ -353,7 +353,7 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * the device's first pose, unless the device reports that tracking is lost.  When the loop ends, a zero wrench is
  * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
- * options may be NULL, which selects the defaults.  done may be NULL.  *report is always written; its size is about
+ * `options` may be NULL, which selects the defaults.  `done` may be NULL.  *report is always written; its size is about
  * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
  * if lead_ns is not within 0 to half a period, or if no_clock is set for a device without OST_HAPTIC_LOGICAL. In these
  * cases, no tick is run, and *report contains zeros. Returns an error if a device with a clock of its own cannot run.

@@ -63,7 +63,7 @@ OST_API void ost_live_free(ost_live_channel *live);
 
 /* ----------------------------------------------------------- servo thread */
 
-/* Queues the chunks that are listed in the report of an event. report may be NULL for a tick without an event. */
+/* Queues the chunks that are listed in the report of an event. `report` may be NULL for a tick without an event. */
 OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *report);
 /*
  * Publishes the state, and about 8 kB of queued chunks, which are two chunks of 32^3 voxels. If the backend returns

@@ -42,7 +42,7 @@ enum { OST_WORLD_SAVED_TICKS_MAX = 1000000 };
 enum { OST_WORLD_TOOLS_MAX = 16 };
 
 /*
- * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. options is
+ * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. `options` is
  * copied and may be NULL. Returns OST_ERR_USAGE if an option is out of range.
  */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
@@ -107,7 +107,7 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  * is created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the
  * new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
  *
- * The caller owns *bone and the tools, which must outlive the world.  tools is an array of OST_WORLD_TOOLS_MAX
+ * The caller owns *bone and the tools, which must outlive the world.  `tools` is an array of OST_WORLD_TOOLS_MAX
  * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
  * world is unchanged, and *bone and all elements of tools are NULL.
  */
