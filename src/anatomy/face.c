@@ -17,9 +17,9 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define STEP_MM 0.25
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
-#define CLIMB_MM 8.0 /* a position that is higher above the centre than this is on the coracoid or the acromion */
-/* a position whose distance from the axis differs by more than this from the median of the neighbouring distances is
- * not on the rim */
+#define CLIMB_MM 8.0 /* maximum height above the centre; higher positions are on the coracoid or the acromion */
+/* maximum difference between the distance of a rim position from the axis and the median of the distances in the
+ * neighbouring directions */
 #define OUTLIER_MM 4.0
 /* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
 #define OFF_PLANE_MM 3.0

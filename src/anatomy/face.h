@@ -15,8 +15,8 @@
 #include "anatomy/field.h"
 
 /*
- * The parameters of a measurement. On the surface, the share of bone is `level`. If `every` is greater than 1,
- * only every `every`-th direction of the rim is used, beginning with direction `first`.
+ * The parameters of a measurement. `level` is the share of bone on the surface. If `every` is greater than 1, only
+ * each `every`-th direction of the rim is used, beginning with direction `first`.
  */
 typedef struct anatomy_variant {
     double level;

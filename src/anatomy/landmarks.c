@@ -77,8 +77,8 @@ static double bone_along(const anatomy_field *f, const double from[3], const dou
 }
 
 /*
- * Computes the direction `inward` into the bone, and the point `at` of the sphere's surface in this direction from the
- * sphere's centre. Returns false if the sphere cannot be a glenoid.
+ * Sets `inward` to the direction from the sphere's centre into the bone, and `at` to the point where the ray in this
+ * direction leaves the sphere. Returns false if the sphere cannot be a glenoid.
  */
 static bool is_socket(const coarse *c, const ost_sphere *s, double at[3], double inward[3])
 {

@@ -206,7 +206,7 @@ static double best_radius(const search *s, const double centre[3])
     return radius;
 }
 
-/* Returns the bin number of a direction, on the faces of a cube. */
+/* Returns the number of the bin in which a direction meets a face of the cube. */
 static int bin_of(const double v[3])
 {
     int axis = 0;
