@@ -13,7 +13,7 @@
 
 enum { COMMON_MAX = 6, NAMES_MAX = 128 };
 
-/* Stores the options that all verbs share in `out`. In --help, these options follow the options of the verb. */
+/* Stores in `out` the options that all verbs share. In --help, these options follow the options of the verb. */
 static void common_options(app_state *app, bool *help, option out[COMMON_MAX])
 {
     const option common[COMMON_MAX] = {

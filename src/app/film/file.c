@@ -122,7 +122,7 @@ static ost_status start(film_file *f, const char **argv, ost_error *err)
 /*
  * Starts ffmpeg. ffmpeg writes to a descriptor that is already open, so that a symbolic link cannot redirect the
  * output. The descriptor is seekable, as the format .mp4 requires. ffmpeg's messages may contain arbitrary bytes of a
- * file name, so they are read only if ffmpeg fails.
+ * file name and must not reach the terminal, so ffmpeg writes them to a temporary file.
  */
 static ost_status start_ffmpeg(film_file *f, const char *format, ost_error *err)
 {

@@ -375,7 +375,7 @@ static int32_t threshold_of(const ost_meta *meta)
     return THRESHOLD;
 }
 
-/* Loads a CT given as text. The CT is imported as a bone, because an import stores the grid but not all samples. */
+/* Loads a CT given as text. The CT is imported as a bone, because only ost_import reads this format. */
 static ost_status load_text_volume(const app_state *app, const char *name, loaded_volume *out, ost_error *err)
 {
     ost_backend *backend = NULL;

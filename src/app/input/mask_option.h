@@ -7,9 +7,9 @@
 
 /*
  * Stores the file, the label numbers and the label names in *out. If the complete text is the name of an existing file,
- * there are no labels. Otherwise, the file name is the shortest text before a colon that is the name of an existing
- * file. If there is no such text, the file name ends at the last colon. The strings in *out are valid until the next
- * call.
+ * there are no labels. Otherwise, the file name ends at the first colon for which the text before it is the name of an
+ * existing file. If there is no such colon, the file name ends at the last colon. The strings in *out are valid until
+ * the next call.
  */
 ost_status mask_option_parse(const app_state *app, const char *text, ost_import_options *out, ost_error *err);
 

@@ -20,7 +20,7 @@ enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* limits of the width of th
 /* The planes show the CT up to this distance from the parts, in mm. */
 enum { AROUND_MM = 25 };
 enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
-/* values for voxels that belong to no part, since labels start at 1 */
+/* values for voxels that belong to no part; the labels of parts start at 1 */
 enum { NO_PART = -1, LEFT_OUT = 0 };
 /* maximum number of voxels, 128 MiB; a larger grid is drawn with larger voxels */
 enum { SURFACE_VOXELS_MAX = 1 << 26 };

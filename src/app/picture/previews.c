@@ -207,8 +207,8 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
                            .parts = &parts,
                            .threshold = info.threshold,
                            .nearest = result->resample == OST_RESAMPLE_NEAREST,
-                           /* With the resampling rule of the thesis, the bone is displaced relative to the CT, so
-                              voxels at the bone's border would be coloured as well. */
+                           /* The resampling rule of the thesis displaces the bone relative to the CT. Voxels at the
+                              bone's border would then be coloured although they belong to the bone. */
                            .left_out = selected && result->resample != OST_RESAMPLE_THESIS,
                            .unoriented = !view_oriented(&result->meta),
                            .meta = &result->meta,

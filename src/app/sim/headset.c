@@ -92,7 +92,7 @@ static void *work(void *user)
         if (ost_headset_counts_get(h->headset).drawn == drawn)
             continue;
         drawn++;
-        /* The time to draw is measured from the update for the first eye, which follows the runtime's wait. */
+        /* The time to draw begins at the update for the first eye, so it excludes the runtime's wait for the frame. */
         const int64_t now = ost_clock_ns();
         frame_times_add(&h->show->drawn, now - h->show->updated_ns);
         if (h->last_ns)

@@ -11,8 +11,8 @@
 #include "app/sim/watch.h"
 
 /*
- * The default time by which a rehearsal precedes its tick. It is sufficient, because after a pause of one millisecond,
- * a rehearsed tick of the reamer takes 60 to 150 us (docs/log/0.1.md).
+ * The default time by which a rehearsal precedes its tick. The time is sufficient, because the computations of a tick
+ * with the reamer take 60 us at the median and 150 us at the 99.9th percentile (docs/log/0.1.md).
  */
 enum { REHEARSE_US = 250 };
 

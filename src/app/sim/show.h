@@ -4,7 +4,7 @@
  *
  *   operation --ost_live_channel--> viewer --camera--> frames  in a window or, without a window, on a separate thread
  *
- * The show starts from the bone at the time of its creation and follows all later changes.
+ * A sim_show draws the bone in its state at the creation of the sim_show, and applies all later changes to it.
  */
 #ifndef OST_APP_SIM_SHOW_H
 #define OST_APP_SIM_SHOW_H

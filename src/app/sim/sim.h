@@ -161,7 +161,7 @@ ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, os
 void sim_report_loop(const app_state *app, const sim_args *args, const simulation *s);
 /* Writes the bone, completes the session and reports the result. */
 ost_status sim_finish(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
-/* Returns OST_ERR_UNAVAILABLE if the loop ended because the device was lost. The result is printed nevertheless. */
+/* If the device was lost or delivered no sample for too long, sets app->answered and returns OST_ERR_UNAVAILABLE. */
 ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err);
 
 #endif

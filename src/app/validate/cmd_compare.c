@@ -88,8 +88,8 @@ static void print_case(const app_state *app, const plan_case *c, const subject *
 }
 
 /*
- * Prints and stores the results. The verdict covers all backends. The margins are summed separately for each compared
- * backend.
+ * Prints and stores the results. The verdict covers all backends. The margins are collected separately for each
+ * compared backend.
  */
 static ost_status report(app_state *app, const campaign *c, bool apart, ost_error *err)
 {

@@ -18,7 +18,7 @@
 typedef struct bench_against {
     const char *path;   /* file with the results of the earlier run, or NULL */
     double limit;       /* maximum slowdown that is allowed, in percent */
-    json_t *root, *rows; /* the earlier run: its document, which is owned, and the array of its rows */
+    json_t *root, *rows; /* owned document of the earlier run, and the array of its rows within this document */
 } bench_against;
 
 /* Reads the earlier run, before anything is measured. `limit` is the text of --max-slowdown, "10" or "10%". */
