@@ -190,7 +190,7 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 /* The slices to store in a bone. The source is either voxels on the host or a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
-    /* voxels of slice z0 on the host; NULL if the source is a grid on the device, whose slab begins with slice 0 */
+    /* voxels of slice z0 on the host; NULL if the source is a grid on the device (`slab` then begins with slice 0) */
     const int16_t *voxels;
     cl_mem slab;           /* the slices to convert: a buffer of `step` slices, or the store of a grid */
     /* slice k is slice layers[first + k - z0] of the slab or, if `first` is negative, slice k - z0 */

@@ -184,7 +184,7 @@ ost_status ost_cl_read(cl_backend *backend, cl_mem buffer, size_t offset, size_t
  * the queue.
  */
 ost_status ost_cl_write_later(cl_backend *backend, cl_mem buffer, size_t bytes, const void *data, ost_error *err);
-/* Enqueues a transfer from the buffer. `data` contains the bytes after the next call that waits for the queue. */
+/* Enqueues a transfer from the buffer. `data` is valid only after the next call that waits for the queue. */
 ost_status ost_cl_read_later(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, void *data,
                              ost_error *err);
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);

@@ -4,9 +4,10 @@
  * (AR-CT-4..6, AR-CUB).
  *
  * A batch of samples is uploaded in parts of at most PART_BYTES.  The kernels process each
- * part as a separate batch with the same first line.  Therefore the reports of parts are
- * combined in the same way as the reports of batches (see kernels/shared.h).  The host
- * reads a report of 32 bytes per part.  Two further kernels run only if there is a conflict.
+ * part as a separate batch, so the reports of parts are combined in the same way as the
+ * reports of batches (see kernels/shared.h).  All parts have the first_line of the batch.
+ * The host reads a report of 32 bytes per part.  Two further kernels run only if there is
+ * a conflict.
  */
 #include "cl/objects.h"
 

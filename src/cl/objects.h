@@ -132,8 +132,9 @@ void ost_cl_tool_free(ost_tool *tool);
 /* Launches the kernels that compute the cells and windows of the tool, unless the tool already has them. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
 /*
- * Called after the host has waited for the queue. The parameter `done` is true if the launched work has succeeded. If
- * both `done` and tool->made are false, the cells and windows are released, because they may be incomplete.
+ * Must be called after the host has waited for the queue. `done` is true if the launched work has succeeded;
+ * tool->made then becomes true. If both `done` and tool->made are false, the function releases the cells and windows,
+ * because they may be incomplete.
  */
 void ost_cl_tool_finish(cl_tool *tool, bool done);
 

@@ -8,8 +8,8 @@
  *   chunk 1  0  -->  1  density ... | words ...            n = 32  a row
  *   chunk 2  1                                             n = 64  half a row
  *
- * Ranges: dims <= 2^14, so a plane of a chunk has at most 2^12 voxels, a
- * chunk 2^18, and there are at most 2^30 chunks.  slot * n^3 needs 64 bits.
+ * Ranges: n <= 64, so a plane of a chunk has at most 2^12 voxels, and a chunk 2^18.
+ * dims <= 2^14 and n >= 16, so there are at most 2^30 chunks.  slot * n^3 needs 64 bits.
  */
 
 static ulong ost_chunk_voxels(__global const ost_cl_bone *bone)

@@ -22,7 +22,7 @@ typedef struct ost_ct_position {
     uint ppm;
     int read;   /* true if the coordinates are in the allowed range (OST_LENGTH_MAX) */
     int off;    /* true if the sample is more than 1/8 of a voxel away from the lattice */
-    int inside; /* true if the sample is read, lies in the grid, and is close enough to the lattice */
+    int inside; /* true if `read` is true and the sample lies in the grid and close enough to the lattice */
 } ost_ct_position;
 
 static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter, __global const ost_cl_sample *sample)
@@ -182,9 +182,10 @@ __kernel void ost_ct_had(__global const ost_cl_scatter *scatter, __global const 
 /*
  * Computes the source index and the weight of each cubic voxel on each axis (AR-CUB).
  *
- * Ranges. (2i + 1) c < 2^15 * 2^37 and 2s < 2^38, and the remainder of the division is
- * below 2s, so 2^15 times the remainder is < 2^53. The floors stay inside the grid. If
- * a weight is above 0, then at < last, so the upper neighbour is inside the grid too.
+ * Ranges. For voxel i, cubic spacing c and rect spacing s, (2i + 1) c < 2^15 * 2^37 and
+ * 2s < 2^38, and the remainder of the division is below 2s, so 2^15 times the remainder
+ * is < 2^53. The source index is limited to the grid. A weight is above 0 only if the
+ * source is not the last voxel, so the upper neighbour is inside the grid too.
  */
 __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int *sources)
 {
@@ -215,9 +216,9 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
 }
 
 /*
- * Copies a run of voxels from their sources. If the spacings are equal, voxel i has the source i or,
- * beyond the end of the rect grid, the last source. From one voxel to the next, the index of the source therefore
- * increases by 1 or not at all, and the sources of a run are adjacent if it increases by count - 1 in total.
+ * Copies a run of voxels from their sources. If the spacings along x are equal, voxel i has the source i or, beyond
+ * the end of the rect grid, the last source. The index of the source then increases by 1 or 0 from one voxel to the
+ * next. The sources of the run are therefore adjacent if the index increases by count - 1 in total.
  */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)

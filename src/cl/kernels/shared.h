@@ -260,7 +260,7 @@ typedef struct ost_cl_tiles {
 /*
  * A cell contains the class of a tool voxel in bits 0 and 1 and the reach of the voxel in bits 2 to 7.  The
  * reach is the greatest r <= 63 such that all voxels nearer than r on every axis have the same class as the
- * voxel; all space outside the grid is empty.  Therefore reach >= 1.
+ * voxel; all space outside the grid is empty.  Only the voxel itself is nearer than 1, so reach >= 1.
  *
  *   ost_tool_reach(tool, from, to)   dims.x, dims.y, dims.z; three launches, axis 0, 1, 2
  *
