@@ -2,7 +2,7 @@
 /*
  * The faces of a voxel, and the bit operations that find the visible ones in a row of 32 voxels.
  *
- *   bit x of a row       voxel x is active
+ *   bit x of `own`       voxel x of the row is active
  *   bit x of `behind`    the neighbour of voxel x at one face is active
  *   own & ~behind        the active voxels whose face is visible
  *

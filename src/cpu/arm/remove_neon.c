@@ -87,8 +87,9 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 
 /*
- * For each brick of a piece, its position in its window, and the list of the tied bricks (remove.h, "Sixteen bits per
- * lane"). c is the least coordinate of a brick, relative to the first voxel of the brick's window.
+ * For each of the at most PIECE bricks that are processed together, its position in its window. c is the least
+ * coordinate of a brick, relative to the first voxel of the brick's window. `tied` lists the bricks that are ties
+ * (remove.h, "Sixteen bits per lane").
  */
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
