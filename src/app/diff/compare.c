@@ -156,8 +156,8 @@ ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chun
     out->chunk_size = chunk_size;
     out->same_dims = ga->dims.x == gb->dims.x && ga->dims.y == gb->dims.y && ga->dims.z == gb->dims.z;
     compare_geometry(ga, gb, out);
-    /* A tool's corner is exact, but its origin is rounded if half of the voxel size is not an integer. Therefore the
-       corners of tools are compared. Only osteon's own files contain tools, so no tolerance is needed. */
+    /* A tool's corner is exact, but its origin is rounded if the voxel size is an odd number of picometres. Therefore
+       the corners of tools are compared. Only osteon's own files contain tools, so no tolerance is needed. */
     if (a->kind == LOAD_TOOL) {
         out->same_spacing = a->tool.voxel == b->tool.voxel;
         out->same_origin = memcmp(&a->tool.corner, &b->tool.corner, sizeof a->tool.corner) == 0;

@@ -90,11 +90,11 @@ ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const di
                         ost_error *err);
 /*
  * Draws the surface of B around the voxel `busiest`. If B's file contains the glenoid's axis, the view is along this
- * axis. If it does not, the view is toward the bone's middle. diff_has_view must be true, that is, both files are bones
- * or CTs on the same cubic grid, and B lacks voxels of A.
+ * axis. Otherwise, the view is toward the bone's middle. diff_has_view must be true.
  */
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);
+/* Returns true if both files are bones or CTs on the same cubic grid, and B lacks voxels of A. */
 bool diff_has_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result);
 /* Returns true if the orientation of the grid's axes in the patient is not known. */
 bool diff_unoriented(const loaded_volume *in);

@@ -70,8 +70,9 @@ bool segment_is_given(const segment_options *options);
 ost_status segment_job_init(segment_job *job, const app_state *app, const segment_options *options, ost_error *err);
 void segment_job_free(segment_job *job);
 /*
- * Makes the label map of the selected bones. Its meta contains the facts segment_..., but not the facts of the CT.
- * Returns an error if there is no bone at a position of --bone. The caller frees *labels with ost_volume_free.
+ * Makes the label map of the selected bones. Its meta contains the facts whose keys begin with "segment_", but not the
+ * facts of the CT. Returns an error if there is no bone at a position of --bone. The caller frees *labels with
+ * ost_volume_free.
  */
 ost_status segment_job_run(segment_job *job, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                            ost_error *err);

@@ -26,7 +26,7 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
 /* The input of the picture of a segmentation. All pointers are borrowed. */
 typedef struct preview_labels {
     const char *name, *out;          /* file names of the CT and of the labels */
-    /* the facts segment_... in labels->meta describe the options of the segmentation */
+    /* In labels->meta, the facts whose keys begin with "segment_" describe the options of the segmentation. */
     const ost_volume *ct, *labels;
     const ost_volume_report *report; /* describes how the CT was read */
     const ost_segment *segments;

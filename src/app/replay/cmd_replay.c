@@ -4,8 +4,8 @@
  *
  * The digest of every tick is compared with the recorded digest. At the end, the counts and the bone's digest are
  * compared as well. With --verify, a difference is also located: the same ticks are run on a second backend, the
- * reference, up to the first tick that differs. A comparison of the two bones then yields the chunk and the voxel. The
- * result that agrees with the reference is correct.
+ * reference, up to the first tick that differs. A comparison of the two bones then yields the chunk and the voxel. Of
+ * the recorded and the replayed result, the one that agrees with the reference is correct.
  */
 #include <string.h>
 

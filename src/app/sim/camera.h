@@ -22,8 +22,8 @@ typedef struct sim_camera {
 } sim_camera;
 
 /*
- * Makes a camera. voxel_mm is the size of the smallest voxel that is drawn. A frame can show only a limited number of
- * voxels, so this size determines the maximum distance of the camera.
+ * Makes a camera. voxel_mm is the size of the smallest voxel that is drawn. The renderer limits the camera's distance
+ * to a number of voxels, so this size determines the maximum distance in mm.
  */
 sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, double voxel_mm);
 /* Begins a flight to a view. `tool` is the pose of the tool, or NULL. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The HUD as a transparent layer, for frames that stay in OpenGL.
+ * The HUD as a transparent layer, for frames that OpenGL draws directly into the window.
  *
  *   facts --drawn on an empty sheet--> layer --changed cells--> OpenGL, over the frame
  */

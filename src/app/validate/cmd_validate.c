@@ -45,7 +45,7 @@ static ost_status shard_of(const app_state *app, const char *text, int *shard, i
     return OST_OK;
 }
 
-/* Writes the results of one backend to a trace, and then from the trace to files. */
+/* Writes the results of one backend to a trace, and then converts the trace to the files of a dump. */
 static ost_status dump_worker(const plan *p, const char *spec, const char *folder, ost_error *err)
 {
     char path[SCRATCH_NAME];

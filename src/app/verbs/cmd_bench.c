@@ -160,7 +160,8 @@ static void print_row(const app_state *app, const bench_row *row)
     print_deadlines(app, row);
 }
 
-/* Prints a warning if rows were disturbed. If other programs interrupted the baseline, the ratio is too high. */
+/* Prints a warning if other programs disturbed the measurement of rows. If they interrupted the baseline, the ratio of
+   the row is too high. */
 static void print_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
@@ -294,7 +295,7 @@ static ost_status run_suites(app_state *app, const bench_options *options, const
     ost_backend *backend = NULL;
     tally all = {.rows = 0};
     static const bench_options every_row; /* options without a filter, so that they select every row */
-    /* an unknown or unavailable backend is an error of the command, so it is tested before any row runs */
+    /* an unknown or unavailable backend is an error of the command, so the backend is opened before any row runs */
     ost_status status = bench_backend(options, options->threads, &backend, err);
     ost_backend_close(backend);
     for (const bench_suite *s = bench_suites; s->name && status == OST_OK; s++) {
