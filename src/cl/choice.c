@@ -133,7 +133,8 @@ static void examine(const ost_cl_api *cl, ost_cl_device *d)
     answered = answered && cl->clGetDeviceInfo(d->id, CL_DEVICE_TYPE, sizeof type, &type, NULL) == CL_SUCCESS;
     /*
      * Mesa's llvmpipe reports a CPU but ends long loops early. fingerprint.c would detect this only after the kernel
-     * set for CPUs was built, and the set for GPUs would then be built too. Testing the name avoids the second build.
+     * set for CPUs was built, and the set for GPUs would then be built too. Testing the name avoids the first of these
+     * two builds.
      */
     d->cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !strstr(d->name, "llvmpipe");
 

@@ -10,8 +10,9 @@
  * Environment variables control drivers: for example, POCL_KERNELLIB_NAME and
  * POCL_WORK_GROUP_METHOD change the machine code, but not the name or version of the driver.  It is
  * not known which variables affect the binary, so all variables with a driver's prefix are
- * included.  An unnecessary build takes only seconds, but a binary that was built with different
- * settings could invalidate a proof.  Cache folders (*_CACHE_DIR) are excluded.
+ * included.  An unnecessary build takes only seconds.  With a binary that was built with other
+ * settings, however, a campaign would not test the current settings.  Cache folders (*_CACHE_DIR)
+ * are excluded.
  */
 #include "cl/cl.h"
 

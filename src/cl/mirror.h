@@ -3,15 +3,15 @@
  * The mirror of a bone, which is a copy of its voxels in host memory. In a tick, the force computation reads single
  * voxels from the mirror.
  *
- *   first sample   downloads all slices                                       allocates memory
+ *   first read     downloads all slices                                       allocates memory
  *   removal        its report names the chunks that it changed; they are      no transfer
  *                  entered in a list
- *   next sample    reads the occupancy of the listed chunks and removes the   one wait for the device
+ *   next read      reads the occupancy of the listed chunks and removes the   one wait for the device
  *                  voxels that the device has removed; then reads voxels
  *
  * A removal only makes voxels inactive, so the occupancy of a chunk (n^3 / 8 bytes) is sufficient, and the densities
- * (2 n^3 bytes) are transferred only once. The mirror is up to date at every sample, so the force does not depend on
- * the backend. After an upload of slices, the mirror is freed, and the next sample downloads the bone again.
+ * (2 n^3 bytes) are transferred only once. The mirror is up to date at every read, so the force does not depend on
+ * the backend. After an upload of slices, the mirror is freed, and the next read downloads the bone again.
  *
  * sample.c makes, updates and reads the mirror.
  */

@@ -11,8 +11,9 @@
  *   ost_face_compact    -> active voxels without gaps, sums of the chunk               an item: one row
  *   ost_face_quads      -> four vertices for each visible face                         an item: one active voxel
  *
- * The prefix sum has two levels: ost_face_slices sums the rows of a slice, and ost_face_compact adds the sums of the
- * preceding slices. Therefore no kernel needs a barrier, and no result depends on the size of a work group.
+ * ost_face_rows and ost_face_slices are one step, the prefix sum. It has two levels: ost_face_slices sums the rows of a
+ * slice, and ost_face_compact adds the sums of the preceding slices. Therefore no kernel needs a barrier, and no result
+ * depends on the size of a work group.
  */
 #define SIDE 32
 #define PADDED 34

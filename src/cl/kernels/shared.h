@@ -80,15 +80,15 @@ typedef uint64_t ost_cl_u64;
  *   report   ost_cl_scatter_report[1]     of the batch; at first, lines and index are OST_CL_NONE, all else is 0
  *
  * ost_ct_claim: For every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the
- * sample's key. The sample that determines the voxel has the greatest key: the earliest sample (rules error and first),
- * the latest (last) or the densest (max). For exactly one sample of a voxel, the previous owner is 0. This sample is
- * not a duplicate if the voxel's bit of seen is 0; all other samples are duplicates. Which sample this is may vary, but
- * the number of duplicates does not vary.
- * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule max: several
+ * sample's key. The sample that determines the voxel has the greatest key: the earliest sample (rules `error` and
+ * `first`), the latest (`last`) or the densest (`max`). For exactly one sample of a voxel, the previous owner is 0.
+ * This sample is not a duplicate if the voxel's bit of `seen` is 0; all other samples are duplicates. Which sample this
+ * is may vary, but the number of duplicates does not vary.
+ * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule `max`: several
  * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the voxel.
  * The kernel also finds the first line with the worst offset.
- * ost_ct_check: Updates seen and clears owner. With the rule error, a voxel that is set does not change again. The
- * kernel then also finds the lowest line whose sample differs in density from its voxel.
+ * ost_ct_check: Updates `seen` and clears `owner`. With the rule `error`, a voxel that is set does not change again.
+ * The kernel then also finds the lowest line whose sample differs in density from its voxel.
  * ost_ct_report_first_bad: Finds the first sample on this line whose density differs.
  * ost_ct_had: Reads the density of the voxel of this sample.
  *
@@ -134,7 +134,7 @@ typedef struct ost_cl_scatter_report {
  *                                            order, the weight of the upper neighbour of each source, 0 to 2^15 (0:
  *                                            the neighbour is not read)
  *   rect     const short[rect voxels]
- *   out      short[...]                      the entire cubic grid, or slices z0 <= k < z1 of it if slab is 1
+ *   out      short[...]                      the entire cubic grid, or slices z0 <= k < z1 of it if `slab` is 1
  *
  * Each item writes OST_RUN elements along x, which no other item writes.
  */
@@ -239,9 +239,9 @@ typedef struct ost_cl_vox {
  *            triangles do not change the result
  *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]:
  *            scratch, any content
- *   classes  uchar[dims.x * dims.y * dims.z]   all classes are written; if over is 1, only those of voxels in the mesh
+ *   classes  uchar[dims.x * dims.y * dims.z]   all classes are written; if `over` is 1, only those of the mesh's voxels
  *   counts   ulong[3 * tiles]                  for each tile, the numbers of solid voxels and of cutting voxels of all
- *                                              meshes so far, and of rows that leak; if over is 1, the rows that leak
+ *                                              meshes so far, and of rows that leak; if `over` is 1, the rows that leak
  *                                              are added to those of the first mesh
  */
 typedef struct ost_cl_tiles {
