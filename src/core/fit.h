@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 /*
- * Fits a sphere by linear least squares, because its equation |p|^2 = 2 c.p + k is linear in the centre c and in k.
+ * Fits a sphere by linear least squares. The sphere's equation |p|^2 = 2 c.p + k is linear in the centre c and in k.
  * Returns false if the points do not determine a sphere.
  */
 bool ost_fit_sphere(const double (*points)[3], size_t count, double centre[3], double *radius);

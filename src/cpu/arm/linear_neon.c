@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Linear interpolation for NEON. Each step interpolates eight voxels between two slices, or computes four sums. The
- * ranges are the same as in x86/linear_avx512.c: the sums of blend are at most 2^30, the sums of weigh are at most
- * 2^60, and a quotient fits 16 bits.
+ * ranges are the same as in x86/linear_avx512.c: the sums of the `blend` kernel are at most 2^30, those of the `weigh`
+ * kernel are at most 2^60, and a quotient fits 16 bits.
  */
 #include "core/conditions.h"
 #include "core/neon.h"

@@ -17,8 +17,8 @@ typedef uint64x2_t vm;
 typedef int32x2_t vi;
 
 /*
- * The option -ffp-contract=off prevents fused multiply-add instructions. With these instructions, the results would be
- * the same, because every product that is summed here is exact.
+ * The option -ffp-contract=off prevents fused multiply-add instructions. Even with these instructions, the results
+ * would be the same, because every product that is summed here is exact.
  */
 #define vd_set(x) vdupq_n_f64(x)
 #define vd_add vaddq_f64
