@@ -7,7 +7,7 @@
  *   share.c     division of work among threads: thresholds and counters
  *   kernels.c   the inner loops, chosen once when the backend is opened
  *   tool.c      tools as bits, with the tables that removal uses
- *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid is a list of indices
+ *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid has lists of indices
  *   bone/       chunks of bricks: upload and download of slices, leaves
  *   remove/     removal and collision; shape.c: a tool's distances and windows
  *   face_mesh.c visible faces of chunks as quads
@@ -15,7 +15,7 @@
  *
  * The structs of this backend, except tools, begin with the structs of the reference. The reference's functions can
  * therefore be used for operations that have no fast implementation. Each thread processes complete chunks, slices or
- * tiles, and no two threads write the same data. The results are sorted afterwards.
+ * tiles, and no two threads write the same data. The reports of the threads are sorted afterwards.
  */
 #ifndef OST_CPU_CPU_H
 #define OST_CPU_CPU_H

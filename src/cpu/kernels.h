@@ -109,8 +109,8 @@ typedef void ost_drain_fn(void);
  * Selects the blocks with from <= block < to whose base (ost_block_base) is in the range `reach`.
  * The range of blocks must not be empty. It must lie within the range for which `bases` was computed,
  * and within first <= block < first + 2. Overwrites *blocks with the selected blocks in ascending
- * order of their numbers, and sets blocks->count. In *blocks, u is the base, and number is x + 2y +
- * 4z for the block first + (x, y, z). Up to eight elements may be written.
+ * order of their numbers, and sets blocks->count. In *blocks, the `u` of block first + (x, y, z) is the
+ * block's base, and its `number` is x + 2y + 4z. Up to eight elements may be written.
  */
 typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                            const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
@@ -141,7 +141,7 @@ typedef void ost_match_tables_fn(ost_match *match);
 /*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
  * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows or match->wide is
- * set, every brick must be one that the `split` kernel has classified as mixed with the same shape (remove.h: "Match").
+ * set, the `split` kernel must have classified every brick as mixed with the cells of match->shape (remove.h, "Match").
  * u + offset of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are
  * bricks, and these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and
  * can have any value.

@@ -37,7 +37,7 @@ static const struct {
     /* in voxels; larger tools would not stay in the caches anyway */
     [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
     /*
-     * bytes; if there are several tiles, the two planes of a tile are together smaller than this threshold, so that
+     * in bytes; if there are several tiles, the two planes of a tile are together smaller than this threshold, so that
      * they fit into L2
      */
     [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},

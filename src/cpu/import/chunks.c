@@ -70,8 +70,8 @@ typedef struct task {
     int sources;
     size_t next_source; /* the slice that is prefetched while the last slice in source[] is read */
     /*
-     * For group g of four y coordinates, box[g] contains the source rows in all source slices of the layer, as offsets
-     * from view.voxels. The lists are set only if the view has weights.
+     * For group g of four y coordinates, box[g] lists the source rows in all source slices of the layer, as offsets
+     * from view.voxels, and boxes[g] is their number. Both are set only if the view has weights.
      */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
@@ -100,9 +100,8 @@ static void list_slices(const filling *f, task *t, int32_t z)
 }
 
 /*
- * Returns the source slice to prefetch while the last source slice of the layer at slice z is read. This is the
- * slice after the last source slice or, if the next layer does not use that slice, the last source slice of the next
- * layer.
+ * Returns the source slice to prefetch while the last source slice of the layer at slice z is read: the source slice
+ * that follows it or, if the next layer uses no later source slice, the last source slice that the next layer uses.
  */
 static size_t next_source(const filling *f, const task *t, int32_t z)
 {

@@ -9,9 +9,10 @@
  * In the second step, each thread reads the complete batch and processes the samples in
  * its range of voxels. Therefore one thread processes all samples of a voxel, in order.
  *
- * Quotients.  q = RHE((p - o) / s) is computed from a floating-point estimate of the floor.  The
- * result does not depend on the estimate, because the floor and the remainder are corrected in steps of s until
- * 0 <= remainder < s. The quotient is then rounded half to even (RHE) by comparing the remainder with s / 2.
+ * Quotients.  On each axis, the index of a voxel is RHE((p - o) / s) with the position p of the sample, the origin o
+ * and the spacing s. It is computed from a floating-point estimate of the quotient's floor. The result does not depend
+ * on the estimate, because the floor and the remainder are corrected by 1 and by s until 0 <= remainder < s. The
+ * quotient is then rounded half to even (RHE) by comparing the remainder with s / 2.
  */
 #include "core/conditions.h"
 

@@ -94,10 +94,10 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Frees the weight lists that a cpu_view does not need. If no weight is above 0, these are the lists of all axes. If
- * only z is resampled, they are the lists of x and y. Otherwise, the list of y and the list of z are each freed if all
- * of their weights are 0. If x has weights, a voxel whose source is the last rect voxel gets the last two rect
- * voxels as its neighbours, with weight 0 for the lower one, so that both neighbours exist.
+ * Frees the weight lists that a cpu_view does not need: all lists if no weight is above 0; the lists of x and y if only
+ * z is resampled; otherwise, of the lists of y and z, those whose weights are all 0. If the list of x remains, both
+ * neighbours of a voxel along x must exist. A voxel whose source is the last rect voxel therefore gets the last two
+ * rect voxels as its neighbours, with weight 0 for the lower one.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -116,7 +116,7 @@ static void finish_weights(lists *l, int32_t width, int32_t last)
 ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geometry, ost_resample rule, ost_grid **out,
                                  ost_error *err)
 {
-    /* The function casts const away, because it may copy the voxels of the rect grid to a store of the grid's own. */
+    /* const is cast away, because ost_cpu_grid_own may copy the voxels of the rect grid to a new store. */
     cpu_grid *rect = (cpu_grid *)(uintptr_t)base;
     const ost_geometry *r = &base->geometry;
     const int32_t from[3] = {r->dims.x, r->dims.y, r->dims.z},

@@ -9,6 +9,7 @@
  *               accepted  counted    rejected                                       AR-CT-5
  *
  *   cubic voxel i is computed from rect voxels around t = ((2i + 1) c - s) / (2s)  AR-CUB
+ *   where c is the spacing of the cubic grid and s the spacing of the rect grid
  */
 #include "cpu/ref/ref.h"
 
@@ -218,7 +219,7 @@ typedef struct tap {
 } tap;
 
 /*
- * Returns the tap of cubic voxel i by the `linear` rule.
+ * Returns the tap of cubic voxel i by the `linear` rule, for the spacings c = cubic and s = rect.
  * AR-CUB-2: t = n / d, n = (2i + 1) c - s, d = 2s, clamped to 0 <= t <= last.
  * (2i + 1) c < 2^15 * 2^37, d < 2^38, and the remainder n - index d < d, so
  * 2^15 * remainder < 2^53. If the weight is not 0, then t < last, so index + 1 <= last.
@@ -235,8 +236,8 @@ static tap linear_tap(int64_t i, ost_pm cubic, ost_pm rect, int64_t last)
 }
 
 /*
- * Returns the tap of cubic voxel i by the given resampling rule. i c < 2^14 * 2^37.
- * AR-CUB-4: floor(i c / s) < dims, because i < ceil(dims s / c).
+ * Returns the tap of cubic voxel i by the given resampling rule. i * cubic < 2^14 * 2^37.
+ * AR-CUB-4: floor(i * cubic / rect) < dim, because i < ceil(dim * rect / cubic).
  */
 static tap tap_at(int64_t i, ost_pm cubic, ost_pm rect, int32_t dim, ost_resample rule)
 {

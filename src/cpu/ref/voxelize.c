@@ -18,8 +18,8 @@
  * Ownership.  The triangle is oriented so that its projection runs counter-clockwise.  For each
  * edge a -> b, E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive for points (Y, Z) left of the
  * edge.  If E = 0, the point lies on the edge.  It is then treated as the point (Y + e, Z + e^2)
- * for an infinitesimal e > 0, whose E is (by - ay) e^2 - (bz - az) e: owned iff dz < 0, or dz = 0
- * and dy > 0.  The displaced point is the same for all triangles, and it lies on no edge.
+ * for an infinitesimal e > 0, whose E is dy e^2 - dz e with dy = by - ay and dz = bz - az: owned iff
+ * dz < 0, or dz = 0 and dy > 0.  The displaced point is the same for all triangles, and it lies on no edge.
  * Therefore a line through a shared edge or vertex is owned once, however many triangles share it,
  * and a closed mesh never leaks.
  *
@@ -129,7 +129,8 @@ static bool fill_row(const int32_t *steps, int32_t n, ost_fill_rule rule, uint8_
     if (winding & mask)
         return false;
     for (int32_t i = 0; i < n; i++) {
-        /* The sum starts at the total of all steps of the row, which is 0 or, with the parity rule, even. */
+        /* `winding` starts at the total of the row's steps. The total is 0 or, with the parity rule, even, so it does
+           not affect the test. */
         winding += steps[i];
         if (winding & mask)
             row[i] = tool_class;

@@ -69,8 +69,8 @@ static int32_t magnitude(int32_t x)
     return x < 0 ? -x : x;
 }
 
-/* Returns true if the steps satisfy the conditions of "Match" in remove.h for windows of this edge. If the tool has
-   such windows, the steps of every ost_map satisfy these conditions. */
+/* Returns true if the tool has windows of this edge and the steps satisfy the conditions of "Match" in remove.h. If the
+   tool has the windows, the steps of every ost_map satisfy the conditions, but other steps may violate them. */
 static bool windows_hold(const int32_t step[3][3], const ost_windows *windows, int32_t edge)
 {
     const int64_t radius_twice = (edge == 8 ? INT64_C(72) : INT64_C(150)) * (1 << OST_MAP_FRACTION) / 10;

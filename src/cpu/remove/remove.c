@@ -293,7 +293,7 @@ static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, i
 }
 
 /*
- * Applies all poses to all listed chunks. In the pass for touched voxels, classes is NULL, because touched
+ * Applies all poses to all listed chunks. In the pass for touched voxels, `classes` is NULL, because touched
  * voxels are only counted.
  */
 static void run_poses(const cpu_bone *bone, const ost_shape *shape, const ost_removal_event *event,

@@ -12,40 +12,43 @@
  * of a cube are in the same 16^3 block, so these sums are exact.
  *
  * Split.  The centre of a cube of edge e is u + (e-1)/2 (step[0] + step[1] + step[2]); it is rounded
- * down to a unit (an error below 1 on each axis).  No voxel is farther from the centre than R, the
+ * down to an integer (an error below 1 on each axis).  No voxel is farther from the centre than R, the
  * length of the longest half diagonal of the cube, (e-1)/2 |step[0] +- step[1] +- step[2]|. Let
- * `least` be the first v for which v * unit > R + 2 > R + sqrt(3).  If the centre lies in a cell of
+ * `unit` be 1/8 of a granule's edge (ost_cells), and `least` the first v for which
+ * v * unit > R + 2 > R + sqrt(3).  If the centre lies in a cell of
  * value <= -least, all voxels of the cube are empty by (C1); if the value is >= least, all are
  * solid.
  *
- * Match.  If windows may be used (ost_match.windows), the least coordinate of a brick on an axis is u + lowest. The
- * offset of a voxel of the brick from this coordinate is 0 <= offset < (8 - step) voxels. The brick is then at most
- * 9 - step voxels wide, so it lies in the window number floor((voxel + margin) / step), and
- *     c + offset < step + 8 - step = 8 voxels = 2^23 units
+ * Match.  On each axis, the least coordinate of a brick is u + lowest, and the distance between adjacent windows is s
+ * tool voxels (ost_windows.step). If windows may be used (ost_match.windows), the offset of every voxel of the brick
+ * from the least coordinate is 0 <= offset < 8 - s tool voxels. The brick then overlaps at most 9 - s tool voxels and
+ * lies in the window number floor((voxel + margin) / s), where `voxel` is the index of the tool voxel that contains the
+ * least coordinate. Therefore
+ *     c + offset < s + 8 - s = 8 tool voxels = 2^23 units
  * where c is the least coordinate relative to the window's first voxel. No mixed brick of a split needs a window beyond
  * the table. The centre of such a brick lies in a cell with |v| < least. Therefore a granule that is not empty is
- * nearer to the cell than `least` units of 1/8 granule. This granule overlaps the tool's grid, and `least` is at most
+ * nearer to the cell than least * unit. This granule overlaps the tool's grid, and `least` is at most
  * (R + 2) / unit + 1. With R <= 3.6 voxels, granules of up to 2 voxels and cells of up to 4 voxels, the distance
  * between the grid and the centre on an axis is less than
  *     3.6 + 2/2^20 + 1/4 + 4 < 7.9 voxels.
- * The least coordinate of the brick is not above the centre, and at most 3.5 voxels and a unit below it. The least
+ * The least coordinate of the brick is not above the centre, and at most 3.5 + 1/2^20 voxels below it. The least
  * coordinate is therefore > -12 and < dims + 8 voxels.
  * For wide windows (ost_match.wide), the proof is the same with 16 in place of 8. Then R <= 7.5 voxels, granules have
- * up to 4 voxels and cells up to 8, and 7.5 + 2/2^20 + 1/2 + 8 < 16.1. The least coordinate is at most 7.5 voxels and a
- * unit below the centre, and therefore > -24 and < dims + 16.
+ * up to 4 voxels and cells up to 8, and 7.5 + 2/2^20 + 1/2 + 8 < 16.1. The least coordinate is at most 7.5 + 1/2^20
+ * voxels below the centre, and therefore > -24 and < dims + 16.
  *
  * Sixteen bits per lane. c >> 7 and offset >> 7 have 3 bits of voxel and 13 of fraction. (c >> 7) +
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
- * wrong only if the carry passes through 13 set bits. `tie` marks the values of (c >> 7) mod 2^13 for which the sum
- * with some offset has 13 set bits. Such a brick (2.3 % of all bricks) is matched with the carries. `near_tie` has one
- * bit for eight such values, so that its bits fit registers. If the bit of a brick is clear (five bricks of six), the
- * brick is not a tie.
+ * wrong only if the carry passes through 13 set bits. A value of (c >> 7) mod 2^13 is a tie if its sum with some offset
+ * has 13 set fraction bits; `tie` marks the ties. A brick whose c is a tie on an axis is tied (2.3 % of all bricks) and
+ * is matched with the carries. `near_tie` has one bit for eight values, so that its bits fit registers. If the bits for
+ * a brick's values are clear (five bricks of six), the brick is not tied.
  *
  * Carries.  The kernel for AVX-512 VBMI adds complete voxels and fractions separately. Voxel v of a brick has the
- * voxel coordinate floor(c) + floor(offset[v]) + carry in its window, where carry is 1 if the fraction of c is at least
- * 1 - the fraction of offset[v], its threshold. The thresholds of the 64 voxels are sorted. The number of thresholds
- * that a fraction reaches, its rank, then determines the carries of all voxels. At least one voxel of each axis has
- * offset 0 and a threshold that no fraction reaches, so a rank is at most 63.
+ * voxel coordinate floor(c) + floor(offset[v]) + carry in its window. The threshold of v is 1 minus the fraction of
+ * offset[v]; the carry is 1 if the fraction of c is at least this threshold. The thresholds of the 64 voxels are
+ * sorted. The number of thresholds that a fraction reaches, its rank, then determines the carries of all voxels. On
+ * each axis, at least one voxel has the offset 0, and no fraction reaches its threshold 1, so a rank is at most 63.
  */
 #ifndef OST_CPU_REMOVE_H
 #define OST_CPU_REMOVE_H

@@ -5,7 +5,7 @@
  *
  *   cells     a lower bound of the distance to the solid's surface;
  *             classifies cubes of bone voxels as inside, outside or mixed
- *   windows   8^3 tool voxels as 64 bytes; on each axis, a window begins at every third voxel;
+ *   windows   8^3 tool voxels as 64 bytes; adjacent windows overlap, so that each mixed brick lies in one;
  *             a window classifies the 64 voxels of a mixed brick by one look-up each
  *
  * Cells.  Space is divided into granules of 2^g tool voxels per side.  A granule is empty, solid or

@@ -23,8 +23,8 @@
  * solid bits.
  *
  * Word by word, the bit before a word is the borrow from the previous word: in a proven
- * word, q + b = m - p + b' 2^64, where b is the bit before the word and b' its last bit,
- * so that b' is the borrow of m - p - b.
+ * word, q + b = m - p + b' 2^64, where b is the bit before the word and b' is the last bit
+ * of the word, so that b' is the borrow of m - p - b.
  *
  * In a mesh that is inside out, the first crossing leaves: Q = P - M, with P and M exchanged in the conditions, and W =
  * -Q. A kernel first tests the order that was valid for the previous row, and then the opposite order. A row that

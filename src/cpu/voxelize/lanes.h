@@ -24,7 +24,7 @@
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
  * (this is true in doubles as well: the product is exact up to 2^53, and rounding
- * preserves order). For a small triangle, with Y, Z in its bounds,
+ * preserves order). For a small triangle, with the symbols of mark.c and with Y, Z in the triangle's bounds,
  *
  *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a
  *             triangle in a rectangle; at most 2^40

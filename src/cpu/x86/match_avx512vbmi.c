@@ -153,8 +153,8 @@ enum { PIECE = 128 };
 /* The positions of the bricks of a piece in their windows. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
-    /* For windows: the indices of each brick's entries in ost_carries.row and ost_carries.bit. For wide windows:
-       16 y + z and x of the least coordinate's voxel in the window. */
+    /* Let (x, y, z) be the voxel of the window that contains the least coordinate of the brick. `bit` is x. `row` is
+       the index y + 3 z in ost_carries.row or, for wide windows, the byte number 16 y + z. */
     uint32_t row[PIECE], bit[PIECE];
     /* number of the window of each brick; later replaced by the number of the window's line */
     uint32_t line[PIECE];

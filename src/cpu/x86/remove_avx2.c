@@ -15,8 +15,8 @@
  *
  *     T0[n] ^ (T1 ^ T0)[n - 16] ^ (T2 ^ T1)[n - 32] ^ (T3 ^ T2)[n - 48]
  *
- * contains only the terms for which n - 16 q is not negative. These terms cancel
- * except for the quarter that contains n.
+ * selects the byte of row n: a term with a negative index is 0, and the other terms
+ * cancel, except for the quarter that contains the row.
  */
 #include <immintrin.h>
 
@@ -290,9 +290,9 @@ static inline uint64_t sum32(__m256i v)
 }
 
 /*
- * Adds the hits of `count` bricks to the tally. A 16-bit lane can sum 65535 / highest densities, four per
- * brick, before it must be added to a 32-bit lane. A 32-bit lane can sum 512 bricks of
- * 4 * 2 * 32767 < 2^18 each. Callers pass the number of borders as a constant.
+ * Adds the hits of `count` bricks to the tally. A brick adds four densities to each 16-bit lane. Such a lane
+ * can sum 65535 / take->highest densities before it must be added to a 32-bit lane. A 32-bit lane can sum
+ * 512 bricks of 4 * 2 * 32767 < 2^18 each. Callers pass the number of borders as a constant.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,

@@ -105,13 +105,13 @@ static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m
  * register q are part 2q of the eight cubes, lanes 8..15 are part 2q + 1.  If the last group has at most four cubes, a
  * register has four parts of each cube, so that all lanes are used. This case is frequent, because a unit has few
  * blocks. The cells of all groups are found first, then the values of the cells are read one by one, and then the parts
- * are sorted.
+ * are classified.
  */
 enum { GROUPS = 8, PIECE_CUBES = 8 * GROUPS };
 typedef struct split_piece {
     _Alignas(64) int32_t cell[GROUPS][64];
     _Alignas(64) int8_t value[GROUPS][64];
-    /* bit p of keep[c] is set if part p of cube c is to be sorted; elements beyond the last cube are 0 */
+    /* bit p of keep[c] is set if part p of cube c is to be classified; elements beyond the last cube are 0 */
     _Alignas(8) uint8_t keep[PIECE_CUBES + 8];
     /* the cubes of the piece that have active voxels; used only if the occupancy of the cubes' parts is available */
     int32_t u[3][PIECE_CUBES + 8], number[PIECE_CUBES + 8];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Finds the windows of sixteen bricks at once (shape.h, "Windows"), for the two kernels `match` of AVX-512. */
+/* Finds the windows of sixteen bricks at once (shape.h, "Windows"), for the two AVX-512 variants of `match`. */
 #ifndef OST_CPU_X86_WINDOW_AVX512_H
 #define OST_CPU_X86_WINDOW_AVX512_H
 
@@ -20,9 +20,9 @@ static inline __m512i ost_window_voxel(__m512i u, int32_t margin)
 }
 
 /*
- * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2, 3 or 6. In this range, (voxel * ceil(2^16 /
- * step)) >> 16 is exact for a step of at most 3. The factors are 2 voxel and ceil(2^16 / step) / 2, so that both fit 16
- * bits. For a step of 6, floor(voxel / 2) is divided by 3.
+ * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2, 3 or 6. For a step of at most 3, this is equal
+ * to (voxel * ceil(2^16 / step)) >> 16. The factors of the multiplication are 2 * voxel and ceil(2^16 / step) / 2,
+ * because both fit 16 bits. For a step of 6, floor(voxel / 2) is divided by 3.
  */
 static inline __m512i ost_window_of(__m512i voxel, int32_t step)
 {
