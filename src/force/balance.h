@@ -6,9 +6,10 @@
  *
  *   spring u  +  sum over pressing points of  b (given + j . u) j  =  pull
  *
- * u is the velocity of the tool, or its velocity and angular velocity. For each point, j is the outward normal n, or n
- * and r x n, so that j . u is the point's speed of advance. An iteration finds the set of pressing points: each
- * solution determines the set for the next solution.
+ * u is the velocity of the tool, or its velocity and angular velocity. For each point, b is the resistance, and j is
+ * the outward normal n or, with the angular velocity, n and r x n, where r is the point's position. given + j . u is
+ * the point's speed of advance. An iteration finds the set of pressing points: each solution determines the set for the
+ * next solution.
  */
 #ifndef OST_FORCE_BALANCE_H
 #define OST_FORCE_BALANCE_H

@@ -201,7 +201,7 @@ ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, c
     return OST_OK;
 }
 
-/* Converts the inward normal of a point of the shell to voxels. The length of the result is that of 1 m. */
+/* Computes the displacement in voxels that corresponds to 1 m along the inward normal of point i of the shell. */
 static void inward_in_voxels(const to_voxels *map, const contact_shell *shell, size_t i, double out[3])
 {
     for (int a = 0; a < 3; a++)

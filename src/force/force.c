@@ -6,11 +6,11 @@
  *
  *     K (x_d - x) + D (v_d - v) = sum over touching points of b (inward . -v)+ (-inward)
  *     b = area * energy / (cutting ratio * speed of the point)
+ *     x, v: position and velocity of the tool; x_d, v_d: those of the device; (a)+: max(a, 0), here the advance
  *
- *   A point that advances into bone at speed v needs the power area * v * energy
- *   to cut.  The friction of cutting, ratio * f at the point's speed, supplies
- *   this power.  A contact therefore acts as a damper and not as a spring, and
- *   cannot oscillate.  The equation is solved for the end of the tick (balance.h).
+ *   To advance into bone, a point needs the power area * advance * energy.  The lateral force of cutting,
+ *   cutting ratio * f, supplies this power at the speed of the point.  A contact therefore acts as a damper
+ *   and not as a spring, and cannot oscillate.  The equation is solved for the end of the tick (balance.h).
  *
  *   If turn_stiffness is not 0, a spring and a damper also couple the orientation
  *   of the tool to that of the device. The equation then has three more rows, for

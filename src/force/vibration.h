@@ -4,6 +4,7 @@
  *
  *   A (vibration sin(teeth phi) z  +  runout (cos phi x + sin phi y))
  *
+ * `vibration`, `teeth` and `runout` are parameters (ost_force_params).
  * phi is the angle by which the tool has rotated; x, y, z are the handle's axes.
  * A is the sum of the scaled normal forces of the cutting points, each multiplied
  * by the ratio of the bone's density to the reference density.  Dense bone therefore

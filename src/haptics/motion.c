@@ -9,7 +9,7 @@
  *
  * The motion lasts from the first row of the table to the last. Tracking may be lost at the
  * beginning and at the end. Between two rows, positions are interpolated linearly and orientations
- * along their arc. Tracking is lost before a lifted row (AR-PATH-4, AR-PATH-5).
+ * along the shorter arc. Tracking is lost before a lifted row (AR-PATH-4, AR-PATH-5).
  */
 #include <math.h>
 #include <stdlib.h>

@@ -10,10 +10,10 @@
  *   due 1 - lead: the loop wakes, rehearses, and waits without sleep until due 1
  *
  *   wake        time from the moment when a tick is due until it begins
- *   exec        time from its beginning until the wrench is written
+ *   exec        time from the beginning of the tick until the wrench is written
  *   own         the part of exec that the tick itself used (thread_time.h)
- *   completion  time from the moment when it is due until the wrench is
- *               written; more than a period is a missed deadline
+ *   completion  time from the moment when the tick is due until the wrench is
+ *               written; if it exceeds a period, a deadline is missed
  *
  * Due times are absolute: a late tick does not postpone later ticks. The world's clock counts the
  * ticks that were executed.
@@ -135,8 +135,8 @@ static bool run_loop(servo *s)
 }
 
 /*
- * Classifies the missed deadlines. Rehearsals and the waits after them may take lead_ns. Only time beyond lead_ns
- * counts as work.
+ * Classifies the missed deadlines of a tick. The time since s->ready includes the rehearsals and the wait before the
+ * tick, which together may take lead_ns. Only time beyond lead_ns counts as work.
  */
 static void count_missed(servo *s, uint64_t missed)
 {
