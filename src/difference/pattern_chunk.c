@@ -11,8 +11,8 @@
 enum { GROUP = 256 };
 
 typedef struct chunk_counts {
-    /* as_before is true if all voxels of B equal those of `in`; hit is true if at least one voxel of A differs from
-       `in` */
+    /* `as_before` is true if all voxels of B equal those of `in`; `hit` is true if at least one voxel of A differs from
+       the same voxel of `in` */
     bool differs, as_before, hit;
     bool solid_a, solid_b; /* valid only if `differs` is true */
 } chunk_counts;
@@ -62,8 +62,8 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 typedef struct chunk_sums {
     /* numbers of chunks; one_sided is the number of chunks that are solid in only one of the grids */
     int64_t differ, undone, one_sided;
-    /* `hit` is the number of chunks with a hit; hit_after counts only those that have no difference and that follow
-       the first chunk with a difference */
+    /* `hit` is the number of chunks with a hit; `hit_after` counts only the chunks with a hit that have no difference
+       and follow the first chunk with a difference */
     int64_t hit, hit_after;
 } chunk_sums;
 

@@ -333,7 +333,7 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 
 /*
  * Marks the second tick of each pair that is too far apart in time or space as lifted, and counts the lifted ticks
- * (AR-PATH-5). A median is below 2^93.
+ * (AR-PATH-5). A median is below 2^93, so its product with TIMES_MEDIAN^2 fits ost_i128.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {

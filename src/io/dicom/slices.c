@@ -58,8 +58,8 @@ static int64_t greatest_divisor(int64_t a, int64_t b)
 void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, int64_t part, int64_t gap, int16_t *to)
 {
     const int64_t common = greatest_divisor(gap, part), p = part / common, g = gap / common, r = g - p;
-    /* Positions in a file are usually multiples of 1 um, so g, the gap divided by the common divisor, is
-     * usually small enough for 64-bit arithmetic. */
+    /* Positions in a file are usually multiples of 1 um, so g, which is `gap` divided by the greatest common divisor
+     * of `gap` and `part`, is usually small enough for 64-bit arithmetic. */
     if (g < INT64_C(1) << 46)
         for (size_t i = 0; i < count; i++)
             to[i] = (int16_t)ost_rhe_div(before[i] * r + after[i] * p, g);

@@ -28,8 +28,8 @@
 #include "io/thread.h"
 
 /*
- * Maximum number of records in a block: one second of ticks. With a damaged block, at most one second is thus lost,
- * even if more records were waiting when it was written.
+ * Maximum number of records in a block: one second of ticks. A damaged block therefore loses at most one second, even
+ * if more records were waiting when the block was written.
  */
 enum { MOST = 1000 };
 _Static_assert(MOST <= (int)SESSION_BLOCK_RECORDS, "readers have room for a block");
