@@ -97,9 +97,9 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * Waits for a time that depends on the seed, and returns the block of this turn. The calling member either waits until
- * all members have begun as many blocks as this member (so that all members run at the same time), or yields its core,
- * or continues immediately.
+ * Waits for a time that depends on the seed, and returns the block of this turn. The calling member yields its core,
+ * continues immediately, or waits until all members have begun as many blocks as this member. This wait makes all
+ * members run at the same time.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {

@@ -16,8 +16,9 @@
  *
  * The invariants of core/chunk_grid.h apply. A voxel is active iff its density is at least the
  * threshold; all other voxels are 0. A voxel's occupancy bit is set iff the voxel is active.
- * Memory is allocated for a chunk iff its `active` field is above 0. The padding is 0. In
- * addition, no density of a chunk is above the chunk's `highest` field, which never decreases.
+ * Memory is allocated for a chunk iff its `active` field is above 0. The padding, that is, the
+ * voxels of a chunk outside the grid, is 0. In addition, no density of a chunk is above the
+ * chunk's `highest` field, which never decreases.
  */
 #ifndef OST_CPU_BONE_H
 #define OST_CPU_BONE_H

@@ -8,7 +8,7 @@
  *     for every layer of bricks    four slices, from up to eight source slices
  *       for every source slice     the columns of chunks with an active voxel in the slice are found
  *       for every chunk            the chunk is skipped if it has had no active voxel so far
- *         for every four rows      sixteen rows are written as a row of bricks
+ *         for every four rows      these rows of the four slices are written as a row of bricks
  *
  * Memory for a chunk is allocated at its first layer with an active voxel, and zeros are then written to its earlier
  * layers. A chunk without an active voxel is therefore never written. A source row is read from memory once, and

@@ -206,7 +206,7 @@ static void scatter(const batch *b, ost_team *team, const ost_sample *samples, i
 #pragma omp for schedule(static)
         for (int i = 0; i < count; i++)
             b->at[i] = place_sample(b->axes, &samples[i], b->first_line + samples[i].line, &mine.sums);
-        /* Each range of voxels ends at a multiple of 8, so only one thread writes to a byte of `seen`. */
+        /* Each range of voxels ends at a multiple of 8, so each byte of `seen` is written by only one thread. */
 #pragma omp for schedule(static, 1) nowait
         for (int part = 0; part < threads; part++) {
             int64_t each = (b->voxels / threads / 8 + 1) * 8, lo = each * part, hi = lo + each;

@@ -240,9 +240,9 @@ typedef struct window_size {
 static const window_size NARROW = {8, OST_WINDOW_MARGIN, 8, 1}, WIDE = {16, OST_WIDE_MARGIN, 16, OST_WIDE_LINES};
 
 /*
- * The bytes of all windows, in columns. A window with x index i has edge / 8 columns, which have eight voxels along x
- * each. The first of them is column i edge / 8. A column contains one byte for every row (y, z) of the tool and of the
- * empty space around the tool. The index z is fastest, so the bytes of a window that have the same y are adjacent.
+ * The bytes of all windows, in columns. A window with x index i has edge / 8 columns of eight voxels along x; the first
+ * of these is column i edge / 8. A column contains one byte for every row (y, z) of the tool and of the empty space
+ * around the tool. The index z is fastest, so the bytes of a window that have the same y are adjacent.
  *
  *   column i edge / 8 + p, row (y, z): bit x is voxel (step i + 8 p - margin + x, y - margin, z - margin)
  */

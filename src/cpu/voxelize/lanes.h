@@ -40,7 +40,8 @@
  * integer by at least 1 / (4 |D|). The two roundings change it by at most 2^-51 times its magnitude, which is less than
  * 1 / (4 |D|), because |C| + 1/4 < 2^49. Therefore the floor is exact. For dz < 0, the quarter moves the quotient down,
  * so that it is below the integer above it by the same margin: dj >= ceil((C + 1/4) (1 / D)). For dz = 0 the reciprocal
- * is replaced by a number so large that the quotient is beyond all rows and has the sign of C + 1/4, which is never 0.
+ * is replaced by a positive number that is large enough for the quotient to be beyond all rows. The quotient has the
+ * sign of C + 1/4, which is never 0.
  * i = A + ceil(M / (nx w)) is computed as A + ceil((M - 1/4) (1 / (nx w))). The quotient differs from the nearest
  * integer by at least 1 / (4 nx w). In an owned row, the rounding error is less: it is at most 2^-52 (1 + 2^-54) times
  * a magnitude of at most (2^49 + 1/4) / (nx w). The results of lanes that are not owned, or have no triangle, are not

@@ -21,9 +21,9 @@
  * spilled too.  The planes and the steps together always contain every crossing with its sign, so
  * no crossing is lost and no count saturates.
  *
- * If the crossings of a row enter and leave alternately, the row is filled by the subtraction minus
- * - plus (fill.c); the result also shows whether the crossings alternate. All other rows, and rows with spilled
- * crossings, are summed crossing by crossing.
+ * If the crossings of a row enter and leave alternately, the row is filled by subtracting its bits in
+ * the plane `plus` from its bits in the plane `minus` (fill.c); the result also shows whether the crossings alternate.
+ * All other rows, and rows with spilled crossings, are summed crossing by crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
 #define OST_CPU_VOXELIZE_H
