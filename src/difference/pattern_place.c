@@ -207,8 +207,8 @@ bool ost_pattern_shift(const pattern_scan *s, char *text)
     return false;
 }
 
-/* Checks the rule row-pitch. Tests rows that are one voxel shorter or one voxel longer, and rows that are longer by at
-   most PADDING voxels and have a multiple of ALIGNED voxels, as aligned rows of images have. */
+/* Checks the rule row-pitch. Tests rows that are one voxel shorter, rows that are one voxel longer, and rows that are
+   padded by at most PADDING voxels to a multiple of ALIGNED voxels, as rows of images may be. */
 bool ost_pattern_row_pitch(const pattern_scan *s, char *text)
 {
     enum { ALIGNED = 4, PADDING = 64 };

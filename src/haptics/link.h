@@ -88,7 +88,7 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which packets of a sender have arrived, for the newest packet and the 63 packets before it. */
+/* Records which of the 64 newest packets of a sender, by sequence number, have arrived. */
 typedef struct link_window {
     /* `last` is the newest sequence number; bit i of `seen` is set if packet last - i has arrived */
     uint64_t last, seen;
