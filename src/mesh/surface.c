@@ -231,8 +231,8 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 
 /*
  * Fills a loop with triangles: a fan from its apex or, if there is none, a fan around a vertex in its middle. The
- * position of this middle vertex depends on the final positions of the loop's vertices, so its coordinate is set to -1,
- * and place_vertices later finds the loop through the triangles of the middle vertex.
+ * position of this middle vertex depends on the final positions of the loop's vertices. Its element of b->coordinates
+ * is therefore set to -1, and place_vertices later finds the loop through the triangles of the middle vertex.
  */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {

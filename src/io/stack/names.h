@@ -26,7 +26,7 @@ typedef struct ost_stack_names {
     char **paths; /* owned */
 } ost_stack_names;
 
-/* Returns true if the last part of the path is a pattern with '*' and no file has this name. */
+/* Returns true if the last part of the path contains '*' and no file has this path. */
 bool ost_stack_is_pattern(const char *path);
 
 /* Lists the files of a stack. On failure, *out is empty. */

@@ -132,7 +132,7 @@ static ost_status read_voxels(const stack *s, const ost_volume_options *options,
                               const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
-    ost_parts none = {.count = 0}; /* `parts` stays unset, because libtiff and libpng read the files of a stack */
+    ost_parts none = {.count = 0}; /* no parts, because libtiff and libpng read the files of a stack */
     stack_rows r = {.rows = {.next = next_row,
                              .path = s->path,
                              .parts = &none,

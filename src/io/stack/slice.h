@@ -6,9 +6,9 @@
  *          row 0, row 1, ... in this order
  *
  * A file may be malicious. Only grey pictures with one value per pixel are accepted, and their form is checked before
- * any row is read. The limits are OST_DIM_MAX for the sizes of a picture, 256 MiB for one allocation of libtiff and
- * thus for a strip, and 1 MiB for a PNG chunk without pixels. Before the grid is allocated, the reader checks that the
- * unpacked size is at most OST_SLICE_UNPACK_MAX times the file size.
+ * any row is read. The width and the height of a picture are at most OST_DIM_MAX. libtiff may allocate at most 256 MiB
+ * at once, which also limits the size of a strip. A PNG chunk that contains no pixels may have at most 1 MiB. Before
+ * the grid is allocated, the reader checks that the unpacked size is at most OST_SLICE_UNPACK_MAX times the file size.
  */
 #ifndef OST_IO_STACK_SLICE_H
 #define OST_IO_STACK_SLICE_H

@@ -72,7 +72,8 @@ bool ost_text_is_header(const char *p, const char *end);
 /*
  * Reads a comment "# osteon KEY: VALUE" (AR-CT-8), where KEY is a word without blanks. Trims VALUE and returns true;
  * returns false for all other comments. A key or value that is too long is truncated to the size of its array. The
- * arrays are larger than OST_META_KEY and OST_META_VALUE, so a truncated text is still refused as a header fact.
+ * arrays are larger than OST_META_KEY and OST_META_VALUE, so a truncated text is still too long for a header fact and
+ * is refused.
  */
 typedef struct ost_text_fact {
     char key[48];

@@ -17,8 +17,7 @@
  *
  * Unit. In a text without trailing zeros ("0", "0.47", "0.5"), the number of digits does not show the precision.
  * Therefore, the units that occur are tested from the finest to the coarsest, and the first unit for which a lattice is
- * found is used. Coordinates that fit a finer unit also fit a coarser one, so the result does not suggest a precision
- * that the digits do not have.
+ * found is used. The test of a finer unit is stricter, because it allows only smaller rounding errors.
  *
  * Spacing. The result is the feasible decimal with the fewest digits after the point. Of several such decimals, it is
  * the one nearest to (c_(m-1) - c_0) / n, where n = k_(m-1); of two equally near decimals, the smaller one. The left

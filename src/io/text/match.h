@@ -20,9 +20,9 @@
 #include "core/isa.h"
 
 /*
- * OST_TEXT_MARGIN is the maximum number of bytes that a kernel reads beyond the end of the text. A kernel
- * may read eight lines that the text does not contain, each with the longest pattern and a density of one byte more
- * than the maximum, and the first bytes after them.
+ * OST_TEXT_MARGIN is the maximum number of bytes that a kernel reads beyond the end of the text. A kernel may read
+ * eight lines beyond the end, each with the longest pattern and a density that is one byte longer than the maximum. It
+ * may also read the first bytes after these lines.
  */
 enum { OST_TEXT_COLUMN_MAX = 16, OST_TEXT_AROUND_MAX = 32, OST_TEXT_MARGIN = 1024 };
 _Static_assert(8 * (2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX + 9) + 2 * OST_TEXT_AROUND_MAX + OST_TEXT_COLUMN_MAX +

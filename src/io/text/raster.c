@@ -4,8 +4,8 @@
  * voxels [first, next). If these intervals tile [0, N) in the file's order, every line is accounted for, and line L is
  * voxel L - first_line. A piece may begin within a slice. The slice's coordinate is then taken from the first line of
  * the piece, so it must be compared with the coordinate in the first line of the slice. If the coordinates strictly
- * rise or fall along each axis, they are distinct, and equal the coordinates that two passes would collect. If the
- * coordinates are off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
+ * rise or fall along each axis, they are distinct and are those that two passes would collect. If the coordinates are
+ * off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
  *
  * Why there are two readers. Two passes read any text. For a scan, one pass needs a fifth of their processor time
  * (docs/log/0.1.md, parse), because it compares lines instead of parsing them. Most texts are scans.

@@ -334,7 +334,7 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
             status = check_origin(path, summary, a, spacing[a], err);
         /*
          * A spacing found from the coordinates may be as small as 1 pm, so `steps` may be as large as 1.7 * 10^13.
-         * The number is clamped here, and the later check of the geometry refuses it.
+         * `steps` is clamped here, and the later check of the geometry refuses the dims.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

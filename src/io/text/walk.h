@@ -14,8 +14,8 @@
  *
  * When a row ends, the pattern of the next row is derived from the current one: the text of the middle axis is replaced
  * by the text that this axis has in the same row of the first slice. Every text except the first begins with its
- * separator, so the concatenated texts represent the same numbers as the separate texts, and a line that consists of
- * these bytes need not be parsed.
+ * separator, so the concatenated texts represent the same numbers as the separate texts. A line that matches the
+ * derived pattern is therefore not parsed.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H

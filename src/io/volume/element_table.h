@@ -5,7 +5,7 @@
  *   each of the 2^8 or 2^16 elements --ost_convert--> table;  element of the file --look-up--> density
  *
  * Computing the exact density of a scaled element takes about ten times as long as reading it from a table. A table is
- * worth its computation for volumes that have more voxels than the table has entries.
+ * worth computing for a volume that has more voxels than the table has entries.
  */
 #ifndef OST_IO_ELEMENT_TABLE_H
 #define OST_IO_ELEMENT_TABLE_H
@@ -16,7 +16,7 @@ typedef struct ost_element_table ost_element_table;
 
 /*
  * Returns the table of a converter for a volume of `voxels` voxels. The converter must not be changed afterwards.
- * Returns NULL if a table is not possible or not worth its computation, or if memory is exhausted. The caller frees the
+ * Returns NULL if a table is not possible or not worth computing, or if memory is exhausted. The caller frees the
  * table with free().
  */
 ost_element_table *ost_element_table_make(const ost_converter *converter, int64_t voxels);

@@ -14,7 +14,8 @@
  *
  *   A grid is straight if, on each axis, every voxel centre is within 1/8 of a voxel of its
  *   position in an axis-parallel grid.  Let off(a, w) be the component of column a along w
- *   that should be 0.  The condition for each axis w is:
+ *   that should be 0, and n_a the number of voxels along file axis a.  The condition for each
+ *   axis w is:
  *
  *     sum over a of |off(a, w)| * max(n_a - 1, 64) <= spacing_w / 8
  *

@@ -25,7 +25,7 @@ struct ost_rows {
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* used only for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts; /* the file's data, if `next` reads them in parts; otherwise NULL */
+    ost_parts *parts; /* parts from which `next` reads; NULL or empty if the data are read otherwise */
     ost_converter converter;
     /* The following two fields are set by the functions in this file. */
     void *scratch;            /* one row of elements */
