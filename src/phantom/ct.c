@@ -238,9 +238,9 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_scapula_near(&c->scapula, middle, 0, &part);
     ost_scapula_at(&part, middle, &at);
     /*
-     * A computed distance exceeds the true distance by at most half of the true distance.  A block
-     * whose centre is farther away than `reach` therefore contains no surface, and no voxel that
-     * depends on a surface.
+     * A computed distance exceeds the true distance by at most half of the true distance, hence the
+     * factor 1.5.  If the computed distances of a block's centre are greater than `reach`, no voxel
+     * of the block depends on a surface.
      */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};

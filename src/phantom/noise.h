@@ -2,7 +2,7 @@
 /*
  * Computes noise from integers, so that the numbers are the same on every machine.
  *
- * A lattice point and a seed are hashed to 64 bits.  Smooth noise is computed from such points
+ * A lattice point and a seed are hashed to 64 bits.  Smooth noise is computed from such hashes
  * by additions and multiplications of doubles in a fixed order, for which IEEE 754 defines every
  * bit of the result (no fused multiply-add: conditions.h).
  */

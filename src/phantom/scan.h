@@ -40,8 +40,8 @@ ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error 
 /*
  * Calls the function `block` for boxes lo <= (i, j, k) < hi that partition the grid, on several threads at once.
  * `block` must therefore not change *user, except for the voxels of its box. A box is about `mm` millimetres wide,
- * measured before the anatomy is scaled. Returns OST_ERR_CANCELLED if the progress callback, which is called on this
- * thread, cancels.
+ * measured before the anatomy is scaled. Returns OST_ERR_CANCELLED if the progress callback cancels the
+ * computation. The callback is called on this thread.
  */
 ost_status ost_scan_blocks(const ost_scan *scan, double mm,
                            void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err);

@@ -278,8 +278,8 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
  *   o * flatness - greatest  <=  segment_distance  <=  o - least.
  *
  * Along a segment, w / t is a monotonic function, so flatness is least at one of the ends. A segment whose lower bound
- * in the ball is above the upper bound of another segment is nearest to no point of the ball. MARGIN, in mm, exceeds
- * all rounding errors, which are below 1e-9 mm.
+ * in the ball is above the upper bound of another segment is not the nearest segment of any point of the ball. MARGIN,
+ * in mm, exceeds all rounding errors, which are below 1e-9 mm.
  */
 #define MARGIN 1e-6
 
