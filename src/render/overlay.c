@@ -25,7 +25,7 @@ enum {
     CYAN = 0xe8c84a,
     FULL = 256
 };
-/* a line at most this many voxels behind a surface counts as in front of it */
+/* a line that is at most this many voxels behind a surface is drawn as if it were in front of the surface */
 static const float BEHIND = 0.75f;
 
 typedef struct point3 {

@@ -140,8 +140,8 @@ ost_status ost_viewer_draw_gl(ost_viewer *viewer, const ost_camera *camera, cons
 /*
  * Draws like ost_viewer_draw, but into framebuffer 0 of the context of ost_viewer_use_current, with a sheet of the
  * frame's size over it. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards, and the caller can
- * use ost_viewer_draw. ost_viewer_can_show returns true if this is possible: OpenGL draws in this context, and neither
- * a ghost nor an overlay, which only the CPU can draw, is shown.
+ * use ost_viewer_draw. ost_viewer_can_show returns true if OpenGL draws in this context and neither a ghost nor an
+ * overlay is shown; only the CPU can draw these.
  */
 bool ost_viewer_can_show(const ost_viewer *viewer);
 ost_status ost_viewer_show(ost_viewer *viewer, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err);

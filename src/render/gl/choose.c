@@ -102,8 +102,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns their number. The
-   bricks of a run are stored in the order of their bits. */
+/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns the count of these bricks.
+   The bricks of a run are numbered in the order of their bits in run->bricks. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;

@@ -55,8 +55,8 @@ typedef struct ost_gl_variant {
     /* if true, the fragment shader writes the depth of the hit; if false, the depth is the squared distance of the
        voxel's centre */
     bool true_depth;
-    /* true to draw a point for each brick of 4^3 voxels, which the shader traverses; requires `tight`, not `facing`,
-       and OST_GL_COMPACT or OST_GL_FORWARD */
+    /* true to draw a point for each brick of 4^3 voxels, which the shader traverses; requires `tight` and either
+       OST_GL_COMPACT or OST_GL_FORWARD, excludes `facing` */
     bool bricks;
     /* true to draw bricks where voxels appear small, and single voxels elsewhere */
     bool choose;

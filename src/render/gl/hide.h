@@ -9,8 +9,8 @@
  * The cells that were visible in the last frame are drawn first, because they probably hide the other cells. If they do
  * not, drawing takes longer, but the picture is the same. A cell is skipped if every tile that it may cover is filled
  * with points that are nearer than all voxels of the cell. Points drawn later can only make a tile nearer. A voxel's
- * depth is the squared distance of its centre, so the smallest depth of a cell is the depth of the voxel whose centre
- * is nearest to the eye, minus a margin for rounding.
+ * depth is the squared distance of its centre, so no depth in a cell is less than the squared distance of the nearest
+ * centre, minus a margin for rounding.
  *
  * Cells are tested in addition to blocks of 32^3 voxels, because bone is thin: a cell is often hidden although its
  * block is not.

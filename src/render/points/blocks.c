@@ -34,7 +34,7 @@ static void range(float p, float h, int count, int *from, int *to)
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)
 {
     const ost_eye *e = &s->eye;
-    const float half = (float)side; /* not side / 2, because s->reach is half the width of a voxel */
+    const float half = (float)side; /* `side` is not halved, because s->reach is half the width of a voxel */
     const float x = ost_eye_dot(e->right, o), y = ost_eye_dot(e->up, o), z = ost_eye_dot(e->forward, o);
     const float reach = half * s->reach[2], far = z + reach, nearest = z - reach;
     if (!(far > e->near))

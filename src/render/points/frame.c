@@ -227,9 +227,9 @@ static void find_cells(ost_frame_layer *layer)
 /*
  * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible only if the ray begins
  * inside a voxel, or passes through a voxel that is not drawn because of the near plane. Along the forward axis, the
- * centre of such a voxel is at most near + sqrt(3) from the eye, and its corners at most near + 2 sqrt(3). Along a ray,
- * the distance is up to c times greater, where 1 / c is the cosine of the angle between the forward axis and the ray to
- * the frame's corner.
+ * centre of such a voxel is at most `near` + sqrt(3) from the eye, and its corners at most `near` + 2 sqrt(3). Along a
+ * ray, the distance is up to c times greater, where 1 / c is the cosine of the angle between the forward axis and the
+ * ray to the frame's corner.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -325,8 +325,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
     const int bands = (frame->height + frame->band - 1) / frame->band;
 #pragma omp parallel num_threads(frame->threads)
     {
-        /* With one thread, the list of a block is instead computed when the first band draws the block, so that
-           hidden blocks need no list. */
+        /* With one thread, no lists are computed here. The list of a block is computed when the block is first drawn,
+           so hidden blocks need no list. */
         for (int l = 0; l < frame->layers && frame->threads > 1; l++)
             ost_layer_make_lists(frame, &frame->layer[l]);
 #pragma omp for schedule(dynamic, 1)

@@ -103,8 +103,8 @@ typedef struct ost_frame {
     int width, height;
     /* owned; planes of the frame; without keys unless ost_frame_store_keys was called */
     ost_planes planes;
-    /* planes that objects are drawn into. They share the memory of `planes`, except `colour` after a call of
-       ost_frame_antialias, which the frame then owns separately. */
+    /* Planes that objects are drawn into. They share the memory of `planes`. After a call of ost_frame_antialias,
+       `colour` is a separate array instead, which the frame owns. */
     ost_planes drawn;
     ost_antialias antialias; /* owned; edges of the picture; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */

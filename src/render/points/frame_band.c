@@ -80,8 +80,8 @@ static bool next_run(const cell_row *row, int *from, int *to)
 }
 
 /*
- * Clears the keys of the pixels to be redrawn, and marks all other tiles as completely covered. Returns the extent to
- * draw.
+ * Clears the keys in the cells to be redrawn, and marks the tiles outside these cells as completely covered. Returns
+ * the extent to draw.
  */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)

@@ -31,7 +31,7 @@ typedef struct ost_shading_scratch {
     ost_rows occupied, near, other;
     /* scratch for one slice with the neighbours' voxels, or for two slices without them */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
-    /* ring buffers of slices: slice z is y[z % 9] and field[z % 3] */
+    /* ring buffers of slices: slice z is stored in y[z % 9] and field[z % 3] */
     ost_field_slice y[9], field[3];
     uint16_t cells[OST_CELLS + 10 + 2][OST_FIELD_LINE];  /* a slice */
     ost_field_slice cells_y[9], cells_field[3], wide[3];

@@ -13,10 +13,10 @@
  * For each pixel, one word is stored: the key. The upper half is the squared distance from the eye to the voxel's
  * centre, as the bits of a float. The lower half is the voxel's number: its block's slot << 15 | its index in that
  * block's list. The smallest key of a pixel is kept, so the result depends neither on the order of the voxels nor on
- * the positions of the lists. On a regular grid, the distance of centres orders voxels along every ray: if a ray passes
- * from voxel A to its neighbour across +x, then d_x > 0, and the ray passes the shared face at x = A_x + 1/2, so (A -
- * E)_x + 1/2 > 0, and the squared distance increases by (A_x + 1 - E_x)^2 - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The
- * same applies to all axes.
+ * the positions of the lists. On a regular grid, the distance of centres orders voxels along every ray. Proof: let a
+ * ray from the eye E pass from voxel A to its neighbour across +x. The ray then runs in the direction of +x and passes
+ * the shared face at x = A_x + 1/2, so A_x + 1/2 > E_x. The squared distance therefore increases, by (A_x + 1 - E_x)^2
+ * - (A_x - E_x)^2 = 2 (A_x - E_x) + 1 > 0. The same applies to all axes.
  *
  * Ranges: the eye is within 2^15 voxels of every voxel; frames have up to 2^13 pixels per side; all lists together have
  * fewer than 2^31 entries; an id is slot << 15 | z << 10 | y << 5 | x.

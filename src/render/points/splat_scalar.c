@@ -11,19 +11,19 @@
  *   covered                  |o x d|_a <= h (|d_b| + |d_c|) for the three axes a, where h is half
  *                            a side: the line along d then meets the cube around o
  *
- * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these signs s, the test
+ * For a line that meets the cube, d_a has the sign of o_a on each axis with |o_a| > h. With these signs g, the test
  * consists of six inequalities that are linear in the pixel's position, one for each edge of the outline:
  *
- *   h (s_b d_b + s_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
+ *   h (g_b d_b + g_c d_c) -+ (o x d)_a >= 0        d = focal forward + u right + v up
  *
  * On an axis with |o_a| <= h, the code tests both signs, and a pixel is covered if one of the two tests passes. A wrong
- * sign can only make a test stricter, because s d <= |d|.
+ * sign can only make a test stricter, because g d <= |d|.
  *
  * If only one face of a voxel is exposed and turned to the eye, it is sufficient to draw that face: a ray that enters
  * through another face turned to the eye comes from the neighbour at that face, and this neighbour or a voxel in front
  * of it is nearer. If the eye is too close for this to hold, frame.c draws the entire voxel. If only face a is drawn,
  * the rectangle is that of the face, and two of the face's edges lie inside the voxel's outline. Each of these two is
- * obtained from an outline edge with a sum over a and another axis j, by reversing the sign of the term h s_j d_j.
+ * obtained from an outline edge with a sum over a and another axis j, by reversing the sign of the term h g_j d_j.
  *
  * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can be treated as a
  * ray.

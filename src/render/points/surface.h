@@ -38,7 +38,7 @@ enum {
     /* number of rows per block; voxel (x, y, z) is bit x of row y + 32 * z */
     OST_BLOCK_ROWS = 32 * 32,
     OST_BLOCK_POINTS = OST_BLOCK * OST_BLOCK_ROWS, /* maximum number of points of a block */
-    /* maximum number of blocks with a slot; an id has 17 bits for the slot, and one of their values means "none" */
+    /* maximum number of blocks with a slot; an id has 17 bits for the slot, and one value of these bits means "none" */
     OST_BLOCKS_MAX = (1 << 17) - 1,
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
