@@ -5,8 +5,9 @@
  * The origin of a NRRD file is the centre of the first voxel, and a tool's corner lies half a voxel before this centre.
  * Half of an odd number of picometres cannot be represented, so the corner itself is also stored, in the key
  * osteon_tool_corner_mm. If the stored corner agrees with the origin to a picometre, it is used. Otherwise, one of the
- * two has been changed, and the file is refused. If the key is missing, as in a segmentation from 3D Slicer or any
- * other uint8 NRRD file with cubic voxels, the corner is origin - voxel / 2, where voxel / 2 is rounded half to even.
+ * two has been changed, and the file is refused. The key may be missing, because every uint8 NRRD file with cubic
+ * voxels is accepted, for example a segmentation from 3D Slicer. The corner is then origin - voxel / 2, where voxel / 2
+ * is rounded half to even.
  */
 #include <osteon/io.h>
 

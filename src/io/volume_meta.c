@@ -3,7 +3,7 @@
  * Replaces the header facts of an existing volume.
  *
  *   NRRD    header lines --copied except osteon_KEY:=VALUE--> new lines --> an empty line, and every byte after it
- *   NIfTI   written by osteon: read, and written again with the other facts
+ *   NIfTI   written by osteon: read, and written again with the new facts
  *
  * In both formats, the result is written through an output file (outfile.h), so the old file remains until the new
  * file is complete.

@@ -2,7 +2,7 @@
 /*
  * Reads a stack of grey slices: a folder of TIFF or PNG files, or one TIFF file whose pages are the slices.
  *
- *   pass 1   every slice is opened; its size, type and number of pages are compared with the first slice
+ *   pass 1   every slice is opened; its size, type and number of pages are compared with those of the first
  *   pass 2   the grid is allocated, and the slices are read row by row
  *
  * A stack states neither its spacing nor its orientation, so the spacing is an option. Resolution tags are only

@@ -4,8 +4,8 @@
  *
  *   " 0.47,\t-57.34 ; 1  120 # comment"   ->   0.47 | -57.34 | 1 | 120
  *
- * Fields are separated by blanks and tabs, with at most one comma or semicolon between them. A field between two commas
- * or semicolons is empty, which is an error. '#' ends the line.
+ * Fields are separated by blanks and tabs, with at most one comma or semicolon between them. Two commas or semicolons
+ * without a field between them are an error. '#' ends the line.
  */
 #ifndef OST_IO_TEXT_FIELDS_H
 #define OST_IO_TEXT_FIELDS_H

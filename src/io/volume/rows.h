@@ -45,10 +45,10 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
 ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[3], ost_error *err);
 
 /*
- * Determines the directions of the file's axes. Called before ost_volume_resolve. *oriented is true if the file states
- * the directions. If not, converts the affine transform to LPS according to options->orientation, or assumes LPS
- * (report->assumed), and adds the header fact OST_META_ORIENTATION to meta. Returns an error if both the file and the
- * option state the orientation.
+ * Determines the directions of the file's axes. Called before ost_volume_resolve. On entry, *oriented is true if the
+ * file states the directions; in this case, it is an error if options->orientation is set. If the file does not state
+ * them, converts the affine transform to LPS according to options->orientation and sets *oriented to true, or assumes
+ * LPS (report->assumed) if the option is not set. In both cases, adds the header fact OST_META_ORIENTATION to meta.
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
                                   bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);
