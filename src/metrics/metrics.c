@@ -145,9 +145,9 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the floor's cells. Cells from which very little bone was removed do not count as floor, so the
- * points at the rim of the floor are too deep on average and would distort the fit. Therefore a cell is used only if
- * all cells within RIM cells of it belong to the floor.
+ * Stores the points of the floor's cells, except those near the rim of the floor. A cell from which very little bone
+ * was removed does not count as floor. At the rim, only the deeper cells therefore count, and they would distort the
+ * fit. A cell is used only if all cells within RIM cells of it belong to the floor.
  */
 static void leave_rim(work *k)
 {

@@ -56,9 +56,10 @@ static double trace(const float *surface, int way)
 }
 
 /*
- * Returns the extent from rim to rim along a direction. This is the sum of two components along the direction: the
- * largest component within 30 degrees of the direction, and the largest within 30 degrees of the opposite direction.
- * Returns NAN if the rim is not on the map on one of the two sides.
+ * Returns the extent from rim to rim along a direction. The extent is the sum of two distances of rim points from the
+ * axis, measured along the direction: the greatest distance within 30 degrees of the direction, and the greatest
+ * distance within 30 degrees of the opposite direction. Returns NAN if the rim is not on the map on one of the two
+ * sides.
  */
 static double across(const rim *edge, int way)
 {

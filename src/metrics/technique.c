@@ -6,7 +6,7 @@
  *                     '-------'      '-----'
  *
  * Speeds are averaged over WINDOW_S. The length of a path is measured between positions that are
- * PLACE_S apart in time, because tremor on shorter time scales is noise of the encoder.
+ * PLACE_S apart in time, because movements on shorter time scales are noise of the encoder.
  */
 #include <osteon/metrics.h>
 
