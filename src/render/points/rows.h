@@ -5,7 +5,7 @@
  *
  *   words of a block, of six neighbours --faces--> six words for each row: exposed faces
  *                                       --points--> surface points
- *   words of 27 blocks --join--> rows of 64 voxels --spread--> voxels near one of them
+ *   words of 27 blocks --join--> rows of 64 voxels --spread--> voxels near a set voxel
  */
 #ifndef OST_RENDER_ROWS_H
 #define OST_RENDER_ROWS_H

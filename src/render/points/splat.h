@@ -134,8 +134,8 @@ typedef struct ost_splat_kernels {
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
      * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if it is nearer; at equal depth, the pixel of
-     * `to` remains. Depths of `from` are first multiplied by `scale`. Keys are not copied. Sets bit x / OST_LANES of
-     * `taken` if a pixel of the group of OST_LANES pixels that begins at x was copied.
+     * `to` remains. Depths of `from` are first multiplied by `scale`. Keys are not copied. Sets bit i of `taken` if a
+     * pixel with x / OST_LANES == i was copied.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;

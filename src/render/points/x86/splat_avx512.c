@@ -2,8 +2,8 @@
 /*
  * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that appear small are then tested sixteen
  * at a time, pixel by pixel of their rectangles. The covered pixels are collected in a list, and their keys are updated
- * one by one, because loading a single word that was just stored causes no stall, whereas an overlapping register-wide
- * access causes one. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
+ * one by one, because loading a single word that was just stored causes no stall, whereas loading a register that
+ * overlaps this word does. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
