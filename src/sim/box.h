@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Oriented boxes: tests whether they intersect, and computes the voxels that a tool
- * at a pose can hit.
+ * Functions for oriented boxes, which test whether two boxes intersect and compute the voxels that a tool at a pose can
+ * hit.
  *
  * Both results are computed with integers and are conservative: too many intersections or voxels may be reported,
  * but none is missed. This is required, because the set of removed voxels is defined by a test of every voxel. A

@@ -9,7 +9,7 @@
  * The working face of the tool, that is, its lowest point along -z, moves along the inward axis of the glenoid. The
  * poses are poses of the hand. The motor's rotation is added to them (motor.h). A tick lasts 1 ms.
  *
- *   peg-hole      22 mm deep at 10 mm/s: within the vault, 25 to 30 mm deep
+ *   peg-hole      22 mm deep at 10 mm/s: within the vault, which is 25 to 30 mm deep
  *   glenoid-ream  3 mm deep at 1.5 mm/s: through 2 mm of cartilage and into the subchondral
  *                 plate, which is 1.2 to 2.9 mm thick; the remaining part of the plate
  *                 carries the implant (facts and sources: docs/spec/arithmetic.md, AR-CLS)
@@ -101,7 +101,8 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/* Returns 0 if the z axis of the tool's frame passes through the grid, otherwise the middle of the grid. */
+/* Returns the x or y coordinate of the tool's axis: 0 if it lies in the grid's range lo to hi, otherwise the middle of
+   this range. */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;

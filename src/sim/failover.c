@@ -8,9 +8,9 @@
  *                                 |
  *   other                         o====-------->   the copy, the recorded ticks again, then further ticks
  *
- * A tick uses integer arithmetic only, and every backend gives the same grids.
- * Therefore executing the recorded ticks again on another backend gives the same
- * bone and the same totals.
+ * A tick uses integer arithmetic only, and every backend gives the same grids and
+ * reports. Therefore executing the recorded ticks again on another backend gives
+ * the same bone and the same totals.
  */
 #include "sim/world.h"
 

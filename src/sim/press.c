@@ -11,14 +11,14 @@
  */
 enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBBLE_P = 398 };
 
-#define BEGIN -2.0     /* depth at tick 0 in mm, clear of the rim of the face */
+#define BEGIN -2.0     /* depth at tick 0 in mm, at which the tool does not touch the rim of the face */
 #define PRESSED 12.0   /* depth after PRESS_TICKS in mm */
 #define CREEP 1.5e-4   /* increase of the depth in mm per tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* amplitude of the motion along the axis in mm */
 #define SWEEP_X 4.0   /* half axis of the ellipse along x in mm; SWEEP_Y is the half axis along y */
 #define SWEEP_Y 6.0
-#define LEAN 0.0262   /* half of the lean in radians; the lean is 3 degrees */
+#define LEAN 0.0262   /* half of the tool's tilt of 3 degrees, in radians */
 
 static press_wheel wheel(double p)
 {

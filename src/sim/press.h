@@ -5,15 +5,15 @@
  *   depth   .                            sweep, seen along the axis
  *   -2 mm  |\  0.5 s: pressed in              .-----.
  *          | \                               (   x   )  an ellipse around the centre, period 6 s;
- *   12 mm  |  '-.   .-.   .-.                 '-----'   the tool leans by 3 degrees, period 2.5 s
+ *   12 mm  |  '-.   .-.   .-.                 '-----'   the tool is tilted by 3 degrees, period 2.5 s
  *          |     '-'   '-'   '-  deeper by 0.15 mm/s, to 24 mm; up and down by 1.5 mm, period 4 s
  *
  * The tool follows the target as far as the bone allows, and the spring between hand and tool determines the force.
  * The target therefore lies far behind the face. In dense bone, the tool needs half a minute to reach the target.
- * Afterwards, the sweep and the wobble move the tool into new bone.
+ * Afterwards, the motion along the ellipse and the tilt move the tool into new bone.
  *
- * Each of the three periodic motions is a point c + i s that moves on the unit circle. In each tick, this complex
- * number is multiplied by (p + i) / |p + i|, where p depends on the period. This needs only + - * / and sqrt.
+ * Each of the three periodic motions is a point on the unit circle, stored as the complex number c + i s. In each tick,
+ * this number is multiplied by (p + i) / |p + i|, where p depends on the period. The code needs only + - * / and sqrt.
  */
 #ifndef OST_SIM_PRESS_H
 #define OST_SIM_PRESS_H
@@ -30,7 +30,7 @@ typedef struct press_load {
     double share; /* weight of the periodic motions, 0 to 1; it increases gradually */
     /*
      * Current values. `depth` is in mm from the face along the axis, and `across` is the offset in mm across the
-     * axis. `lean` is half the lean of the tool's axis in radians, about x and y of the tool's frame.
+     * axis. `lean` contains half of the angles in radians by which the tool is tilted about x and y of its frame.
      */
     double depth, across[2], lean[2];
 } press_load;

@@ -58,8 +58,8 @@ static int64_t turned_by(const ost_world *world, const ost_tick *tick, bool take
     if (taken_up || world->clock.totals.ticks == 0 || tick->rpm <= 0)
         return world->clock.turned;
     /*
-     * Time increases, so the difference is exact modulo 2^64. The product cannot overflow, because it is at most
-     * `left`.
+     * Time increases, so the difference of the times is exact modulo 2^64. The product ns * rpm is computed only if it
+     * is at most `left`, so it cannot overflow.
      */
     const uint64_t ns = (uint64_t)tick->t_ns - (uint64_t)world->clock.t_ns;
     const int64_t left = OST_MOTOR_TURN - world->clock.turned;

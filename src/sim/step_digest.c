@@ -5,8 +5,9 @@
  *   h <- mix(h ^ word)
  *
  * where mix is the bijection at the end of SplitMix64 (Steele, Lea, Flood 2014). A bijection maps different values
- * to different values, so two different sequences of words have the same digest only by chance, with probability
- * 2^-64. The digest needs only integer arithmetic and no library, so that a session can be checked on any machine.
+ * to different values, so two sequences that differ in a single word always have different digests. Other different
+ * sequences have the same digest only by chance, with a probability of about 2^-64. The digest needs only integer
+ * arithmetic and no library, so that a session can be checked on any machine.
  * The computation is fast enough for every tick; SHA-256 would take too long.
  */
 #include <osteon/sim.h>
