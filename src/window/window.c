@@ -61,7 +61,7 @@ static ost_status begin(ost_error *err)
     if (!wayland && !is_set("DISPLAY"))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "cannot open a window: DISPLAY is not set; pass --headless to run without a window");
-#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; earlier versions are built for one platform */
+#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; an earlier version supports only the platform for which it was built */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif

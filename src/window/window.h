@@ -125,8 +125,9 @@ ost_status ost_window_present(ost_window *window, const ost_window_picture *pict
 
 /*
  * Returns true if another module can draw a picture of the given size directly into framebuffer 0: the window exists,
- * its framebuffer has this size, and OpenGL runs on a graphics card. The context is current on the main thread. After a
- * driver reset (ost_window_info.resets has increased), all objects of the other module are lost with the old context.
+ * its framebuffer has this size, and OpenGL runs on a graphics card. The context is then current on the main thread.
+ * After a driver reset, which increases ost_window_info.resets, all objects of the other module are lost with the old
+ * context.
  */
 bool ost_window_can_be_drawn(const ost_window *window, int width, int height);
 /* Shows the contents of framebuffer 0. In all other respects, the function works like ost_window_present. */
