@@ -34,9 +34,9 @@ static void sphere_points(double radius, double top)
 
 /*
  * A sphere of radius R is pressed into the bone to a depth h. With stiffness k, the pressure at a point is k times the
- * depth of the point along its normal. The sum over the spherical cap is pi * k * R * h^2. With a layer of thickness L,
- * the radius of contact is R + L, but the areas are computed for the radius R. The force is therefore multiplied by R^2
- * / (R + L)^2.
+ * depth of the point along its normal. The sum over the spherical cap is pi * k * R * h^2. The tool is surrounded by an
+ * elastic layer of thickness L, so the radius of contact is R + L, but the areas are computed for the radius R. The
+ * force is therefore multiplied by R^2 / (R + L)^2.
  */
 static void sphere_pressed_into_a_plane(void **state)
 {

@@ -3,8 +3,8 @@
  * Tests that the force loop is stable. The simulated device is held in a light, normal or firm grip. It
  * presses the built-in peg or reamer into bone or drags it along the bone, with and without friction in the
  * device. No combination may oscillate: the RMS deviation of the speed from its own mean must stay below
- * 10 mm/s. A limit cycle exceeds this bound. Further tests check that a stiffness that is eight times too high
- * oscillates, and that the same operation without force removes more bone.
+ * 10 mm/s. A limit cycle exceeds this bound. Further tests check that the loop oscillates if the stiffness is eight
+ * times as high, and that the same operation removes more bone without a force.
  *
  * OST_TEST_LONG=1 adds the burr, the instant law, and all grips without friction.
  *
@@ -98,9 +98,9 @@ static void tick_done(void *user, uint64_t number, uint32_t exec_ns)
 }
 
 /*
- * Returns the RMS difference, over the last 0.8 s and in mm/s, between the speed averaged over
- * 10 ms and the speed averaged over 200 ms. One encoder step is 5.5 mm/s over 10 ms; a held
- * device that oscillates does so at 5 to 40 Hz.
+ * Returns the RMS difference in mm/s between the speed averaged over 10 ms and the speed averaged
+ * over 200 ms, during the last 0.8 s. One encoder step in 10 ms is a speed of 5.5 mm/s. A held
+ * device oscillates at 5 to 40 Hz.
  */
 static double speed_deviation(const double at[])
 {

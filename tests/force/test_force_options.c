@@ -25,9 +25,9 @@ static ost_bone *half_space_30mm(ost_backend *backend, int16_t hu)
 
 /*
  * One blunt point lies on the bone at distance r from the tool's axis, and the hand moves down
- * by h. Because the point stays in place, the tool moves down by x and rotates by a with x = r
- * sin a. Both springs carry the point's force: F = K (h - x) and F r cos a = Kr a. For small
- * angles, F = h / (1/K + r^2/Kr).
+ * by h. Because the point stays in place, the tool moves down by x and rotates by the angle a, with
+ * x = r sin a. The spring of stiffness K carries the point's force, F = K (h - x). The rotational
+ * spring of stiffness Kr carries the torque, F r cos a = Kr a. For small angles, F = h / (1/K + r^2/Kr).
  */
 static void torque_rotates_the_tool(void **state)
 {
@@ -55,8 +55,8 @@ static void torque_rotates_the_tool(void **state)
     ost_force_free(force);
 
     /*
-     * If the rotational stiffness is 0, the tool has the orientation of the hand, and the pressure
-     * deflects only the first spring.
+     * If the rotational stiffness is 0, the tool has the orientation of the hand, and the force deflects only the
+     * spring of stiffness K.
      */
     params.turn_stiffness = 0;
     force = force_of(bone, &params, &point, 1);
@@ -141,8 +141,9 @@ static void rotating_handle_comes_to_rest(void **state)
 
 /*
  * Compares two runs, one with and one without runout. As in an operation, the motor turns the pose by -phi about the
- * tool's z axis. The difference must follow the formula in the handle's axes, so the difference turns once per
- * revolution of the tool. The tool is a point on the z axis, so its contact does not depend on the rotation.
+ * tool's z axis. At every tick, the difference between the forces must equal the formula, which is in the handle's
+ * axes. The difference therefore turns once per revolution of the tool. The tool is a point on the z axis, so its
+ * contact does not depend on the rotation.
  */
 static void runout_equals_its_formula(void **state)
 {
@@ -180,8 +181,8 @@ static void runout_equals_its_formula(void **state)
 }
 
 /*
- * Compares two runs along the same path, with and without vibration. At every tick, their
- * difference must equal the formula.
+ * Compares two runs along the same path, with and without vibration. At every tick, the difference
+ * between the forces must equal the formula.
  */
 static void vibration_equals_its_formula(void **state)
 {
@@ -231,7 +232,7 @@ static void vibration_equals_its_formula(void **state)
         ost_force_free(b);
         ost_bone_free(bone);
     }
-    /* By default vibration is off; its frequency is limited by the tick rate. */
+    /* By default vibration is off. The tick rate limits the frequency of the vibration. */
     ost_force_params p = ost_force_defaults();
     assert_true(p.vibration == 0 && p.runout == 0 && p.turn_stiffness == 0);
     p.vibration = 0.1;

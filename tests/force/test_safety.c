@@ -228,8 +228,8 @@ static void passive_wall_is_not_damped(void **state)
     for (int i = 0; i < 1000; i++) {
         const double z = 1e-3 * sin(i * 0.01), next = 1e-3 * sin((i + 1) * 0.01);
         /*
-         * The force is the sum of a spring force and a damping force. The spring force is that in the
-         * middle of the step from z to next, so that its work equals the spring's energy exactly.
+         * The force is the sum of a spring force and a damping force. The spring force is computed at the middle
+         * between `z` and `next`, so that its work equals the change of the spring's energy exactly.
          */
         step_safety(&s, z * 1e3, true, 0, -300 * (z + next) / 2 - 0.01 * (next - z) / T, &f);
     }
