@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The program write_software writes a bundle's lists of software into the current folder. The program walk (walk.c)
- * makes each of its allocations fail in turn. If Jansson cannot allocate memory, write_software exits with an error,
- * as the command osteon does.
+ * runs write_software and makes each allocation of write_software fail in turn. If Jansson cannot allocate memory,
+ * write_software exits with an error, as the command osteon does.
  *
  * Exit status: 0 if both files were written, otherwise 2 with a line on standard error.
  */

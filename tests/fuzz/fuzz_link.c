@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 const char *const fuzz_words[] = {"OSTL", "\x01\x02", "\x01\x03", "\xff\xff\xff\xff", "\x40", NULL};
 
-/* Makes packets of each type. The packets followed by an HMAC do not match the key. */
+/* Makes two packets of each type, one without an HMAC and one with an HMAC that does not match the key. */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
 {
     if (index >= 6 || capacity < LINK_STATE_BYTES)

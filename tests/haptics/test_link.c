@@ -2,8 +2,8 @@
 /*
  * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's
  * struct and hmac from the table in docs/reference/devices.md. Further tests check packets that must be
- * refused, keys and sequence numbers. A bridge computes its force from a plane; a closed loop with a delay tests
- * that this force is stable.
+ * refused, keys and sequence numbers. A bridge computes its force from a plane. The last test checks in a closed loop
+ * with a delay that this force is stable.
  * Covers: REQ-LINK
  */
 #include "harness.h"

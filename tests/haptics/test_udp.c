@@ -236,7 +236,7 @@ static void dropped_packets_are_counted(void **state)
             link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
-        if (i % 50 == 0) { /* The device is read so often that the packets always fit in the socket's buffer. */
+        if (i % 50 == 0) { /* The device is read often enough for all packets to fit in the socket's buffer. */
             c.pose.sequence = 1000 + (uint64_t)i;
             send_pose_packet(&c, MM + i, LINK_SEEN);
             assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -379,7 +379,7 @@ typedef struct stand_in {
     int socket;
     pthread_t thread;
     char to[64];
-    int unanswered_from, unanswered_to; /* poses with numbers in this range are not answered; a hello ends the range */
+    int unanswered_from, unanswered_to; /* range of the poses that are not answered; the next hello ends the range */
     int end_at;                 /* number of the pose at which the simulation reports its end */
     _Atomic bool stop;
     int poses, seen, not_held, jumps, hellos;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries: the calls and their
- * order, and frames and forces computed by hand. Further tests check the results if a library is absent or
- * lacks a function, and if a device is absent, is unplugged, overheats, hangs or returns NaN. They also
- * check the limits that devices report, and an operation whose motor and tools are switched by buttons of a
- * device.
+ * Tests the drivers of vendors' devices with stand-ins for the vendors' libraries. The tests check the calls and
+ * their order, and compare poses and forces with values computed by hand. Further tests check the results if a
+ * library is absent or lacks a function, and if a device is absent, is unplugged, overheats, hangs or returns NaN.
+ * They also check the limits that devices report, and an operation whose motor and tools are switched by buttons of
+ * a device.
  */
 #include "ref/scene.h"
 
@@ -306,8 +306,8 @@ static void openhaptics_reports_its_limits(void **state)
         const ost_haptic_limits l = limits_of("openhaptics");
         assert_int_equal(ost_haptic_limits_usable(&l), cases[i].usable);
         /*
-         * A negative force in a case represents a parameter that the library does not have. The resulting
-         * error must not be attributed to the device.
+         * If the limit of a case is negative, the stand-in reports an error, as a library without this parameter
+         * does. The error must not be attributed to the device.
          */
         if (cases[i].usable)
             assert_true(l.force_n == cases[i].force && l.continuous_n == cases[i].continuous && l.torque_nm == 0);
