@@ -265,8 +265,10 @@ typedef struct slab {
     size_t count, layer_count;
 } slab;
 
-/* Makes a slab of slices z0 <= k < z1 of a grid. If first >= 0, the slab has a list of slices, which begins at
-   element first; a slice that equals the previous slice is then stored only once. */
+/*
+ * Makes a slab of slices z0 <= k < z1 of a grid. If `first` is not negative, the slab has a list of slices, which
+ * begins at the element with the index `first`. A slice that equals the previous slice is then stored only once.
+ */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
     slab s = {.z0 = z0,

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares ost_remove and ost_remove_blocks with the reference. Each event is a collision, then a removal,
- * then the same removal again. The test compares the reports, summed over blocks, and every density and
- * occupancy word. Poses, tools and boxes are random; some lie exactly on voxel borders.
+ * Compares ost_remove and ost_remove_blocks with the reference. Each event is run three times: as a collision, as a
+ * removal, and as the same removal again. The test compares the reports, summed over blocks, and every density and
+ * occupancy word. Poses, tools and boxes are random. At some poses, centres of bone voxels lie exactly on the
+ * borders of tool voxels.
  */
 #include "cl/machine.h"
 

@@ -62,7 +62,7 @@ static void voxelize_mesh(machine *m, test_rng *rng, const ost_snapped_mesh *mes
                           uint8_t *classes, uint32_t *leaks)
 {
     const ost_dims d = mesh->grid.dims;
-    /* z index at which the mesh is divided into slabs; 0 or d.z gives a single slab */
+    /* z index at which the grid is divided into two slabs; 0 or d.z gives a single slab */
     const int32_t cut = (int32_t)rng_range(rng, 0, d.z);
     ost_cl_vox vox = {.dims = {d.x, d.y, d.z},
                       .fraction = mesh->fraction_bits,

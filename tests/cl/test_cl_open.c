@@ -506,8 +506,9 @@ static void end_cache(const char *folder, const char *before)
 }
 
 /*
- * On PoCL, the first program that a process builds from its source is not stored, because PoCL would compile all its
- * kernels. The second program is stored. This test must be the first test that opens a device.
+ * PoCL compiles all kernels of a program when the program's binary is requested. Therefore, on PoCL, the first program
+ * that a process builds from its source is not stored. The second program is stored. This test must be the first test
+ * that opens a device.
  */
 static void first_program_is_cached_unless_pocl(void **state)
 {

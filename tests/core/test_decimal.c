@@ -320,7 +320,8 @@ static void limits_of_exponents_and_lengths(void **state)
     assert_int_equal(value, 0);
     text = "1e-10000";
     assert_null(ost_decimal_read(text, text + 8, &d));
-    /* The product of the digits and the scale is 1.8 * 10^37, which is the maximum. It is divided by 10^37. */
+    /* The product of the digits and the scale is 1.8 * 10^37, the greatest possible product. Divided by 10^37, it is
+       rounded to 2. */
     text = "999999999999999999e-37";
     assert_non_null(ost_decimal_read(text, text + strlen(text), &d));
     assert_true(ost_decimal_scale(&d, UINT64_MAX, &value, NULL));

@@ -50,8 +50,8 @@ static void fail(const ost_error *err)
 /* ---------------------------------------------------------------- cases */
 
 /*
- * Makes a random rotation. A random point of the 4-ball, times 2^30, is divided by an integer
- * root so that |q| is 1 to within a few parts per million.
+ * Makes a random rotation. A random point of the 4-ball is multiplied by 2^30 and divided by its
+ * length, which is an integer square root. |q| is then 1 to within a few parts per million.
  */
 static void random_turn(int32_t q[4])
 {

@@ -369,8 +369,9 @@ static void seventh_digit_changes_at_most_one_rounding(void **state)
     /*
      * 60 layers of 0.4882812 or 0.4882813 mm are resampled to 0.4882812 mm. Each layer is 500 denser than
      * the previous layer. The last centre deviates by 59.5 * 2 * 10^-7 of a layer, which changes the
-     * density by 500 * 1.2 * 10^-5. Therefore densities differ by at most one rounding. The `thesis` rule
-     * uses a different source layer for every i > 0: floor(i c / s) = i - 1.
+     * density by 500 * 1.2 * 10^-5. With the `linear` rule, the densities of the two spacings therefore differ by at
+     * most 1. With the `nearest` rule, they are equal. With the `thesis` rule, layer i > 0 has the source layer
+     * floor(i c / s), which is i for the first spacing and i - 1 for the second.
      */
     static const ost_pm near[2] = {488281200, 488281300};
     ost_error err = {0};

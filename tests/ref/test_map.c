@@ -40,7 +40,7 @@ static void sweep_of_the_worked_example(void **state)
 static void pose_count_is_the_least(void **state)
 {
     (void)state;
-    /* If 2 * |d| = n * s exactly, there are n poses. If d is one picometre longer, there are n + 1 poses. */
+    /* A motion of exactly n half voxels has n poses. If the motion is one picometre longer, it has n + 1 poses. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {
@@ -62,8 +62,8 @@ static void rotation_moves_the_corners(void **state)
     /*
      * An exact quarter turn of 90 degrees about z, q = (c, 0, 0, c), is allowed. The farthest
      * corner in the plane is (+-2.5, +-5). It moves by the chord sqrt(2) * |(2.5, 5)| = sqrt(2 *
-     * 31.25) = 7.90569 mm. Therefore 0.47 mm gives n = ceil(2 * 7.90569 / 0.47) = ceil(33.64) =
-     * 34.
+     * 31.25) = 7.90569 mm. With voxels of 0.47 mm, the number of poses is therefore ceil(2 * 7.90569 /
+     * 0.47) = ceil(33.64) = 34.
      */
     (void)state;
     ost_pose a = at_um(0, 0, 0), b = a;
