@@ -34,7 +34,7 @@ static inline test_rng rng_seeded(const char *what)
     return (test_rng){seed};
 }
 
-/* Fails the test with the text of err, which the caller declares, if the call does not return OST_OK. */
+/* Fails the test and prints the text of the caller's variable `err` if the call does not return OST_OK. */
 #define assert_ok(call)                                                                             \
     do {                                                                                            \
         ost_status assert_ok_status = (call);                                                       \

@@ -18,9 +18,9 @@
 /* Each phantom has VALUES values: the ERRORS errors, then the processor time, which is printed but not limited. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
- * Depth of the bone below the centre of the cartilage. In the mean shape it is 2.4 mm, which is multiplied
- * by the phantom's size. A surface voxel reaches the threshold if 14 % of its volume is bone, so the
- * detected surface lies about 0.6 mm farther out.
+ * Expected depth of the detected bone surface below the centre of the cartilage. The cartilage is 2.4 mm thick in the
+ * mean shape; in a phantom, this thickness is multiplied by the phantom's size. A surface voxel reaches the threshold
+ * if 14 % of its volume is bone, so the detected surface lies about 0.6 mm outside the bone's surface.
  */
 #define CARTILAGE_MM 2.7
 

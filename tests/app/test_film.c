@@ -325,8 +325,8 @@ static void signal_removes_unfinished_file(void **state)
 {
     (void)state;
     /*
-     * The variables path and f are static. When the child is killed, their memory is still reachable, so valgrind
-     * reports no leak.
+     * The variables `path` and `f` are static. The memory to which they point is therefore still reachable when the
+     * child is killed, so valgrind reports no leak.
      */
     static char *path;
     path = strdup(getenv("PATH"));

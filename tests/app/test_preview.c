@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the picture of --preview. The expected values follow from the layout that preview.h
- * describes: a grid of 60^3 voxels of 1 mm is shown completely in three planes of 500 x 500 pixels,
- * 8.33 pixels per millimetre, from line 56 on.
+ * Tests the picture of --preview. The expected values follow from the layout in preview.c: a grid of 60^3 voxels of
+ * 1 mm is shown completely in three planes of 500 x 500 pixels, with 8.33 pixels per millimetre. The top row of the
+ * planes is the picture's row 56.
  * Covers: REQ-PREVIEW
  */
 #include "harness.h"

@@ -56,7 +56,10 @@ static void surface_of_random_voxels_is_closed(void **state)
     }
 }
 
-/* The surface of a ball, given by distances, must enclose the volume of the ball to within one percent. */
+/*
+ * Makes a ball whose densities depend linearly on the distance from its surface. The surface at the threshold density
+ * must enclose the ball's volume to within 1 %, and the smoothed surface must enclose it to within 3 %.
+ */
 static void surface_of_ball_encloses_volume(void **state)
 {
     (void)state;

@@ -166,7 +166,7 @@ static void trailing_zeros_may_be_dropped(void **state)
     a.axis.units = units_bit(0) | units_bit(1) | units_bit(2) | units_bit(3) | units_bit(4) | units_bit(5) |
                    units_bit(6);
     assert_ok(find_one(&a, &found, &err));
-    /* Positions with three decimal places and 400 layers leave an uncertainty of 10^6 / 400 pm. */
+    /* With positions of three decimal places, 400 layers determine the spacing to within 10^6 / 400 pm. */
     assert_true(found >= 488281250 - 2500 && found <= 488281250 + 2500);
 }
 

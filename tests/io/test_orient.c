@@ -73,7 +73,7 @@ static void reversed_tilted_axes_give_the_same_grid(void **state)
         for (int a = 0; a < 3; a++) {
             sizes[a] = (int32_t)rng_range(&rng, 1, 60);
             affine.origin[a] = rng_range(&rng, -100000000000, 100000000000);
-            /* The tilt is below the limit: 2 * 64 * 500,000 is less than an eighth of 0.6 mm. */
+            /* The tilt is below the limit: 2 * 64 * 500,000 pm is less than an eighth of 0.6 mm. */
             for (int w = 0; w < 3; w++)
                 affine.column[a][w] = w == to[a]
                                           ? rng_range(&rng, 600000000, 900000000) * (rng_range(&rng, 0, 1) ? 1 : -1)

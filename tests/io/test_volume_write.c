@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests writing volumes as NRRD and NIfTI, with and without compression, and reading them back. Floats cannot represent
- * the spacings exactly. Further tests check the bytes of the files, and files with tools and bones.
+ * Tests writing volumes as NRRD and NIfTI, with and without compression, and reading them back, with spacings that
+ * floats cannot represent exactly. Further tests check the bytes of the files, and files that contain tools or bones.
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-3, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */

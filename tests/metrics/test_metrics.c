@@ -236,7 +236,8 @@ static void over_reaming_grows_with_depth(void **state)
                             .hole_depth = drilled ? 22 : 0};
             const ost_metrics m = measure(&c, OST_OK);
             const double h = depth - 4, cap = PI * h * h * (27 - h / 3);
-            /* The drill follows the reamer. The part of the lower cap in the drill's cylinder is not over-reaming. */
+            /* The drill follows the reamer. The part of the over-reaming cap that lies in the drill's cylinder is not
+               counted. */
             const double hole = drilled ? PI * 9 * h : 0;
             NEAR(m.over_mm3, cap - hole, 0.04 * cap + 5 + (drilled ? 0.2 * hole : 0));
             NEAR(m.over_max_mm, drilled ? fmax(0, m.over_max_mm) : depth - 3, 0.3);
@@ -484,8 +485,8 @@ static void properties_of_tools(void **state)
         {{10, 4, 3}, {5, 17, 36}, {OST_METRICS_REAMER, 8.5, 36, {0, 0, -7}}},
         {{4, 10, 3}, {15, 5, 30}, {OST_METRICS_DRILL, 7.5, 30, {0, 0, -7}}},
         {{4, 10, 3}, {15, 5, 29}, {OST_METRICS_OTHER, 7.5, 29, {0, 0, -7}}},
-        /* The axis of the frame, x = y = 0, is the corner of the voxels (10, 12). It does not pass through the
-           next two boxes, and passes through the sides of the last box. */
+        /* The axis of the frame, x = y = 0, passes through the lower corner of the voxels (10, 12). It passes outside
+           the next two boxes, and along an edge of the last box. */
         {{11, 3, 20}, {4, 4, 8}, {OST_METRICS_DRILL, 2, 8, {3, -7, 10}}},
         {{1, 13, 0}, {4, 2, 7}, {OST_METRICS_OTHER, 2, 7, {-7, 2, -10}}},
         {{10, 8, 0}, {4, 4, 7}, {OST_METRICS_OTHER, 2, 7, {0, 0, -10}}},

@@ -248,7 +248,8 @@ static void test_changes(void **state)
 
 /*
  * Tests the drawing methods that exist only for comparisons. Each of them must draw the same voxels. Some of them do
- * not clip points at the edge of the frame, so the camera is so far from the body that no point is clipped.
+ * not clip points at the edge of the frame, so the camera is far enough from the body for all points to lie in the
+ * frame.
  */
 static void test_variants(void **state)
 {

@@ -158,8 +158,8 @@ static void clip_plane_shows_ct_densities(void **state)
         }
         assert_ok(ost_clip_make(&v.bone.geometry, middle, normal, &clip, &err));
         /*
-         * The plane must contain the requested point; the allowed error is 2^-14 voxel, which is one unit of d. The
-         * length of the normal must be correct to 0.01 %.
+         * The plane must contain the requested point; the allowed error is 2^-14 voxel, which is one unit of the
+         * plane's `d`. The length of the normal must be correct to 0.01 %.
          */
         double away = 0, length = 0;
         for (int a = 0; a < 3; a++) {

@@ -40,7 +40,8 @@ static void make(ost_volume *ct, test_rng *rng)
                 for (int32_t x = lo[0]; x <= hi[0]; x++)
                     ct->voxels[x + n[0] * (y + n[1] * z)] = 500;
     }
-    /* If the volume is large enough, half of the empty voxels are not in the outermost layer, so they can be holes. */
+    /* Along each axis with more than two voxels, half of the empty voxels avoid the first and the last layer, so that
+       they can be holes. */
     for (int64_t empty = rng_range(rng, 0, 8); empty > 0; empty--) {
         const int32_t inner = (int32_t)rng_range(rng, 0, 1);
         size_t at[3];

@@ -98,7 +98,8 @@ static void faces_heads_and_reversed_axes(void **state)
     assert_ok(ost_bone_along_axis(alone, &reversed, &in, &out, &err));
     assert_true(in == 0 && out > 95);
     assert_ok(ost_bone_in_front(headed, &right, 18, 30, &voxels, &err));
-    /* The volume of the cylinder of depth 30 mm without the bowl is pi 18^2 (27 - 18^2 / 120). */
+    /* The zone is a cylinder of 30 mm depth and 18 mm radius without the bowl (site.c). Its volume is
+       pi 18^2 (27 - 18^2 / 120) mm^3. */
     const double expected = acos(-1) * 18 * 18 * (27 - 18 * 18 / 120.0);
     assert_true(fabs((double)voxels - expected) < expected * 0.02);
     assert_int_equal(ost_bone_in_front(alone, &none, 18, 30, &voxels, &err), OST_ERR_USAGE);
