@@ -16,8 +16,9 @@
  *
  *   glenoid-slow  the depth of glenoid-ream in a minute, starting close to the face, so that the
  *                 tool is always in contact; for tests of the servo loop and of devices
- *   glenoid-press the target of a hand that presses, sweeps and wobbles for a minute or a given
- *                 number of ticks; the target lies in the bone, so the path requires a force (press.h)
+ *   glenoid-press the target of a hand that presses the tool, moves it along an ellipse and tilts it,
+ *                 for a minute or a given number of ticks; the target lies in the bone, so the path
+ *                 requires a force (press.h)
  *
  * Depths are integers. The code uses only + - * /, rint and sqrt of doubles. Every machine rounds these operations in
  * the same way, so a path is the same on every machine.

@@ -11,7 +11,8 @@
  *                 '-------.
  *                         |
  *
- * Floats are allowed, because the results are only reported and have no effect on voxels.
+ * In the drawing, w is the position along the axis in mm, and r is the distance from the axis in mm. The limit on w
+ * excludes the rim of the face. Floats are allowed, because the results are only reported and have no effect on voxels.
  */
 #include <osteon/sim.h>
 

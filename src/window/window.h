@@ -4,8 +4,8 @@
  *
  *   GLFW: the window, keys, mouse        OpenGL 3.3: a texture on a triangle that covers it
  *
- * Other modules draw the pictures, and OpenGL, on a graphics card or in software, shows them. On a graphics card,
- * another module can also draw directly into the window's framebuffer.
+ * Other modules draw the pictures. OpenGL shows them, on a graphics card or in software. On a graphics card, another
+ * module can also draw directly into the window's framebuffer.
  *
  * There is at most one window. All functions must be called on the program's main thread.
  */
@@ -116,10 +116,10 @@ typedef struct ost_window_picture {
 } ost_window_picture;
 
 /*
- * Shows a picture of the size that ost_window_size last returned. If `sync` is true, waits for the vertical sync, if
- * the screen has one. After a driver reset, creates a new context, and the picture appears with the next call. Returns
- * OST_ERR_UNAVAILABLE if no new context can be created, if resets recur, or if the display is gone. The caller must
- * then close the window.
+ * Shows a picture of the size that ost_window_size last returned. If `sync` is true and the screen has a
+ * vertical sync, waits for it. After a driver reset, creates a new context, and the picture appears with the next call.
+ * Returns OST_ERR_UNAVAILABLE if no new context can be created, if resets recur, or if the display is gone. The caller
+ * must then close the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
