@@ -18,9 +18,9 @@
 /* Each phantom has VALUES values: the ERRORS errors, then the processor time, which is printed but not limited. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
- * Expected depth of the detected bone surface below the centre of the cartilage. The cartilage is 2.4 mm thick in the
- * mean shape; in a phantom, this thickness is multiplied by the phantom's size. A surface voxel reaches the threshold
- * if 14 % of its volume is bone, so the detected surface lies about 0.6 mm outside the bone's surface.
+ * Depth of the bone below the centre of the cartilage. The cartilage is 2.4 mm thick in the mean shape, and about 1.12
+ * times as thick in the phantoms, which are larger. A surface voxel reaches the threshold if 14 % of its volume is
+ * bone, so the detected surface lies about 0.6 mm outside the bone. The accepted errors include this offset.
  */
 #define CARTILAGE_MM 2.7
 

@@ -180,8 +180,8 @@ static void test_same_bytes(void **state)
  * The bone has 60^3 voxels of 1 mm. The CT has 15^3 voxels of 4 mm, and its density increases by 20 HU per
  * mm along x. The density is 0 at the centre of the CT's first voxel, which is 0.5 mm from the centre of
  * the bone's first voxel. With interpolation, the grey at x mm is (20 (x - 0.5) + 500) / 1800 of white.
- * Without interpolation, the nearest voxel of the CT is up to 1.5 mm away, which is a difference of 30 HU
- * or 4.25 grey levels.
+ * Without interpolation, the grey is that of the CT's nearest voxel, whose centre is up to 1.5 mm away along
+ * x. The density then differs by up to 30 HU, or 4.25 grey levels.
  */
 static void test_densities(void **state)
 {

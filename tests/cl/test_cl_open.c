@@ -152,7 +152,7 @@ static void refused_for_a_reported_property(void **state)
     refused_with_info(CL_DEVICE_OPENCL_C_VERSION, "rubbish", 8, "OpenCL 1.2 is needed");
 }
 
-/* Reports an embedded profile. A device with this profile has 64-bit integers only if it reports the extension. */
+/* Reports an embedded profile. A device with this profile has 64-bit integers only if it reports cles_khr_int64. */
 static cl_int embedded_info(cl_device_id device, cl_device_info what, size_t capacity, void *value, size_t *size)
 {
     const char *text = what == CL_DEVICE_PROFILE ? "EMBEDDED_PROFILE" : what == CL_DEVICE_EXTENSIONS ? answer : NULL;
@@ -258,7 +258,7 @@ static void refused_for_a_wrong_result(void **state)
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "wrong integer result"));
     assert_non_null(strstr(err.text, "(long)int * 100"));
-    flip_size = 1; /* Every read has this size or more. The first read returns the layout. */
+    flip_size = 1; /* Every read has this size or more. The first read returns the layout of structs. */
     flip_at = 12;  /* a byte of value 3 */
     assert_int_equal(try_open(&api, own_options(), &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "ost_cl_scatter.count"));

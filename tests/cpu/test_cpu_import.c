@@ -212,8 +212,8 @@ static int16_t *sparse_voxels(test_rng *rng, int64_t count, int32_t threshold)
 
 /*
  * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or
- * very different, and some grids have one voxel along an axis. Few voxels are active, so that the backend may
- * skip some chunks but must not skip chunks adjacent to them.
+ * very different, and some grids have one voxel along an axis. Few voxels are active, so that chunks that the
+ * backend may skip lie next to chunks that it must not skip.
  */
 static void interpolated_to_chunks(void **state)
 {

@@ -454,8 +454,8 @@ static void quarter_turns_rotate_the_result(void **state)
      * A cube of 24^3 voxels around the frame's origin is rotated together with the tool by nine quarter turns,
      * about each axis in turn. The centres of the bone voxels of 1 mm are at odd multiples of 1/2 mm.
      * The borders of the tool voxels of 1/2 mm are at multiples of 1/2 mm relative to the pose. The
-     * translation t consists of odd multiples of 1/4 mm, so that no centre is within 1/4 mm of a border.
-     * This distance is far greater than the error of the map (AR-MAP-6).
+     * translation t consists of odd multiples of 1/4 mm, so that each centre is 1/4 mm from the nearest
+     * border. This distance is far greater than the error of the map (AR-MAP-6).
      */
     enum { N = 24 };
     test_rng rng = rng_seeded("quarter turns");

@@ -76,7 +76,7 @@ static ost_camera camera_of(test_rng *rng, int width, int height)
 {
     ost_error err = {0};
     ost_camera c = {.focal_milli = (int32_t)(1000 * width), .width = width, .height = height};
-    /* in some rounds the camera is so near that the voxels fill the frame */
+    /* in some rounds the camera is near enough for the voxels to fill the frame */
     const double far = rng_range(rng, 0, 4) ? 1 : 0.3;
     const double to[3] = {50, 35, 34};
     double from[3];

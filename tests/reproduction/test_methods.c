@@ -461,7 +461,7 @@ static void test_beyond_floats(void **unused)
  * Tests which voxels points of the tool miss. The centre of a bone voxel is at most sqrt(3)/2 tool voxels from the
  * centre of the tool voxel that covers it. If this is less than half a bone voxel, the tool voxel's point lies in the
  * bone voxel. Therefore, with all cutting voxels as points, no voxel is missed for ratios below 1/sqrt(3) = 0.577.
- * Conversely, a set of n points hits at most n voxels.
+ * For large ratios, voxels must be missed, because a set of n points hits at most n voxels.
  */
 static void test_sampling(void **unused)
 {
