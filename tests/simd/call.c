@@ -126,7 +126,7 @@ static void state_init(void)
     if (has_avx) {
         state_prepare();
         use_upper(eight);
-        __asm__ volatile("" ::"r"(eight) : "memory"); /* Without a use of the result, gcc -O1 removes the call. */
+        __asm__ volatile("" ::"r"(eight) : "memory"); /* Without this use of the result, gcc -O1 removes the call. */
         watches_halves = !upper_in_use();
         state_prepare();
     }

@@ -104,8 +104,8 @@ typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, C
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*
- * If `holds` is false, the case fails with the formatted sentence. Returns `holds`, or false if the case
- * has failed before.
+ * If `holds` is false, the case fails with the formatted sentence. Returns false if the case has failed, now or
+ * earlier.
  */
 bool check_that(check *c, bool holds, const char *format, ...) __attribute__((format(printf, 3, 4)));
 

@@ -32,8 +32,8 @@ static void call_fill(check_fn *kernel, void *with)
 
 /*
  * Makes the crossings of one row. The parameter `kind` selects the crossings: none (0), alternately entering
- * and leaving (1), those of an open mesh (2), random ones (3), one at every centre (4), or some with both signs at
- * one centre (5). If the mesh is inside out, the caller exchanges the planes.
+ * and leaving (1), as in an open mesh (2), random (3), at every centre (4), or with both signs at the same
+ * centre (5). If the mesh is inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -57,7 +57,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        /* The row already leaves the mesh at this centre, so all its crossings are deleted. */
+        /* The row already leaves the mesh at this centre, so all crossings of the row are deleted. */
         if (!(minus[(nx - 1) / 64] & bit)) {
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);

@@ -195,7 +195,7 @@ static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], 
 static void test_weigh_rows(check *c)
 {
     const int width = c->number < 128 ? c->number % 64 + 1 : (int)check_range(c, 1, 64), capacity = up_to_16(width);
-    const bool ties = check_chance(c, 2); /* If sums close to ties are generated, the weights are small. */
+    const bool ties = check_chance(c, 2); /* if true, make_tie moves sums close to ties; this requires small weights */
     const int count = 1 << check_range(c, 0, 2), sign = check_chance(c, 4) ? -1 : 1;
     const int y = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE),
               z = ties ? (int)check_range(c, 1, 8) : some_weight(c, 0, ONE);

@@ -8,10 +8,10 @@
  *   checksimd --bench                          times the kernels instead, without checking the times
  *   checksimd --list                           lists the kernels
  *
- * A slot that contains the scalar function or the function of a lower level is not tested again. The test of a
- * scalar function only detects accesses outside the buffers that its contract allows. The exit status is 0
- * for success, 1 if a case failed, 2 for a usage error, and 77 if this machine runs only scalar code or
- * cannot run the requested instruction set.
+ * If slots of several instruction sets contain the same function, only the slot of the lowest set is tested,
+ * unless --isa names another one. A scalar function is compared with itself. This test only detects accesses
+ * outside the buffers that the contract allows. The exit status is 0 for success, 1 if a case failed, 2 for a
+ * usage error, and 77 if this machine runs only scalar code or cannot run the requested instruction set.
  *
  * Covers: AR-LAW-1
  */

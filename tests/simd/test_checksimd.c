@@ -566,7 +566,7 @@ static size_t match_reads_past_the_margin(const ost_text_pattern *pattern, const
 
 /* ------------------------------------------------------ the wrong kernels */
 
-/* The set of the two check_result values a and b. */
+/* The set that consists of the check_result values a and b. */
 #define OR(a, b) (1u << (a) | 1u << (b))
 
 static const struct wrong {

@@ -105,7 +105,7 @@ static inline const uint64_t *words(const intrinsic_input *in)
     X(_mm512_mask_reduce_min_epi32, 0xdc18a047ee8d6dae, int32_t, _mm512_mask_reduce_min_epi32(M16, A8))                \
     X(_mm512_mask_reduce_max_epi32, 0x89a08f863aa4b9da, int32_t, _mm512_mask_reduce_max_epi32(M16, A8))
 
-/* X(name, recorded hash, call), in which `to` is the memory to which the call stores */
+/* X(name, recorded hash, call); the call stores its result to the memory at `to` */
 #define STORES(X)                                                                                                      \
     X(_mm_mask_storeu_epi8, 0x43d5c1a8077d1bb2, _mm_mask_storeu_epi8(to, M16, A2))                                     \
     X(_mm_mask_storeu_epi16, 0x05887fc3c7e5038d, _mm_mask_storeu_epi16(to, M8, A2))                                    \
@@ -118,7 +118,7 @@ static inline const uint64_t *words(const intrinsic_input *in)
     X(_mm512_stream_si512, 0xd9b4598e63facd12, _mm512_stream_si512(to, A8))                                            \
     X(_store_mask32, 0x23700275373040a4, _store_mask32((__mmask32 *)to, M32))
 
-/* In portable C the intrinsics are macros, so each call is in a function with a different name, run_NAME. */
+/* In portable C the names of intrinsics are macros, so the function that calls the intrinsic NAME is named run_NAME. */
 #define VALUE_FUNCTION(name, recorded, type, call)                              \
     static void run_##name(const intrinsic_input *in, uint8_t *out)             \
     {                                                                           \

@@ -18,14 +18,14 @@
 #include <string.h>
 
 #define SIMDE_NO_NATIVE
-/* clang would check the arguments before it inlines the functions, and this check would fail. */
+/* Without this macro, clang checks the arguments before it inlines the functions, and the check fails. */
 #define SIMDE_NO_CHECK_IMMEDIATE_CONSTANT
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/x86/avx512.h>
 
 #define OST_PORTABLE static inline __attribute__((always_inline))
 
-/* SIMDe 0.8 (Debian 13) defines __mmask64 as a different type from simde__mmask64, so the name is replaced. */
+/* SIMDe 0.8 (Debian 13) defines __mmask64 and simde__mmask64 as different types. Here, both names are the same type. */
 typedef simde__mmask8 __mmask8;
 typedef simde__mmask16 __mmask16;
 #undef __mmask32
