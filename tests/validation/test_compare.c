@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares pairs of hand-written traces. The result must contain the record, the differing word or the
- * differing voxel with the lowest index, and the values of both traces.
+ * Compares pairs of hand-written traces. The result must contain the record with the difference, the first
+ * word or voxel that differs, and the values of both traces.
  */
 #include "harness.h"
 

@@ -132,8 +132,8 @@ static void small_bones_are_downloaded_completely(void **state)
 }
 
 /*
- * Counts, along one axis, the voxels whose source voxel would change if the index were truncated and the ratio were
- * computed with one division in double or single precision.
+ * Counts, along one axis, the voxels for which floating point selects a wrong source voxel: the ratio of the spacings
+ * is computed with one division in double or single precision, and its product with the index is truncated.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
@@ -150,8 +150,8 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 }
 
 /*
- * For any seed and for each of the two rules that truncate, the smoke tier must have a case in which int(i
- * * (c / s)) selects a wrong voxel.
+ * For any seed, the smoke tier must have cases in which floating point selects a wrong source voxel: for each of the
+ * two rules that truncate, one in double and one in single precision.
  */
 static void ratio_selects_wrong_voxel(void **state)
 {
@@ -228,9 +228,9 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 
 /*
  * Tests the case poses/4, whose tools consist of one voxel. One corner of the cube [8, 16)^3 of bone voxels
- * lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be the distance from the
- * tool to the cell of 2^3 tool voxels that contains the cube's middle. The cube's radius R must be greater
- * than D and less than D rounded up to eighths.
+ * lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be the distance, in tool
+ * voxels, from the tool to the cell of 2^3 tool voxels that contains the cube's middle. The cube's radius R
+ * must lie between D and the next greater multiple of 1/8.
  */
 static void corners_of_cubes(void **state)
 {

@@ -111,8 +111,8 @@ static void sweep_and_motor_of_the_specification(void **state)
     assert_int_equal(first.t.x, 100000000);
     assert_int_equal(first.t.y, 133333333);
     /*
-     * If 2 * |d| equals n * s exactly, n poses are sufficient. If d is one picometre longer, one more pose is
-     * necessary.
+     * The first motion is exactly 4 times half the spacing, so 4 poses are sufficient. The second motion is one
+     * picometre longer, so 5 poses are necessary.
      */
     const ost_pose exact = {{2 * 470 * UM, 0, 0}, OST_Q30_ONE, 0, 0, 0},
                    more = {{2 * 470 * UM + 1, 0, 0}, OST_Q30_ONE, 0, 0, 0};
@@ -293,8 +293,8 @@ static void larger_boxes_are_accepted(void **state)
     is[REACHES] = 0; /* the box is omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* Indices of a tick's words: a flag that states whether boxes meet, then for each axis the first chunk and the
-       end of the range of chunks. */
+    /* The words of a tick include a flag that states whether boxes meet and, for each axis, the start and the end of
+       the range of chunks. These are the indices of the flag and of the range along y. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests every kind of deviation in random scenes, at random positions and rates. The test checks that
- *   - a result differs from the reference if and only if the record contains a changed result,
- *   - the first difference is at the position in the record,
- *   - the mistake took effect before that difference, in the stage of its kind,
+ *   - a result differs from the reference if and only if the deviation's record contains a changed result,
+ *   - the first difference is at the position that the record states,
+ *   - the mistake took effect in the stage of its kind, no later than in the call with the first difference,
  *   - the mistake changes the results of at least one scene. If the table states "never" for the conditions
- *     in which the mistake survives (that is, changes no result), it must change the results of every
- *     scene in which it takes effect.
+ *     in which the mistake survives (that is, changes no result), the mistake must change the results of
+ *     every scene in which it takes effect.
  * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one kind.
  */
 #include "validation/dense/difference.h"

@@ -3,8 +3,8 @@
  * Tests report.html: it must follow from the bundle, escape its input, have no dead links, and
  * show differences.
  *
- * The test makes bundles from a protocol and cases written by hand. Each trace of a difference consists of
- * two records of a small bone.
+ * The test makes bundles from a protocol and cases written by hand. For a case with a difference, it writes
+ * two traces, each with two records of a small bone.
  */
 #include "harness.h"
 
