@@ -10,8 +10,8 @@
  *   equal     the SHA-256 of the backend's lines equals that of the reference's lines
  *   differs   the backend's lines are present and have the stated SHA-256; the first line that differs
  *             from the reference's line gives the stage and the item
- *   failed    as for `differs`, and the backend's lines end with "failed" where the reference's lines
- *             continue; or the backend has no lines
+ *   failed    either the backend has no lines, or the conditions of `differs` hold and the backend's
+ *             lines end with "failed" where the reference's lines continue
  *
  * A backend that crashed, exceeded its time limit or did not run has no complete result. A line that ends
  * in "-" represents a record that the backend lacks and is not compared. Such a line is accepted only if

@@ -5,7 +5,7 @@
  *   bytes --scan: depth, number of values--> an error line, or jansson's parser
  *
  * The memory that a parser allocates grows with the number of values, not with the number of bytes:
- * "[0,0,0,..." takes sixteen times its size. The scan allocates no memory.
+ * for the text "[0,0,0,...", it is sixteen times the size of the text. The scan allocates no memory.
  */
 #ifndef OST_VALIDATION_LIMITS_H
 #define OST_VALIDATION_LIMITS_H

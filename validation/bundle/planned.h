@@ -17,8 +17,9 @@
 #include "validation/bundle/bundle.h"
 #include "validation/plan.h"
 
-/* Makes the plan of a protocol from the protocol's case or from its tier, seed, shard and options. The caller frees
-   it with plan_free. Returns OST_ERR_INPUT with an error line if the protocol is invalid. */
+/* Makes the plan of a protocol. If the protocol has the member "case", the plan contains the cases in this member;
+   otherwise, it follows from the tier, seed, shard and options. The caller frees the plan with plan_free. Returns
+   OST_ERR_INPUT with an error line if the protocol is invalid. */
 ost_status planned_of(const json_t *protocol, const plan_user *user, plan *out, ost_error *err);
 
 /* Reports differences between the bundle and the plan. The protocol must be an object of the format EVIDENCE_FORMAT;
