@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Begins and ends the batches of a campaign. The order does not depend on the speed of the workers. */
+/* Begins and ends the batches of a campaign, in an order that does not depend on the speed of the workers. */
 #include "validation/campaign_parts.h"
 
 #include <stdlib.h>

@@ -7,7 +7,7 @@
  *   snapped mesh --voxelize--> tool             tick --ost_world_step--> report, changed leaves
  *
  * A stage that fails writes TRACE_FAILED with its status and ends the case. The status is recorded because
- * two backends must also refuse the same inputs with the same status.
+ * two backends must refuse the same inputs with the same status.
  *
  * The function perform_apart does not propagate a difference to later stages: it records the result of each
  * stage and replaces it by the reference's result before the next stage.

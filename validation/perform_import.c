@@ -154,9 +154,9 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 }
 
 /*
- * Records that a case has no grid at this stage. The record is empty on every backend, including the reference, and is
- * compared. If p->watch is set, a grid that the case has is not made,
- * and the empty record replaces its record.
+ * Writes an empty record for a stage at which the case has no grid. The record is empty on every backend, including
+ * the reference, and is compared. If p->watch is set, no grid is made even if the case has one, and the record is a
+ * stand-in (TRACE_STAND_IN), which is not compared.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

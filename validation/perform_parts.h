@@ -68,7 +68,7 @@ static inline size_t perform_at(ost_dims d, int32_t x, int32_t y, int32_t z)
 
 /* ---- perform_record.c */
 
-/* Ends the open record and passes it to the watch function. */
+/* Ends the open record, and calls p->watch if it is not NULL. */
 ost_status perform_end_record(performer *p, trace_stage stage, uint32_t item, ost_error *err);
 /* Writes an empty record in place of a stage that this case does not run. */
 ost_status perform_record_nothing(performer *p, trace_stage stage, uint32_t item, ost_error *err);
@@ -92,8 +92,8 @@ ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geome
    not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: these functions write no records. They are called only without a watch, because a watch counts
-   the backend's calls. */
+/* ---- perform_before.c: these functions write no records. They are called only if p->watch is NULL, because with a
+   watch function the backend's calls are counted. */
 
 /* Scatters the case's first samples into a grid with another lattice, before the case runs. */
 ost_status perform_other_lattice(performer *p, ost_error *err);

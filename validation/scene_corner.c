@@ -7,11 +7,11 @@
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool
  *
- * R is between r and the next eighth of a tool voxel, so that a distance that is
- * rounded up to eighths would exclude the cube. The middle of the cube is so near
- * to a multiple of two tool voxels that the distance of its cell of 2^3 tool voxels
- * is also r.  tests/validation/test_scene checks these properties of the numbers
- * below.
+ * R is between r and the next eighth of a tool voxel, so a backend that rounds the
+ * distance up to eighths would exclude the cube. The distance from the tool to the
+ * cell of 2^3 tool voxels that contains the cube's middle is also r, because the
+ * middle is near a multiple of two tool voxels. tests/validation/test_scene checks
+ * these properties of the numbers below.
  */
 #include "validation/scene_parts.h"
 
@@ -22,7 +22,7 @@
 enum { SIDE = 24, TICK_NS = 1000000 };
 
 /* The tool's voxel size, its rotation, and its origin relative to the middle of the cube. The comment of each row gives
-   the distance r along the three axes in tool voxels. */
+   the components of r along the three axes, in tool voxels. */
 static const struct {
     ost_pm voxel;
     int32_t q[4];

@@ -42,9 +42,9 @@ ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_er
 ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
 /*
- * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting box that lacks one face.
- * The rows through the box also pass through both plates. In these rows the mesh of the box is therefore
- * not closed. The corners of some triangles are collinear.
+ * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting box. The box lacks its
+ * upper face along x, so its mesh is not closed in the rows that pass through it. These rows also pass
+ * through both plates. The corners of some triangles are collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
 

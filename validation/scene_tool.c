@@ -186,8 +186,8 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 /* ----------------------------------------------- a tool that fills its grid */
 
 /*
- * The edge from a to b of a small solid passes through the centre C of a row. Its direction (p, q) is
- * chosen so that no product in its edge function can be represented as a float:
+ * The edge from a to b of a small solid passes through the centre C of a row. The odd integers p, q, m and n
+ * are chosen so that no product in the edge function can be represented as a float:
  *
  *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
  *

@@ -3,8 +3,9 @@
  * Trace records of the steps: the computations that precede the voxels. Steps are computed by src/core, by
  * its second implementation (dense/steps.h), or by a plugin.
  *
- *   snap   one tool: for each of its two meshes 15 words (the grid, f, counts and
- *          the digest of AR-DIG-7); then the cutting mesh's vertices, one per word
+ *   snap   one tool: for each of its two meshes 15 words (the grid, the number of
+ *          fraction bits, the counts of vertices and triangles, and the digest of
+ *          AR-DIG-7); then the cutting mesh's vertices, one per word
  *   steps  one tick: 11 words (whether it is refused or an event, the number of
  *          poses, time, speed, and the pose after the motor's rotation); then 61
  *          words for each pose of the event: the pose, the map's integers

@@ -9,8 +9,8 @@
  *         was compiled in. In the smoke tier each set runs with 1 thread and one of
  *         the counts 2, 3 and 7, and the last set also with the missing counts
  *   cl    each device that is not refused, with both kernel sets, each with the
- *         data undivided and with large data in parts. In the smoke tier the set
- *         for GPUs gets the data only in parts, and the other set gets it only undivided
+ *         data undivided and with large data in parts. In the smoke tier the kernel set
+ *         for GPUs runs only with data in parts, and the other set only with undivided data
  *   plugin:FILE.so   a plugin, if the user names it; it is first opened in a
  *                    separate process, because its code may crash or change the process
  *   dump:DIR         the dump of another program, if the user names it

@@ -58,7 +58,7 @@ int verdict_judge(campaign *c, const trace *reference, int subject_index, const 
     *differs = false;
     for (int i = from; i < until; i++, judged++) {
         const compare_range range = compare_next(got, &at, (uint32_t)i);
-        /* A case is complete in a trace if records of the next case follow or the list has ended. */
+        /* A case is complete in a trace if records of the next case or the trace's end record follow. */
         const bool last = range.count && range.first + range.count == got->count;
         if (!range.count || (last && !got->complete))
             break;

@@ -58,11 +58,11 @@ static void scatter(lab *l)
 
 /*
  * Checks the resampling of layers at 0, 2.5 and 5 mm to a spacing of 1 mm. The grid has ceil(3 x 2.5) = 8 layers, and
- * the first layer is at (1 - 2.5) / 2 = -0.75 mm. By the linear rule, layer k is at t = (2 k - 1.5) / 5, in layers of
- * the source. For k = 0 this is below 0. For k = 1 to 5, t is 0.1, 0.5, 0.9, 1.3 and 1.7. For k = 6 and 7 it is at
- * least 2. The tie 119.5 becomes 120, and other results are 120 + 180 x 0.3 = 174 and 120 + 180 x 0.7 = 246. The
- * nearest rule selects floor((2 k + 1) / 5), at most 2, and the thesis' rule floor(k / 2.5). The threshold is applied
- * afterwards.
+ * the first layer is at (1 - 2.5) / 2 = -0.75 mm. By the `linear` rule, layer k is at t = (2 k - 1.5) / 5, in layers of
+ * the source. For k = 0, t is below 0. For k = 1 to 5, t is 0.1, 0.5, 0.9, 1.3 and 1.7. For k = 6 and 7, t is at least
+ * 2. For k = 2, the mean of 119 and 120 is a tie, which becomes 120. For k = 4 and 5, the results are
+ * 120 + 180 x 0.3 = 174 and 120 + 180 x 0.7 = 246. The `nearest` rule selects the source layer floor((2 k + 1) / 5),
+ * limited to 2, and the `thesis` rule selects floor(k / 2.5). The threshold is applied afterwards.
  */
 static void layers(lab *l)
 {
@@ -244,8 +244,8 @@ static void digests(lab *l)
                strcmp(tool_hex, tool_expected) == 0, tool_expected, "%s", tool_hex);
 }
 
-/* Checks the example of docs/spec/arithmetic.md, section 11: |d|^2 = 2.5 * 10^17, and n = 3 is the least n with 10^18
-   <= n^2 * 2.209 * 10^17. */
+/* Checks the example of docs/spec/arithmetic.md, section 11. The motion d has |d|^2 = 2.5 * 10^17 pm^2, and the bone's
+   spacing s has s^2 = 2.209 * 10^17 pm^2. The least n with 4 |d|^2 <= n^2 s^2 is 3. */
 static void sweep(lab *l)
 {
     const ost_pose a = ost_pose_identity();
@@ -265,9 +265,10 @@ static void sweep(lab *l)
 }
 
 /*
- * Checks the ends of the range of lengths, 8 m (AR-LEN-1). A mesh that begins at -8 m + 1.5 mm,
- * with voxels of 1 mm, has the corner RHE((2 min - 1) / 2) - 1 = -8 m + 1 - 1 = -8 m, which is in
- * range. A pose that lies a picometre beyond 8 m is refused.
+ * Checks the ends of the range of lengths, -8 m and 8 m (AR-LEN-1). With voxels of 1 mm, a mesh begins
+ * at min = -8 m + 1.5 mm, which is -7998.5 voxels. The corner of its grid is RHE((2 min - 1) / 2) - 1 =
+ * -7999 - 1 = -8000 voxels, which is -8 m and thus in range. A pose that lies a picometre beyond an end of
+ * the range is refused.
  */
 static void borders(lab *l)
 {

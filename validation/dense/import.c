@@ -325,7 +325,7 @@ static source source_of(int32_t i, ost_pm cubic, ost_pm rect, int32_t n, ost_res
 {
     if (rule == OST_RESAMPLE_THESIS)
         return (source){(int64_t)dense_floor((int128)i * cubic, rect), 0};
-    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the source position; the denominator is 2 rect */
+    int128 t = (2 * (int128)i + 1) * cubic; /* numerator of the source position; the denominator is 2 * rect */
     const int128 unit = 2 * (int128)rect;
     if (rule == OST_RESAMPLE_NEAREST)
         return (source){(int64_t)(t / unit > n - 1 ? n - 1 : t / unit), 0};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Implements the arithmetic of the thesis as printed, in float32. If `fused` is true,
- * a product that is added to a value is computed by fmaf, as by a compiler that
- * contracts expressions.
+ * fmaf computes each product together with the addition that follows it, as in the
+ * code of a compiler that contracts expressions.
  *
  *   Alg. 2.1   bounds and centres of a tool's voxels      dense_thesis_bounds, _row
  *   Alg. 2.3   the rect grid's dims                       dense_thesis_rect

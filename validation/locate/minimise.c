@@ -413,7 +413,7 @@ ost_status minimise(const plan_case *c, const char *spec, const compare_differen
 
 const char *minimised_text(const minimised *m, char text[MINIMISED_TEXT])
 {
-    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* three parts, each large enough for the greatest numbers */
+    char part[3][MINIMISED_TEXT / 3] = {"", "", ""}; /* each part has enough space for the greatest numbers */
     if (m->ticks)
         snprintf(part[0], sizeof part[0], "%llu tick%s", (unsigned long long)m->ticks, m->ticks == 1 ? "" : "s");
     if (m->tools)

@@ -8,8 +8,9 @@
  *
  * The method is delta debugging with many candidates per process, because opening a
  * device takes longer than running a small case. The number of processes and the
- * time of each process are limited. No decision depends on a clock, so two runs
- * give the same small case. The result is small, but not the smallest possible.
+ * time of each process are limited. If no process exceeds its time limit, no decision
+ * depends on a clock, and two runs give the same small case. The result is small, but
+ * not the smallest possible.
  */
 #ifndef OST_VALIDATION_MINIMISE_H
 #define OST_VALIDATION_MINIMISE_H
