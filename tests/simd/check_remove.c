@@ -66,8 +66,8 @@ static void call_blocks(check_fn *kernel, void *with)
 }
 
 /*
- * Returns the sum of three parts of a block's base, without the half that is added later. The sum may have
- * any value in the ranges of block_base.h and is usually near the border of a range.
+ * Returns the sum of three parts of a block's base, to which a kernel adds a half for rounding. The sum may
+ * have any value in the ranges of block_base.h and is usually near the border of a range.
  */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
 {

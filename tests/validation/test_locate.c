@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the classification of differences. The differing grids are written by hand, or computed with an implementation
- * that makes one deliberate mistake (validation/dense). Also tests the operands that are reported for a voxel: they
- * must lead to the value of the voxel in the reference's grid.
+ * Tests the classification of differences, and the operands that are reported for a voxel. The differing grids are
+ * written by hand, or computed with an implementation that makes one deliberate mistake (validation/dense). The
+ * operands must lead to the value of the voxel in the reference's grid.
  *
  * With OST_TEST_LONG=1 the confusion table of all mistakes is printed.
  * Covers: REQ-LOCATE

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the detection of deliberate mistakes: every mistake that changed a result must be detected and
- * located, and correct results must cause no alarm. Also tests that crashed workers, hung workers and
- * workers that report errors are distinguished.
+ * located, and correct results must cause no alarm. Crashed workers, hung workers and workers that report
+ * errors must be distinguished.
  * Covers: REQ-SENSITIVITY
  */
 #include "harness.h"

@@ -344,7 +344,7 @@ static void invisible_window_has_no_size(void **state)
     ost_window_size(w, &width, &height, &scale);
     assert_int_equal(width, 640);
     assert_true(ost_window_damaged(w));
-    /* The window becomes visible again. A callback reports this, and the change takes effect at once. */
+    /* A callback reports that the window is visible again. The size must then be correct without a further poll. */
     fake_hide(true);
     ost_window_poll(w, 0.3);
     fake_damage();

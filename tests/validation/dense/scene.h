@@ -40,8 +40,8 @@ typedef struct scene {
 
 /* -------------------------------------------------------- making a scene */
 
-/* The densities of a scene: varied, uniform, or almost no bone. In the flavours UNIFORM and EMPTY many mistakes have
-   no effect. */
+/* The densities of a scene: varied, all equal, or 0 in nearly all voxels. If they are UNIFORM or EMPTY, many mistakes
+   have no effect. */
 typedef enum flavour { VARIED, UNIFORM, EMPTY } flavour;
 
 static inline int16_t scene_density(test_rng *rng, flavour f)
