@@ -7,8 +7,8 @@
 
 #include "validation/bundle/digests.h"
 
-/* Stores the digest of a backend's results of case i, computed from the backend's trace. Also stores the digest lines
-   if they differ from those of the reference. */
+/* Stores the digest of a backend's results of case i, computed from the backend's trace. If the digest lines differ
+   from those of the reference, stores these lines as well. */
 static ost_status store_digests(runner *r, int i, int subject_index, const trace *got, ost_error *err)
 {
     case_result *one = verdict_of(r->c, i, subject_index);

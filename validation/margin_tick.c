@@ -133,8 +133,8 @@ static void judge_voxel(margin_walk *w, uint32_t tick, const ost_map *maps, uint
         mapped(&maps[k], at, u);
         cell_of(u, c);
         their_answer = their_answer || is_cutting(theirs, c);
-        /* A removed voxel would have the other result if every pose that cut it missed it. A voxel that was not
-           removed would have the other result if the nearest pose cut it. */
+        /* A removed voxel would have the other result if all poses that cut it had missed it. A voxel that was not
+           removed would have the other result if the nearest pose had cut it. */
         if (ref_removed && is_cutting(tool, c)) {
             const int64_t out = nearest(tool, u, false);
             margin = out > margin ? out : margin;
@@ -215,8 +215,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
         /* A voxel that both backends changed has two entries. The first entry has the old values of both backends. In
-           the second entry, value[0] is already the new value of backend 0. Therefore the second entry is skipped if
-           value[0] differs from the old value of backend 1. */
+           the second entry, value[0] is already the new value of backend 0. If the old values were equal, the values of
+           the second entry therefore differ, and this entry is skipped. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

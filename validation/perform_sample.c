@@ -18,8 +18,8 @@ static uint64_t hash_words(const uint32_t *words, size_t count)
     return h;
 }
 
-/* Records the densities of 0 to 33 voxels per call, inside and outside the grid's borders. With these numbers, the last
-   vector of a call contains every possible number of voxels. */
+/* Records the densities of 0 to 33 voxels per call, inside and outside the grid's borders. Every possible number of
+   voxels in the last vector of a call therefore occurs. */
 static ost_status sample_words(performer *p, draw *d, ost_error *err)
 {
     const int32_t dims[3] = {p->dims.x, p->dims.y, p->dims.z};

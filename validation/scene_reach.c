@@ -8,7 +8,7 @@
  *            one voxel. The chunks of one event have more than 2^22 voxels. There
  *            are duplicates at every distance within a batch.
  *            First tool: a bar of 530 voxels along x. A quarter of it does not
- *            cut. Its end lies on a tie of the base of a far block.
+ *            cut. At the end of the bar, the base of a far block is a tie.
  *   rods     CT: slices, 8 m from the origin; 1 to 8 density classes. One event
  *            empties chunks of 64^3 voxels (counts beyond 2^16, sums beyond 2^32).
  *            In another event, the densities require 14 bits.
@@ -21,7 +21,7 @@
  *            First tool: two plates with a gap of two blocks between them. It is
  *            swept until blocks in the gap are cut, and then moved out of the bone
  *            within one event. In some rows, its non-cutting mesh is not closed,
- *            but its cutting mesh is. Some corners are collinear.
+ *            but its cutting mesh is. Some triangles have collinear corners.
  *            Next two tools: poses at a distance of 2048 and 4096 tool voxels, at
  *            which a base of 32 bits wraps.
  *            Last tool: a bar of 1024 voxels, rotated by 180 degrees. Its end lies

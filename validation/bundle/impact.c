@@ -194,8 +194,8 @@ static json_t *causes_of(const side *a, const side *b)
     return list;
 }
 
-/* Returns the number of cases in which one bundle has a record that the other bundle lacks. Digests cannot compare the
-   results of these cases. */
+/* Returns the number of cases in which one bundle has a record that the other bundle lacks. The results of these cases
+   cannot be compared by their digests. */
 static json_int_t other_records(const json_t *results)
 {
     const json_t *list = json_object_get(results, "differences");

@@ -71,7 +71,8 @@ ost_pose lab_random_pose(lab *l, draw *d, ost_pm size)
             n += q[a] * q[a];
         }
     } while (n > 1 || n < 0.01);
-    /* Uses Newton's method instead of sqrt, so that no result depends on libm. The norm is within 1e-3 of 1. */
+    /* Uses Newton's method instead of sqrt, so that no result depends on libm. The length of q is then within 1e-3 of
+       1, as ost_pose_from_doubles requires. */
     double root = 1;
     for (int i = 0; i < 30; i++)
         root = 0.5 * (root + n / root);
