@@ -82,11 +82,11 @@ ost_status perform_record_bone(performer *p, trace_stage stage, ost_error *err);
 
 /* perform_apart.c: these functions do nothing if p->given is NULL. */
 
-/* Replaces the content of a grid by the reference's result of this stage. */
+/* Replaces the content of a grid with the reference's result of this stage. */
 ost_status perform_give_grid(const performer *p, trace_stage stage, ost_grid *grid, ost_error *err);
-/* Replaces the content of the bone by the reference's bone. */
+/* Replaces the content of the bone with that of the reference's bone. */
 ost_status perform_give_bone(performer *p, ost_error *err);
-/* Replaces tool i by the reference's tool i. */
+/* Replaces tool i with the reference's tool i. */
 ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geometry, ost_error *err);
 /* Overwrites slices [z0, z1) of the bone after tick i with those of the reference's bone, so that a difference does
    not affect later ticks. */

@@ -170,7 +170,7 @@ typedef enum ost_haptic_answer {
     OST_HAPTIC_LOST   /* the device failed or was unplugged; no more poses will follow */
 } ost_haptic_answer;
 
-/* A sample of a device. */
+/* A sample that was read from a device. */
 typedef struct ost_haptic_state {
     ost_pose pose;
     int32_t tool; /* index of the tool in use; -1 if the device does not report it */

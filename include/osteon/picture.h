@@ -41,7 +41,7 @@ typedef struct ost_slices_options {
     /* Level and width of the grey-scale window in HU. If both are 0, they are set to 400 and 1800. */
     int level, width;
     int pixels;           /* length of the longest side of a slice in pixels; 0 selects 480 */
-    bool unoriented;      /* true if the patient's directions are unknown, so that they are not drawn */
+    bool unoriented;      /* true if the patient's directions are unknown and are not drawn */
 } ost_slices_options;
 /*
  * Draws the slices. If `before` is not NULL, voxels that are active in `before` but not in `volume` are coloured.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The `mouse` driver: a device that follows a target pose in a thousand ticks per second. A window's
+ * The `mouse` driver: a device that follows a target pose at a thousand ticks per second. A window's
  * thread sets the target pose.
  *
  *   window, 60 times a second --ost_mouse_input_put--> three buffers --read--> the target pose

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Tests the progress line. The tested command generates a phantom of 36 million voxels, which takes many
- * seconds on any machine. Its standard error is a pseudo-terminal or a pipe. The test ends the command when
- * its progress line has appeared, or after a time in which the line would have appeared.
+ * seconds on any machine. Its standard error is a pseudo-terminal or a pipe. The test ends the command
+ * as soon as its progress line has appeared, or when the line should have appeared.
  * Covers: REQ-PROGRESS
  */
 #include "harness.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that geometry is checked at its bounds and that the metadata of a volume accept only well-formed facts.
+ * Tests that the limits of a geometry are enforced and that the metadata of a volume accept only well-formed facts.
  * Covers: AR-GRID-1, AR-GRID-2, AR-GRID-3, AR-TOOL-1
  */
 #include "harness.h"

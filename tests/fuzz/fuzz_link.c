@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Decodes arbitrary bytes as packets of the link. The bytes must be rejected, or give a packet that is
- * encoded to the same bytes again. If an HMAC key is required, packets that do not match the key must be
+ * Decodes arbitrary bytes as packets of the link. The bytes must be rejected, or decode to a packet that
+ * encodes to the same bytes. If an HMAC key is required, packets that do not match the key must be
  * rejected.
  */
 #include "fuzz.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads arbitrary bytes as sessions. The result must be an error of one line that names the file, or a session. The
+ * Reads arbitrary bytes as sessions. The result must be a session or a one-line error that names the file. The
  * complete part of a session must give the same result when it is read twice. It must be possible to convert the
  * session to a path, to repair it and to export it. Each input is also tested with corrected checksums, so that the
  * code after the check of the checksums is reached.

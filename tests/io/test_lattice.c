@@ -316,7 +316,7 @@ static void result_equals_a_plain_search(void **state)
         int64_t unit = unit_of(places);
         int digits = (int)rng_range(&rng, 1, 9);
         /*
-         * The spacing is at least eight units, so that the step of each layer is certain. The
+         * The spacing is at least eight units, so that the step of each layer is unambiguous. The
          * spacing has few digits, as in the files of scanners, or many digits.
          */
         int64_t least = 8 * unit > OST_SPACING_MIN ? 8 * unit : OST_SPACING_MIN;

@@ -9,8 +9,8 @@
  *   checksimd --list                           lists the kernels
  *
  * If slots of several instruction sets contain the same function, only the slot of the lowest set is tested,
- * unless --isa names another one. A scalar function is compared with itself. This test only detects accesses
- * outside the buffers that the contract allows. The exit status is 0 for success, 1 if a case failed, 2 for a
+ * unless --isa names another one. A scalar function is compared with itself, which detects only accesses to
+ * memory that the contract does not allow. The exit status is 0 for success, 1 if a case failed, 2 for a
  * usage error, and 77 if this machine runs only scalar code or cannot run the requested instruction set.
  *
  * Covers: AR-LAW-1

@@ -163,7 +163,7 @@ static bool ends_with(const char *text, const char *end)
     return a >= b && strcmp(text + a - b, end) == 0;
 }
 
-/* Adds the keys of every file *.pem of a folder to the trusted keys. */
+/* Adds the keys in every *.pem file of a folder to the trusted keys. */
 static ost_status trust_folder(const char *path, sign_trust *t, ost_error *err)
 {
     const int before = t->count;

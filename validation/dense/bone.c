@@ -68,7 +68,7 @@ ost_status dense_bone_stats(const ost_bone *base, ost_bone_info *info, ost_error
     const int64_t count = ost_dims_count(d);
     info->active_chunks = 0;
     info->active_voxels = 0;
-    /* number of active voxels with density 0; at first, they affect only the count of active voxels */
+    /* number of active voxels with density 0, which exist only with a deviation that does not clear the occupancy */
     int64_t emptied = 0;
     for (int64_t v = 0; v < count; v++) {
         info->active_voxels += bone->active[v];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Possible causes of the differences of a class. The causes are the deliberate mistakes with which sensitivity.h
- * measures the sensitivity of the campaign. The counts are those of deliberate mistakes and not those of mistakes in
- * real backends. The share of one kind of mistake is therefore not the probability that a backend has this mistake.
+ * Possible causes of the differences of a class: the deliberate mistakes that caused such differences when
+ * sensitivity.h measured the sensitivity of the campaign, with their numbers. These numbers say nothing about how
+ * frequent a kind of mistake is in real backends.
  */
 #ifndef OST_VALIDATION_CAUSES_H
 #define OST_VALIDATION_CAUSES_H

@@ -41,7 +41,7 @@ typedef struct sim_show {
     ost_view_subject subject;
     ost_orbit orbit;
     sim_scene scene;
-    sim_hud *hud;             /* owned; the HUD of frames without a window */
+    sim_hud *hud;             /* owned; the HUD of frames that are not shown in a window */
     film *film;               /* borrowed; NULL if no film is written */
     appearance look;
     ost_tool_volume ghost_tool; /* volume of the first tool, for drawing this tool as a ghost */

@@ -148,7 +148,7 @@ static inline size_t find_lines(const ost_match *match, size_t count, places *at
    contain one byte per voxel, with three bits for the coordinate in the window and five bits of fraction. */
 static inline uint8x16_t lookup(uint8x16x4_t line, uint8x16_t x, uint8x16_t y, uint8x16_t z)
 {
-    /* number 8 y + z of the row in the window, below 64 */
+    /* number of the row in the window: 8 y + z, below 64 */
     const uint8x16_t row = vqtbl4q_u8(line, vsriq_n_u8(vshrq_n_u8(y, 2), z, 5));
     const uint8x16_t bit = vshlq_u8(vdupq_n_u8(1), vreinterpretq_s8_u8(vshrq_n_u8(x, 5)));
     return vtstq_u8(row, bit);

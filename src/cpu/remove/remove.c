@@ -332,9 +332,8 @@ static void list_chunk(ost_event_chunk *out, int32_t index, const int32_t first[
 }
 
 /*
- * Lists the chunks with memory in ascending order. Only the chunks in the bounding box of the boxes of all poses are
- * listed. Reserves memory for the tables of bases: along each axis, for the greatest number of blocks that a box
- * overlaps.
+ * Lists, in ascending order, those chunks in the bounding box of all poses' boxes that have memory. Reserves memory for
+ * the tables of bases, whose length along an axis is the greatest number of blocks that a box overlaps.
  */
 static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
                               ost_error *err)

@@ -83,7 +83,8 @@ typedef struct ost_numbers {
 
 /* Constants with which the `split` kernel divides cubes of a given size into eight parts, for one pose. */
 typedef struct ost_split {
-    /* offset from the coordinate u of a cube to the u of the cube's part x + 2y + 4z */
+    /* difference between the coordinate u of each of the eight parts and that of the cube; part (x, y, z) has the
+       number x + 2y + 4z */
     _Alignas(32) int32_t first[3][8];
     /* offset from the coordinate u of a cube to the centre of each of its eight parts, rounded down */
     _Alignas(32) int32_t centre[3][8];

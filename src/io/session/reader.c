@@ -27,7 +27,7 @@ typedef struct scan {
     uint64_t at, size;
     uint64_t next_sequence;
     uint64_t next_record;   /* expected number of the next block's first record */
-    uint64_t damage_from;   /* offset at which the damaged bytes before `at` start; the file size if there are none */
+    uint64_t damage_from;   /* start of the damaged bytes that end at `at`; the file size if there are none */
     bool gap;               /* true if ticks are missing before `at`; missing notes are ignored */
     bool have_header;
 } scan;

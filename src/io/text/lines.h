@@ -18,7 +18,7 @@
 #include <osteon/status.h>
 
 enum {
-    OST_TEXT_LINE_MAX = 4096,     /* maximum length in bytes of a line in a text of numbers */
+    OST_TEXT_LINE_MAX = 4096,     /* maximum length in bytes of a line in a numeric text file */
     OST_TEXT_BUFFER = 1 << 18
 };
 

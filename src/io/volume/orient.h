@@ -56,7 +56,7 @@ bool ost_affine_restate(ost_affine *affine, const char code[4]);
  */
 ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_placement *out, ost_error *err);
 
-/* Returns the index in the result of the file's voxel (i, j, k). */
+/* Returns the index that voxel (i, j, k) of the file has in the result. */
 static inline int64_t ost_placement_element(const ost_placement *p, int32_t i, int32_t j, int32_t k)
 {
     return p->base + i * p->stride[0] + j * p->stride[1] + k * p->stride[2];

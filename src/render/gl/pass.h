@@ -5,7 +5,7 @@
 
 #include "render/gl/insides.h"
 
-/* Sets the OpenGL state that is constant for the complete frame. */
+/* Sets the OpenGL state that stays constant for the complete frame. */
 void ost_gl_set_state(const ost_gl *gl);
 void ost_gl_clear_gbuffer(ost_gl_target kind);
 /* Binds the uniforms and textures of layer `number` for the following draw calls. */

@@ -64,9 +64,9 @@ bool ost_antialias_init(ost_antialias *a, int width, int height, ost_isa isa);
 void ost_antialias_free(ost_antialias *a); /* accepts zero-initialized memory */
 
 /*
- * Finds the edges in the given cells of row `row`. Rows of colours are `stride` pixels apart; `stride` is a
- * multiple of OST_CELL_WIDTH. Also reads one pixel after the last row. Different threads may process different rows of
- * cells.
+ * Finds the edges in the given cells of row `row` of cells. Rows of pixels are `stride` pixels apart; `stride` is a
+ * multiple of OST_CELL_WIDTH. The function also reads the pixel that follows the last row of pixels. Different threads
+ * may process different rows of cells.
  */
 void ost_antialias_edges(const ost_antialias *a, const uint32_t *colour, int stride, const ost_cells *cells, int row);
 /* Removes all edges in the given cells of row `row`. */

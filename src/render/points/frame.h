@@ -108,7 +108,7 @@ typedef struct ost_frame {
     ost_planes drawn;
     ost_antialias antialias; /* owned; edges of the picture; empty before ost_frame_antialias */
     ost_planes ghost;       /* owned; planes for a ghost, without keys; NULL before the first ghost */
-    /* owned; planes with only the first layer, without keys; NULL before ost_frame_store */
+    /* owned; planes of the first layer alone; they have no keys, and are NULL before ost_frame_store */
     ost_planes stored;
     bool is_stored;         /* true if `stored` contains the first layer of the last frame */
     ost_cells part;         /* cells of the first layer that are redrawn in this frame */
