@@ -178,11 +178,11 @@ OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool 
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
 /*
  * Reads the header fact OST_META_GLENOID_AXIS. If it is missing, *there is set to false. Returns OST_ERR_INPUT if
- * the value is not three decimals, or if all three are 0.
+ * the value is not three numbers, or if all three are 0.
  */
 OST_API ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there, ost_error *err);
 /*
- * Reads the header fact `key`, a point given by three decimals in mm. If the fact is missing, *there is set to
+ * Reads the header fact `key`, a point given by three numbers in mm. If the fact is missing, *there is set to
  * false. Returns OST_ERR_INPUT or OST_ERR_RANGE, with key and value in err, if the value is not a valid point.
  */
 OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, ost_pm3 *out, bool *there,

@@ -13,19 +13,17 @@ static ost_status missing(const char *key, ost_error *err)
     return ost_fail(err, OST_ERR_USAGE, "the glenoid is not set: the bone's header has no '%s'", key);
 }
 
-/* Parses exactly three decimals, separated by blanks or commas. */
-static ost_status three_decimals(const char *key, const char *text, ost_decimal out[3], ost_error *err)
+/* Parses three numbers, separated by blanks or commas. Returns false if `text` contains anything else. */
+static bool three_numbers(const char *text, ost_decimal out[3])
 {
     const char *p = text, *end = text + strlen(text);
     for (int a = 0; a < 3; a++) {
         p += strspn(p, " ,");
         p = ost_decimal_read(p, end, &out[a]);
         if (!p)
-            return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected three decimals x,y,z", key, text);
+            return false;
     }
-    if (p[strspn(p, " ")])
-        return ost_fail(err, OST_ERR_INPUT, "%s: '%s' has more than three decimals; expected x,y,z", key, text);
-    return OST_OK;
+    return !p[strspn(p, " ")];
 }
 
 /*
@@ -44,12 +42,11 @@ static bool direction(const ost_decimal *value, double *out)
 static ost_status point(const char *key, const char *text, ost_pm3 *out, ost_error *err)
 {
     ost_decimal p[3];
-    ost_status status = three_decimals(key, text, p, err);
-    if (status != OST_OK)
-        return status;
+    if (!three_numbers(text, p))
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected three numbers X,Y,Z in millimetres", key, text);
     if (!ost_decimal_to_pm(&p[0], &out->x, NULL) || !ost_decimal_to_pm(&p[1], &out->y, NULL) ||
         !ost_decimal_to_pm(&p[2], &out->z, NULL))
-        return ost_fail(err, OST_ERR_RANGE, "%s: '%s' is beyond 8 m", key, text);
+        return ost_fail(err, OST_ERR_RANGE, "%s: '%s'; expected numbers from -8000 to 8000 mm", key, text);
     return OST_OK;
 }
 
@@ -67,9 +64,8 @@ ost_status ost_axis_from_meta(const ost_meta *meta, double axis[3], bool *there,
     *there = text != NULL;
     if (!text)
         return OST_OK;
-    ost_status status = three_decimals(OST_META_GLENOID_AXIS, text, d, err);
-    if (status != OST_OK)
-        return status;
+    if (!three_numbers(text, d))
+        return ost_fail(err, OST_ERR_INPUT, "%s: '%s'; expected three numbers X,Y,Z", OST_META_GLENOID_AXIS, text);
     if (!direction(&d[0], &axis[0]) || !direction(&d[1], &axis[1]) || !direction(&d[2], &axis[2]) ||
         (axis[0] == 0 && axis[1] == 0 && axis[2] == 0))
         return ost_fail(err, OST_ERR_INPUT, "%s: '%s' is not a direction", OST_META_GLENOID_AXIS, text);

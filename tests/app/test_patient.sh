@@ -55,7 +55,7 @@ refuse 2 'its header states where its axes point' import stated.nrrd --orientati
 refuse 2 'expected three letters' import plain.nrrd --orientation RASP --out x.nrrd
 refuse 2 'expected three letters' import plain.nrrd --orientation RAL --out x.nrrd
 refuse 2 'positions in a text CT are always LPS' import assumed.txt --orientation RAS --out x.nrrd
-refuse 2 'is a NRRD file; --form needs a NIfTI file' import plain.nrrd --form sform --out x.nrrd
+refuse 2 'is an NRRD file; --form needs a NIfTI file' import plain.nrrd --form sform --out x.nrrd
 
 # -------------------------------------------------------------------- side
 # Tests the right phantom without its facts: position, axis and side must be requested or computed.
@@ -130,6 +130,18 @@ printf 'axis,1,2,3\n' >g.csv
 refuse 2 "which the file does not have" import bare.nrrd --landmarks g.csv --out x.nrrd
 refuse 2 'f.csv:2' import bare.nrrd --landmarks "$(printf 'glenoid,1,2\n' >>f.csv; echo f.csv)" --out x.nrrd
 [ ! -e x.nrrd ] || fail "a refused import left x.nrrd"
+# A fact in the CT's header that cannot be parsed is refused before the bone is written.
+for bad in "glenoid_at_mm:=1 abc 3|; expected three numbers X,Y,Z in millimetres" \
+    "glenoid_at_mm:=1 2 20.03m|; expected three numbers X,Y,Z in millimetres" \
+    "glenoid_at_mm:=1 2 9000|; expected numbers from -8000 to 8000 mm" \
+    "trigonum_mm:=1 2|; expected three numbers X,Y,Z in millimetres" \
+    "glenoid_axis:=1 0 0 0|; expected three numbers X,Y,Z" \
+    "glenoid_axis:=0 0 0| is not a direction" "side:=up|; expected left or right"; do
+    fact=${bad%%|*}
+    sed "s/^encoding/osteon_$fact\n&/" plain.nrrd >bad.nrrd
+    refuse 2 "bad.nrrd: ${fact%%:*}: '${fact#*:=}'${bad#*|}" import bad.nrrd --orientation LPS --out x.nrrd
+    [ ! -e x.nrrd ] || fail "an import that was refused for '$fact' wrote x.nrrd"
+done
 
 # --------------------------------------------------------------- info --set
 run 0 import bare.nrrd --out set.nrrd --compress
@@ -141,10 +153,12 @@ for fact in $facts; do value "meta.$fact"; done >got
 cmp -s expected got || fail "the facts after --set differ from the expected facts: $(cat got)"
 cp set.nrrd kept.nrrd
 refuse 2 'one of the two is wrong' info set.nrrd --set side=left
-refuse 2 "expected left or right" info set.nrrd --set side=up
+refuse 2 "set side=up: expected left or right" info set.nrrd --set side=up
 refuse 2 'expected KEY=VALUE' info set.nrrd --set threshold=3
 refuse 2 'expected KEY=VALUE' info set.nrrd --set side
-refuse 2 "expected three decimals" info set.nrrd --set at=1,2
+refuse 2 "set at=1,2: expected three numbers X,Y,Z in millimetres" info set.nrrd --set at=1,2
+refuse 2 "set at=1,2,20.03m: expected three numbers" info set.nrrd --set at=1,2,20.03m
+refuse 2 "set axis=0,0,0: expected three numbers X,Y,Z, not all of them 0" info set.nrrd --set axis=0,0,0
 refuse 2 'lies outside the grid' info set.nrrd --set at=1,2,3000
 cmp -s set.nrrd kept.nrrd || fail "a refused --set changed the file"
 run 0 info set.nrrd --set trigonum= --set side= --set axis=0,1,0 --json

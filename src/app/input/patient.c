@@ -50,26 +50,47 @@ static bool is_inside(const ost_geometry *g, ost_pm3 p)
     return true;
 }
 
+/* The header facts that are checked against the grid and against each other. */
+typedef struct orientation {
+    ost_pm3 at;
+    double axis[3];
+    bool has_at, has_axis;
+    ost_side side;
+} orientation;
+
+/* Reads all header facts about the patient. Returns an error if one of them cannot be parsed. */
+static ost_status read_facts(const char *name, const ost_meta *meta, orientation *out, ost_error *err)
+{
+    ost_pm3 point;
+    bool has_point;
+    *out = (orientation){.side = OST_SIDE_UNKNOWN};
+    ost_status status = ost_point_from_meta(meta, OST_META_GLENOID_AT, &out->at, &out->has_at, err);
+    if (status == OST_OK)
+        status = ost_point_from_meta(meta, OST_META_TRIGONUM, &point, &has_point, err);
+    if (status == OST_OK)
+        status = ost_point_from_meta(meta, OST_META_INFERIOR_ANGLE, &point, &has_point, err);
+    if (status == OST_OK)
+        status = ost_axis_from_meta(meta, out->axis, &out->has_axis, err);
+    if (status == OST_OK)
+        status = ost_side_from_meta(meta, &out->side, err);
+    if (status != OST_OK)
+        ost_fail_context(err, "%s", name);
+    return status;
+}
+
 /*
  * Checks the header facts against the grid and against each other. If the axis determines the side, the side is
  * added.
  */
 static ost_status resolve_orientation(const char *name, const ost_geometry *g, ost_meta *meta, ost_error *err)
 {
-    ost_pm3 at, point;
-    double axis[3];
-    bool has_at = false, has_axis = false, has_point, left;
-    ost_side side = OST_SIDE_UNKNOWN;
-    ost_status status = ost_point_from_meta(meta, OST_META_GLENOID_AT, &at, &has_at, err);
-    if (status == OST_OK)
-        status = ost_point_from_meta(meta, OST_META_TRIGONUM, &point, &has_point, err);
-    if (status == OST_OK)
-        status = ost_point_from_meta(meta, OST_META_INFERIOR_ANGLE, &point, &has_point, err);
-    if (status == OST_OK)
-        status = ost_axis_from_meta(meta, axis, &has_axis, err);
-    if (status == OST_OK)
-        status = ost_side_from_meta(meta, &side, err);
-    if (status == OST_OK && has_at && !is_inside(g, at)) {
+    orientation facts;
+    bool left;
+    ost_status status = read_facts(name, meta, &facts, err);
+    if (status != OST_OK)
+        return status;
+    const ost_pm3 at = facts.at;
+    if (facts.has_at && !is_inside(g, at)) {
         char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
         const ost_pm3 hi = {g->origin.x + (g->dims.x - 1) * g->spacing.x, g->origin.y + (g->dims.y - 1) * g->spacing.y,
                             g->origin.z + (g->dims.z - 1) * g->spacing.z};
@@ -79,9 +100,9 @@ static ost_status resolve_orientation(const char *name, const ost_geometry *g, o
                               ? "; with x and y negated it lies inside, so it is probably in RAS"
                               : "");
     }
-    if (status == OST_OK && has_axis) {
-        status = ost_glenoid_side(axis, side, &left, err);
-        if (status == OST_OK && side == OST_SIDE_UNKNOWN)
+    if (status == OST_OK && facts.has_axis) {
+        status = ost_glenoid_side(facts.axis, facts.side, &left, err);
+        if (status == OST_OK && facts.side == OST_SIDE_UNKNOWN)
             status = ost_meta_set(meta, OST_META_SIDE, left ? "left" : "right", err);
         /* If the header contains no side, verbs that need the side require --side. */
         if (status == OST_ERR_USAGE) {
@@ -164,8 +185,10 @@ ost_status patient_take(const app_state *app, const patient_options *options, co
     const target_options *t = &options->target;
     ost_status status = OST_OK;
     if (!t->at_given && !t->axis_given && !t->side_given && !options->trigonum_given && !options->inferior_given &&
-        !options->landmarks)
-        return OST_OK;
+        !options->landmarks) {
+        orientation stored;
+        return read_facts(name, meta, &stored, err);
+    }
     if (options->landmarks)
         status = take_landmarks(app, options, bone, name, meta, err);
     if (status == OST_OK && t->at_given)
@@ -224,13 +247,23 @@ static ost_status set_one(const app_state *app, const char *text, ost_meta *meta
             ost_pm3 point;
             bool there;
             /* A point is stored in the format of the header, as exact decimals separated by blanks. */
-            if (status == OST_OK && facts[f].point &&
-                (status = ost_point_from_meta(meta, facts[f].key, &point, &there, err)) == OST_OK)
+            if (status == OST_OK && facts[f].point) {
+                if (ost_point_from_meta(meta, facts[f].key, &point, &there, NULL) != OST_OK)
+                    return usage_error(app, err,
+                                       "--set %s: expected three numbers X,Y,Z in millimetres, from -8000 to 8000",
+                                       text);
                 status = set_triple("--set", facts[f].key, point, meta, err);
+            }
             double axis[3];
-            if (status == OST_OK && strcmp(facts[f].key, OST_META_GLENOID_AXIS) == 0 &&
-                (status = ost_axis_from_meta(meta, axis, &there, err)) == OST_OK)
+            if (status == OST_OK && strcmp(facts[f].key, OST_META_GLENOID_AXIS) == 0) {
+                if (ost_axis_from_meta(meta, axis, &there, NULL) != OST_OK)
+                    return usage_error(app, err, "--set %s: expected three numbers X,Y,Z, not all of them 0", text);
                 status = set_axis("--set", axis, meta, err);
+            }
+            ost_side side;
+            if (status == OST_OK && strcmp(facts[f].key, OST_META_SIDE) == 0 &&
+                ost_side_from_meta(meta, &side, NULL) != OST_OK)
+                return usage_error(app, err, "--set %s: expected left or right", text);
             return status;
         }
     }

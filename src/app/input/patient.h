@@ -72,9 +72,9 @@ typedef struct patient_options {
 ost_status patient_check(app_state *app, const patient_options *options, ost_error *err);
 
 /*
- * Adds to *meta the facts from the options and from the landmarks file that the options name. Reports unknown labels in
- * this file. If the options request proposed landmarks, they are found on `bone`. `name` is the name of the volume, for
- * messages.
+ * Adds to *meta the facts from the options and from the landmarks file that the options name, and checks all facts,
+ * including those from the file. Reports unknown labels in the landmarks file. If the options request proposed
+ * landmarks, they are found on `bone`. `name` is the name of the volume, for messages.
  */
 ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);

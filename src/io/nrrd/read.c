@@ -58,7 +58,7 @@ ost_status ost_nrrd_read(ost_input *input, const ost_volume_options *options, co
     ost_nrrd_header header;
     ost_placement placement;
     if (options && options->form != OST_FORM_AUTO)
-        return ost_fail(err, OST_ERR_USAGE, "%s: is a NRRD file; --form needs a NIfTI file", path);
+        return ost_fail(err, OST_ERR_USAGE, "%s: is an NRRD file; --form needs a NIfTI file", path);
     ost_status status = ost_nrrd_text_read(input, NULL, &text, err);
     uint64_t header_end = ost_input_offset(input);
     if (status == OST_OK)
