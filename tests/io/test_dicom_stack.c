@@ -128,7 +128,10 @@ static void series_without_uid(void **state)
 static void refuses_series_without_a_volume(void **state)
 {
     (void)state;
-    refused("contains no DICOM image");
+    refused("the folder contains no file");
+    scan.files.count = 2;
+    refused("contains no DICOM image; 2 files were examined");
+    scan.files.count = 0;
     add_at("0");
     refused("series 7 has one image");
 }

@@ -451,8 +451,8 @@ static void duplicates_follow_the_option(void **state)
             assert_int_equal(status, OST_ERR_INPUT);
             assert_null(bone);
             assert_non_null(strstr(err.text,
-                                   "double.txt:5: density 150 at (0, 0, 0), where an earlier line has 200; choose with "
-                                   "--duplicates first, last or max"));
+                                   "double.txt:5: density 150 at (0, 0, 0), where an earlier line has 200; choose one "
+                                   "with 'osteon import --duplicates first', 'last' or 'max'"));
             continue;
         }
         assert_int_equal(status, OST_OK);

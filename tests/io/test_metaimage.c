@@ -257,7 +257,7 @@ static void refuses_invalid_headers(void **state)
         {"TransformMatrix = 0.6 0.8 0 -0.8 0.6 0 0 0 1\n", "--resample-oblique", OST_ERR_INPUT},
         {"TransformMatrix = 1 0 0 1 0 0 0 0 1\n", "b.mha", OST_ERR_INPUT},
         {"DistanceUnits = inch\n", "expected mm, um or cm", OST_ERR_INPUT},
-        {"BinaryData = False\n", "text is not read here", OST_ERR_INPUT},
+        {"BinaryData = False\n", "text data are not supported", OST_ERR_INPUT},
         {"BinaryDataByteOrderMSB = maybe\n", "expected True or False", OST_ERR_INPUT},
         {"CompressedData = True\n", "compressed data damaged", OST_ERR_INPUT},
         {"ElementToIntensityFunctionSlope = 2\n", "slope 1 and offset 0", OST_ERR_INPUT},

@@ -80,6 +80,9 @@ ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wante
         return several(scan, count, err);
     if (count == 1)
         return scan->series[*out].images >= 2 ? OST_OK : too_few(scan, *out, err);
+    if (scan->series_count == 0 && scan->files.count == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: the folder contains no file; expected DICOM images, or TIFF or PNG "
+                        "slices", scan->path);
     if (scan->series_count == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %zu file%s examined; a pattern such as "
                         "'%s/*.tif' selects slices among other files", scan->path, scan->files.count,

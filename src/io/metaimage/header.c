@@ -294,7 +294,7 @@ static ost_status mean_elements(const reader *r, ost_metaimage_header *out)
     bool binary, compressed;
     ost_status status = read_flag(r, KEY_BINARY, true, &binary);
     if (status == OST_OK && !binary)
-        status = wrong(r, KEY_BINARY, "text is not read here; save the file again as binary");
+        status = wrong(r, KEY_BINARY, "text data are not supported; save the file again as binary");
     if (status == OST_OK)
         status = read_flag(r, KEY_BIG_ENDIAN, false, &out->swap);
     if (status == OST_OK)

@@ -108,16 +108,16 @@ static ost_status mean_elements(const meaning *m, ost_nrrd_header *out)
     int type = LOOKUP(types, value_of(m, OST_NRRD_TYPE));
     if (type < 0)
         return wrong(m, OST_NRRD_TYPE,
-                     "not a type of densities; expected an integer type of 8 to 64 bits, float or double");
+                     "not a supported voxel type; expected an integer type of 8 to 64 bits, float or double");
     out->element = (ost_element)type;
 
     if (!value_of(m, OST_NRRD_ENCODING))
         return missing(m, "encoding");
     int encoding = LOOKUP(encodings, value_of(m, OST_NRRD_ENCODING));
     if (encoding < 0)
-        return wrong(m, OST_NRRD_ENCODING, "no encoding of the NRRD format; expected raw, gzip or text");
+        return wrong(m, OST_NRRD_ENCODING, "not an NRRD encoding; expected raw, gzip or text");
     if (encoding == ENCODING_REFUSED)
-        return wrong(m, OST_NRRD_ENCODING, "this encoding is not read here; save the file again as raw, gzip or text");
+        return wrong(m, OST_NRRD_ENCODING, "this encoding is not supported; save the file again as raw, gzip or text");
     out->encoding = (ost_data_form)encoding;
 
     const char *endian = value_of(m, OST_NRRD_ENDIAN);
@@ -170,9 +170,9 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
         return missing(m, "sizes");
     for (int a = 0; a < 3; a++)
         if (!read_integer(&p, &sizes[a]))
-            return wrong(m, OST_NRRD_SIZES, "three whole numbers were expected");
+            return wrong(m, OST_NRRD_SIZES, "expected three whole numbers");
     if (*p)
-        return wrong(m, OST_NRRD_SIZES, "three whole numbers were expected, since there are three axes");
+        return wrong(m, OST_NRRD_SIZES, "expected three whole numbers, since there are three axes");
     for (int a = 0; a < 3; a++) {
         if (sizes[a] < 1)
             return wrong(m, OST_NRRD_SIZES, "every size must be at least 1");
@@ -191,14 +191,14 @@ static ost_status mean_sizes(const meaning *m, ost_nrrd_header *out)
     for (int a = 0; p && a < 3; a++) {
         size_t n = strcspn(p, " \t");
         if (n == 0)
-            return wrong(m, OST_NRRD_KINDS, "three kinds were expected");
+            return wrong(m, OST_NRRD_KINDS, "expected three kinds");
         if (lookup(plain, 1, p, n) < 0)
             return wrong(m, OST_NRRD_KINDS,
-                         "three axes of space were expected (domain or space), not vectors, colours or time");
+                         "expected three axes of space (domain or space), not vectors, colours or time");
         p = blanks(p + n);
     }
     if (p && *p)
-        return wrong(m, OST_NRRD_KINDS, "three kinds were expected");
+        return wrong(m, OST_NRRD_KINDS, "expected three kinds");
     return OST_OK;
 }
 
@@ -233,14 +233,14 @@ static ost_status mean_units(const meaning *m, ost_nrrd_field field, uint64_t ou
             continue;
         const char *close = *p == '"' ? strchr(p + 1, '"') : NULL;
         if (!close)
-            return wrong(m, field, "three units in double quotes were expected, for example \"mm\" \"mm\" \"mm\"");
+            return wrong(m, field, "expected three units in double quotes, for example \"mm\" \"mm\" \"mm\"");
         out[a] = unit_of(p + 1, (size_t)(close - p - 1));
         if (out[a] == 0)
-            return wrong(m, field, "a unit that is not known here; expected mm, um, nm, cm or m");
+            return wrong(m, field, "unknown unit; expected mm, um, nm, cm or m");
         p = blanks(close + 1);
     }
     if (p && *p)
-        return wrong(m, field, "three units were expected");
+        return wrong(m, field, "expected three units");
     return OST_OK;
 }
 
@@ -290,8 +290,9 @@ static ost_status mean_directions(const meaning *m, const uint64_t space_units[3
     const char *p = value_of(m, OST_NRRD_SPACE_DIRECTIONS);
     for (int a = 0; a < 3; a++)
         if (!read_vector(&p, space_units, out->affine.column[a]))
-            return wrong(m, OST_NRRD_SPACE_DIRECTIONS, "three vectors (x,y,z) of lengths within 8 m were expected");
-    return *p ? wrong(m, OST_NRRD_SPACE_DIRECTIONS, "three vectors were expected, since there are three axes") : OST_OK;
+            return wrong(m, OST_NRRD_SPACE_DIRECTIONS,
+                         "expected three vectors (x,y,z) with components from -8000 to 8000 mm");
+    return *p ? wrong(m, OST_NRRD_SPACE_DIRECTIONS, "expected three vectors, since there are three axes") : OST_OK;
 }
 
 static ost_status mean_spacings(const meaning *m, const uint64_t units[3], ost_nrrd_header *out)
@@ -300,9 +301,9 @@ static ost_status mean_spacings(const meaning *m, const uint64_t units[3], ost_n
     for (int a = 0; a < 3; a++) {
         ost_pm *spacing = &out->affine.column[a][a];
         if (!read_length(&p, units[a], spacing) || *spacing <= 0)
-            return wrong(m, OST_NRRD_SPACINGS, "three lengths greater than 0, within 8 m, were expected");
+            return wrong(m, OST_NRRD_SPACINGS, "expected three lengths greater than 0, up to 8000 mm");
     }
-    return *p ? wrong(m, OST_NRRD_SPACINGS, "three lengths were expected, since there are three axes") : OST_OK;
+    return *p ? wrong(m, OST_NRRD_SPACINGS, "expected three lengths, since there are three axes") : OST_OK;
 }
 
 /*
@@ -325,7 +326,7 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
     const char *name = value_of(m, OST_NRRD_SPACE), *p = value_of(m, OST_NRRD_SPACE_DIMENSION);
     int64_t dimension;
     if (name && (space = LOOKUP(spaces, name)) < 0)
-        return wrong(m, OST_NRRD_SPACE, "a space that is not known here; expected left-posterior-superior (LPS), "
+        return wrong(m, OST_NRRD_SPACE, "unknown space; expected left-posterior-superior (LPS), "
                      "right-anterior-superior (RAS), left-anterior-superior (LAS), scanner-xyz, 3D-right-handed or "
                      "3D-left-handed");
     if (space == SPACE_TIME)
@@ -359,7 +360,7 @@ static ost_status mean_space(const meaning *m, ost_nrrd_header *out)
         return status;
     p = value_of(m, OST_NRRD_SPACE_ORIGIN);
     if (p && (!read_vector(&p, space_units, out->affine.origin) || *p))
-        return wrong(m, OST_NRRD_SPACE_ORIGIN, "one vector (x,y,z) of lengths within 8 m was expected");
+        return wrong(m, OST_NRRD_SPACE_ORIGIN, "expected one vector (x,y,z) with components from -8000 to 8000 mm");
 
     const bool turn[3] = {space == SPACE_RAS, space == SPACE_RAS || space == SPACE_LAS, false};
     for (int w = 0; w < 3; w++) {

@@ -81,6 +81,8 @@ static ost_status list(const char *folder, int folder_bytes, const char *pattern
         return ost_fail(err, OST_ERR_INPUT, "%.60s...: the name is too long", folder);
     snprintf(name, sizeof name, "%.*s", folder_bytes, folder_bytes ? folder : ".");
     DIR *dir = opendir(folder_bytes ? name : ".");
+    if (!dir && strchr(name, '*'))
+        return ost_fail(err, OST_ERR_INPUT, "%s: a '*' can stand only in the name of a file, not of a folder", name);
     if (!dir)
         return ost_fail(err, OST_ERR_IO, "%s: cannot open: %s", folder_bytes ? name : ".", strerror(errno));
     ost_status status = OST_OK;
@@ -268,7 +270,7 @@ ost_status ost_stack_names_read(const char *path, ost_stack_names *out, ost_erro
 {
     ost_status status = list_path(path, out, err);
     if (status == OST_OK && out->count == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: no file; expected the slices of a stack, TIFF or PNG", path);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no file matches; expected the slices of a stack, TIFF or PNG", path);
     if (status == OST_OK)
         status = order(path, out, err);
     if (status != OST_OK)

@@ -158,8 +158,8 @@ static ost_status spacing_missing(const stack *s, ost_error *err)
     if (s->pixel_mm[0] > 0 && s->pixel_mm[1] > 0)
         snprintf(stated, sizeof stated, "; its first slice states %.6g x %.6g mm per pixel, which may be wrong",
                  s->pixel_mm[0], s->pixel_mm[1]);
-    return ost_fail(err, OST_ERR_USAGE, "%s: a stack of %d slices states no spacing; pass --spacing MM, or "
-                    "--spacing MM,MM,MM for columns, rows and slices, to 'osteon import'%s", s->path, s->sizes[2],
+    return ost_fail(err, OST_ERR_USAGE, "%s: a stack of %d slices states no spacing; import it with 'osteon import "
+                    "--spacing MM' or '--spacing MM,MM,MM' for columns, rows and slices%s", s->path, s->sizes[2],
                     stated);
 }
 

@@ -90,6 +90,10 @@ static int take_error(TIFF *tiff, void *user, const char *module, const char *fo
     (void)tiff, (void)module;
     if (!s->reason[0]) {
         vsnprintf(s->reason, sizeof s->reason, format, args);
+        /* libtiff begins some messages with the name of the file, which the caller prints too. */
+        const size_t length = strlen(s->common.path);
+        if (strncmp(s->reason, s->common.path, length) == 0 && strncmp(s->reason + length, ": ", 2) == 0)
+            memmove(s->reason, s->reason + length + 2, strlen(s->reason + length + 2) + 1);
         ost_make_printable(s->reason);
     }
     return 1;

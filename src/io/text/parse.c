@@ -93,11 +93,11 @@ static ost_status parse_density(const ost_text_parser *parser, int column, const
     int64_t density = value->mantissa;
     bool exact = value->exponent == 0 && !value->inexact;
     if (!exact && !ost_decimal_scale(value, 1, &density, &exact))
-        return fail_field(parser, column, field, end, "a density within -32768 and 32767", err);
+        return fail_field(parser, column, field, end, "a density from -32768 to 32767", err);
     if (density < INT16_MIN || density > INT16_MAX)
-        return fail_field(parser, column, field, end, "a density within -32768 and 32767", err);
+        return fail_field(parser, column, field, end, "a density from -32768 to 32767", err);
     if (!exact)
-        return fail_field(parser, column, field, end, "a whole number as density", err);
+        return fail_field(parser, column, field, end, "a density without decimals", err);
     row->density = (int32_t)density;
     return OST_OK;
 }

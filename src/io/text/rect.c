@@ -67,10 +67,10 @@ static ost_status fail_conflict(const pass *p, ost_error *err)
         return changed(p->path, err);
     char x[OST_PM_TEXT], y[OST_PM_TEXT], z[OST_PM_TEXT];
     return ost_fail(err, OST_ERR_INPUT,
-                    "%s:%lld: density %d at (%s, %s, %s), where an earlier line has %d; choose with --duplicates "
-                    "first, last or max", p->path, (long long)p->report->conflict_line, (int)p->report->conflict_has,
-                    ost_pm_format(sample->x, x), ost_pm_format(sample->y, y), ost_pm_format(sample->z, z),
-                    (int)p->report->conflict_had);
+                    "%s:%lld: density %d at (%s, %s, %s), where an earlier line has %d; choose one with "
+                    "'osteon import --duplicates first', 'last' or 'max'", p->path,
+                    (long long)p->report->conflict_line, (int)p->report->conflict_has, ost_pm_format(sample->x, x),
+                    ost_pm_format(sample->y, y), ost_pm_format(sample->z, z), (int)p->report->conflict_had);
 }
 
 /* ---------------------------------------------------------------------- pass */

@@ -185,9 +185,10 @@ static ost_status check_complete(const ost_text_source *source, const ost_text_s
 {
     const char *path = source->parser.path;
     int64_t lines = source->parser.line;
+    if (summary->fingerprint.rows == 0 && lines == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected lines of x y z density", path);
     if (summary->fingerprint.rows == 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: no sample in %lld lines; expected lines of x y z density", path,
-                        (long long)lines);
+        return ost_fail(err, OST_ERR_INPUT, "%s: no line is a sample; expected lines of x y z density", path);
     const ost_text_own *dims = &summary->own_dims;
     if (dims->line == 0)
         return OST_OK;

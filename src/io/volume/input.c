@@ -325,7 +325,7 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err)
         return status;
     char location[OST_LOCATION_TEXT];
     if (input->packed)
-        return ost_fail(err, OST_ERR_INPUT, "%s: unexpected data at %s, after the end given by the header's sizes",
+        return ost_fail(err, OST_ERR_INPUT, "%s: data continue at %s, but the header's sizes need no more bytes",
                         input->path, ost_input_location(input, 0, location));
     return ost_fail(err, OST_ERR_INPUT,
                     "%s: %llu bytes too many: unexpected data at %s, after the end given by the header's sizes",

@@ -119,7 +119,7 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
     static const char toward[3][2] = {{'L', 'R'}, {'P', 'A'}, {'S', 'I'}};
     *out = (ost_placement){0};
     if (!columns_small(affine))
-        return ost_fail(err, OST_ERR_RANGE, "a voxel is more than 100 mm long");
+        return ost_fail(err, OST_ERR_RANGE, "a voxel is more than 100 mm long; check the spacing and its unit");
     if (determinant(affine) == 0)
         return ost_fail(err, OST_ERR_INPUT,
                         "its three axes do not span space: a spacing is 0, or two axes are parallel");

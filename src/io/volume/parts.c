@@ -8,14 +8,13 @@ typedef unsigned long long ull;
 static ost_status check_part(const ost_parts *parts, const ost_input *input, ost_error *err)
 {
     uint64_t most = ost_input_at_most(input);
-    uint64_t at = ost_input_file_bytes(input) - ost_input_file_left(input);
     char location[OST_LOCATION_TEXT];
     if (most < parts->part_bytes) {
         if (ost_input_is_packed(input))
             return ost_fail(
                 err, OST_ERR_INPUT,
-                "%s: its %llu packed bytes from byte %llu on cannot unpack to the %llu that the header's sizes need",
-                ost_input_path(input), (ull)ost_input_file_left(input), (ull)at, (ull)parts->part_bytes);
+                "%s: the packed data end at byte %llu and unpack to at most %llu bytes; the header's sizes need %llu",
+                ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most, (ull)parts->part_bytes);
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: ends at byte %llu: %llu bytes of data from %s on, but the header's sizes need %s%llu",
                         ost_input_path(input), (ull)ost_input_file_bytes(input), (ull)most,
@@ -87,7 +86,7 @@ ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error 
         if (got < wanted) {
             char location[OST_LOCATION_TEXT];
             return ost_fail(
-                err, OST_ERR_INPUT, "%s: data end at %s, %llu bytes before the end that the header's sizes give",
+                err, OST_ERR_INPUT, "%s: data end at %s, but the header's sizes need %llu more bytes",
                 ost_input_path(parts->input), ost_input_location(parts->input, 0, location), (ull)parts->left);
         }
     }

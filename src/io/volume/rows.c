@@ -65,8 +65,8 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
     ost_status status = ost_orient(affine, sizes, placement, err);
     if (status == OST_OK && placement->oblique && !(options && options->resample_oblique))
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s: the grid is oblique: an axis is %.2f degrees off the patient's axes; pass "
-                        "--resample-oblique to take the nearest voxels", path, placement->degrees);
+                        "%s: the grid is oblique: an axis is %.2f degrees off the patient's axes; "
+                        "'osteon import --resample-oblique' takes the nearest voxels", path, placement->degrees);
     if (status == OST_OK) {
         *geometry = placement->geometry;
         if (placement->oblique)
@@ -91,12 +91,12 @@ ost_status ost_rows_bad(const ost_rows *rows, int64_t number, const char *file, 
     int64_t i = number % rows->sizes[0];
     int64_t j = number / rows->sizes[0] % rows->sizes[1];
     int64_t k = number / rows->sizes[0] / rows->sizes[1];
-    const char *wrong = bad->kind == OST_BAD_NAN ? "is no density; --nan-as-air converts it to -1024"
-                                                 : "is no density; expected a finite number";
+    const char *wrong = bad->kind == OST_BAD_NAN ? "is not a density; 'osteon import --nan-as-air' converts it to -1024"
+                                                 : "is not a density; expected a finite number";
     if (bad->kind == OST_BAD_RANGE)
         wrong = rows->converter.scaled
-                    ? "is beyond int16 (-32768..32767) after slope and intercept; --clamp cuts it to these ends"
-                    : "is beyond int16 (-32768..32767); --clamp cuts it to these ends";
+                    ? "is outside -32768 to 32767 after slope and intercept; 'osteon import --clamp' limits it"
+                    : "is outside -32768 to 32767; 'osteon import --clamp' limits it";
     return ost_fail(err, OST_ERR_INPUT, "%s: voxel (%lld, %lld, %lld) at %s: %s %s", file, (long long)i, (long long)j,
                     (long long)k, location, bad->value, wrong);
 }
