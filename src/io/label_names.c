@@ -200,7 +200,7 @@ static ost_status add_table(ost_label_names *names, const char *path, char *text
                             "'3 scapula'", path, number, line);
     }
     if (status == OST_OK && !has_names)
-        return ost_fail(err, OST_ERR_INPUT, "%s: no names of labels in the file; expected lines such as '3 scapula'",
+        return ost_fail(err, OST_ERR_INPUT, "%s: the file contains no label names; expected lines such as '3 scapula'",
                         path);
     return status;
 }

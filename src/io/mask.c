@@ -41,8 +41,9 @@ static ost_status place(const char *path, const char *mask, const ost_geometry *
             differ(o[a] + (at + k[a] - 1) * s[a], p[a] + (k[a] - 1) * t[a], s[a]))
             return ost_fail(
                 err, OST_ERR_INPUT,
-                "%s: its voxels from %.9g mm on, %.9g mm apart along %c, are not those of %s (%.9g mm, %.9g mm)", mask,
-                ost_pm_to_mm(p[a]), ost_pm_to_mm(t[a]), "xyz"[a], path, ost_pm_to_mm(o[a]), ost_pm_to_mm(s[a]));
+                "%s: its grid does not align with %s: along %c its voxels are %.9g mm apart from %.9g mm on; expected "
+                "%.9g mm apart from %.9g mm on, or a part of that grid", mask, path, "xyz"[a], ost_pm_to_mm(t[a]),
+                ost_pm_to_mm(p[a]), ost_pm_to_mm(s[a]), ost_pm_to_mm(o[a]));
         out->at[a] = at;
         inside = inside && at >= 0 && at + k[a] <= n[a];
         around = around && at <= 0 && at + k[a] >= n[a];
@@ -87,7 +88,7 @@ static ost_status none_selected(const char *mask, const bool *present, ost_error
         if (named++ < NAMED)
             used += (size_t)snprintf(list + used, sizeof list - used, "%s%d", named > 1 ? ", " : "", v + INT16_MIN);
     }
-    return named ? ost_fail(err, OST_ERR_INPUT, "%s: no voxel has such a label; its labels are %s%s", mask, list,
+    return named ? ost_fail(err, OST_ERR_INPUT, "%s: no voxel has a selected label; its labels are %s%s", mask, list,
                             named > NAMED ? ", ..." : "")
                  : ost_fail(err, OST_ERR_INPUT, "%s: every voxel has label 0, so that no bone is selected", mask);
 }
@@ -189,7 +190,7 @@ static ost_status apply_mask(const char *path, const ost_import_options *options
     if (status == OST_OK)
         status = ost_volume_read(options->mask, &how, &labels, &read, err);
     if (status == OST_OK && (read.rounded_values || read.nan_values))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is no label map: %llu values are no integers", options->mask,
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is not a label map: %llu values are not integers", options->mask,
                           (unsigned long long)(read.rounded_values + read.nan_values));
     placed where = {.is_equal = true};
     if (status == OST_OK)

@@ -30,7 +30,10 @@ check "--cut-plane: components, voxels, label at a position" "$(value components
 run 0 segment ct.nrrd --out large.nrrd --min-volume 400 --cut-ball 22,26,36,0.5 --json
 check "components with a greater smallest size" "$(value components)" 1
 run 0 segment ct.nrrd --out none.nrrd --threshold 501
-grep -q "no bone is so large" err || fail "the error does not state that no bone is large enough: $(cat err)"
+grep -q "ct.nrrd: no bone of [0-9.]* mm3 or more reaches 501 HU; pass a lower --threshold or --min-volume" err || fail "the error does not state that no bone is large enough: $(cat err)"
+run 0 import labels.nrrd --out none.nrrd
+grep -q "labels.nrrd: no voxel has 120 HU or more; the bone is empty; the CT is a label map: pass it to --mask" err ||
+    fail "the warning does not state that the CT is a label map: $(cat err)"
 run 0 info labels.nrrd --json
 check "facts about the segmentation" "$(value meta.segment_threshold) $(value meta.segment_min_voxels) $(value meta.segment_ball_1)" "120 1 22,26,36,0.5"
 # Tests --separate. The bridge is a neck with a radius of 2 mm between blocks with radii of 4 mm. The two voxels next to
@@ -129,7 +132,7 @@ done
 printf '3 humerus\nscapula 71\n' >wrong.txt
 refuse 2 "wrong.txt:2: 'scapula 71'; expected the value and the name" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
 printf 'scapula\n' >wrong.txt
-refuse 2 "wrong.txt: no names of labels in the file" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
+refuse 2 "wrong.txt: the file contains no label names" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.txt --out b.nrrd
 printf '{"scapula": 32768}' >wrong.json
 refuse 2 "wrong.json: 'scapula'; expected names of labels from 0 to 32767" import ct.nrrd --mask other.nrrd:scapula --mask-names wrong.json --out b.nrrd
 printf '{"scapula"' >wrong.json
@@ -213,17 +216,17 @@ check "facts segment_head_ball and segment_bone_1" "$(value meta.segment_head_ba
 refuse 2 "cut-head: no spherical surface" segment ct.nrrd --out b.nrrd --cut-head auto
 
 # Errors must be reported in one line.
-refuse 2 "no voxel has such a label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
+refuse 2 "no voxel has a selected label; its labels are 3, 71" import ct.nrrd --mask other.nrrd:9 --out b.nrrd
 nrrd uint8 0 >void.nrrd
 refuse 2 "every voxel has label 0" import ct.nrrd --mask void.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/sizes: 12 7 7/sizes: 7 12 7/' >turned.nrrd
 refuse 2 "turned.nrrd: 7 x 12 x 7 voxels that are neither a part of the 12 x 7 x 7 voxels of ct.nrrd nor contain them" import ct.nrrd --mask turned.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/(10,20,30)/(10,21,30)/' >moved.nrrd
-refuse 2 "moved.nrrd: its voxels from 21 mm on, 2 mm apart along y" import ct.nrrd --mask moved.nrrd --out b.nrrd
+refuse 2 "moved.nrrd: its grid does not align with ct.nrrd: along y its voxels are 2 mm apart from 21 mm on" import ct.nrrd --mask moved.nrrd --out b.nrrd
 nrrd uint8 1 | sed 's/(2,0,0)/(2.1,0,0)/' >wide.nrrd
-refuse 2 "2.1 mm apart along x" import ct.nrrd --mask wide.nrrd --out b.nrrd
+refuse 2 "along x its voxels are 2.1 mm apart" import ct.nrrd --mask wide.nrrd --out b.nrrd
 nrrd float 'i == 3 ? 0.5 : 1' >parts.nrrd
-refuse 2 "parts.nrrd: is no label map" import ct.nrrd --mask parts.nrrd --out b.nrrd
+refuse 2 "parts.nrrd: is not a label map" import ct.nrrd --mask parts.nrrd --out b.nrrd
 refuse 2 "expected at most 128 labels from 0 to 32767 or names" import ct.nrrd --mask labels.nrrd:1,,2 --out b.nrrd
 refuse 2 "expected at most 128 labels from 0 to 32767 or names" import ct.nrrd --mask labels.nrrd:40000 --out b.nrrd
 refuse 2 "expected FILE or FILE:LABEL" import ct.nrrd --mask :1 --out b.nrrd
@@ -239,7 +242,7 @@ refuse 2 "growth 130: expected at most the threshold, 120" segment ct.nrrd --out
 refuse 2 "separate 66: expected a depth from 0.001 to 65 mm" segment ct.nrrd --out b.nrrd --separate 66
 refuse 2 "bone 'left': expected largest, all or a position" segment ct.nrrd --out b.nrrd --bone left
 refuse 2 "bone 200,26,36: no bone within 10 mm; the nearest one is 172.0 mm away, at (28, 26, 36) mm" segment ct.nrrd --out b.nrrd --bone 200,26,36
-refuse 2 "no bone of 8 mm3 or more has 501 HU" import ct.nrrd --min-volume 0 --threshold 501 --bone all --out b.nrrd
+refuse 2 "no bone of 8 mm3 or more reaches 501 HU" import ct.nrrd --min-volume 0 --threshold 501 --bone all --out b.nrrd
 refuse 2 "growth from 130 HU on; expected 1 to the threshold, 120" import ct.nrrd --growth 130 --out b.nrrd
 refuse 2 "cut-head 'left': expected auto or a position" segment ct.nrrd --out b.nrrd --cut-head left
 refuse 2 "ct.txt: is a text; a mask needs" import ct.txt --bone largest --out b.nrrd

@@ -281,6 +281,11 @@ ost_status segment_job_run(segment_job *job, const ost_volume *ct, int32_t thres
     return status;
 }
 
+double segment_job_min_mm3(const segment_job *job)
+{
+    return (double)job->min_voxels * voxel_mm3(&job->geometry);
+}
+
 ost_status segment_job_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels, ost_error *err)
 {
     segment_job *job = user;
@@ -288,8 +293,8 @@ ost_status segment_job_labels(void *user, const ost_volume *ct, int32_t threshol
     if (status != OST_OK || job->count)
         return status;
     ost_volume_free(labels);
-    return ost_fail(err, OST_ERR_INPUT, "no bone of %g mm3 or more has %d HU; a lower --threshold or --min-volume "
-                    "finds more", (double)job->min_voxels * voxel_mm3(&job->geometry), (int)threshold);
+    return ost_fail(err, OST_ERR_INPUT, "no bone of %g mm3 or more reaches %d HU; pass a lower --threshold or "
+                    "--min-volume", segment_job_min_mm3(job), (int)threshold);
 }
 
 /* ----------------------------------------------------------------- report */

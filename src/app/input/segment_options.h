@@ -76,6 +76,8 @@ void segment_job_free(segment_job *job);
  */
 ost_status segment_job_run(segment_job *job, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                            ost_error *err);
+/* Returns the volume in mm3 of the smallest component that the job accepts as a bone. Valid after segment_job_run. */
+double segment_job_min_mm3(const segment_job *job);
 /* Implements ost_import_labels; `user` is the job. Returns an error if no bone was found. */
 ost_status segment_job_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels, ost_error *err);
 /* Prints the selected bones and stores them in the result of the verb as "components" and "segments". */

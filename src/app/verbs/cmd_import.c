@@ -203,7 +203,12 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     if (status == OST_OK)
         status = ost_bone_info_get(bone, &info, err);
     if (status == OST_OK && info.active_voxels == 0)
-        warn(app, "%s: no voxel has %d HU or more; the bone is empty", name, info.threshold);
+        warn(app,
+             result.volume.labels
+                 ? "%s: no voxel has %d HU or more; the bone is empty; the CT is a label map: pass it to --mask, or "
+                   "pass --threshold 1 to import its labels as bone"
+                 : "%s: no voxel has %d HU or more; the bone is empty",
+             name, info.threshold);
     if (status == OST_OK)
         warn_size(app, name, &result);
     if (status == OST_OK && preview)

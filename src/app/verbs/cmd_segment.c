@@ -110,7 +110,8 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
             put_text(app->result, "preview", preview);
         segment_job_report(&job, out);
         if (!job.found)
-            warn(app, "%s: no bone is so large; a lower --threshold or --min-volume finds more", name);
+            warn(app, "%s: no bone of %g mm3 or more reaches %d HU; pass a lower --threshold or --min-volume", name,
+                 segment_job_min_mm3(&job), (int)threshold);
         if (has_at) {
             const int label = ost_segment_label_at(&labels, at);
             put_integer(app->result, "label_at", label);
