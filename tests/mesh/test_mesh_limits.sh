@@ -37,7 +37,7 @@ fi
     head -c 100000 /dev/zero
 } >short.stl
 check "80 million triangles in a file that is too short" "$(within_limit short.stl)" \
-    "2 osteon info: short.stl: byte 80: the header states 80000000 triangles, which take 4000000084 bytes; the file has 100084 (cut off, or no STL)"
+    "2 osteon info: short.stl: byte 80: the header states 80000000 triangles, which take 4000000084 bytes; the file has 100084 (truncated, or not an STL file)"
 
 # Makes an OBJ of 19 MB. Its polygons have 900 corners, with two bytes per corner, and give
 # 9,000,000 triangles.

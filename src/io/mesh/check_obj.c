@@ -65,8 +65,9 @@ static ost_status face(obj *o, ost_error *err)
         int64_t i;
         if (!ost_mesh_word_integer(index, &i) || i == 0 || i > UINT32_MAX || i < -o->vertices)
             return ost_fail(err, OST_ERR_INPUT,
-                            "%s:%ld: vertex %s of a face; %lld vertices came before it, numbered from 1", o->text.path,
-                            o->text.line, ost_mesh_word_show(word), (long long)o->vertices);
+                            "%s:%ld: %s is not the number of a vertex; expected 1 or more, or a negative number that "
+                            "counts back over the %lld vertices before the face", o->text.path, o->text.line,
+                            ost_mesh_word_show(word), (long long)o->vertices);
         if (i < 0)
             i += o->vertices + 1;
         if (i > o->greatest) {

@@ -179,7 +179,7 @@ static ost_status copy_vertices(const mesh_input *in, const struct aiMesh *part,
         ost_pm3 *p = &out->vertices[first + i];
         if (!to_pm(v->x, unit, &p->x) || !to_pm(v->y, unit, &p->y) || !to_pm(v->z, unit, &p->z))
             return ost_fail(err, OST_ERR_INPUT,
-                            "%s: a vertex at (%.6g %.6g %.6g) mm; expected finite numbers within 8000 mm", in->path,
+                            "%s: a vertex at (%.6g %.6g %.6g) mm; expected coordinates from -8000 to 8000 mm", in->path,
                             (double)v->x * ost_pm_to_mm(unit), (double)v->y * ost_pm_to_mm(unit),
                             (double)v->z * ost_pm_to_mm(unit));
     }
