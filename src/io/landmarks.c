@@ -91,8 +91,11 @@ static ost_status add(const char *location, ost_landmarks *all, const char *labe
     l->role = ost_landmark_role_of(l->label);
     for (int i = 0; i < all->count && l->role != OST_LANDMARK_OTHER; i++)
         if (all->items[i].role == l->role)
-            return ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; expected one position",
-                            location, all->items[i].label, l->label);
+            return strcmp(all->items[i].label, l->label) == 0
+                       ? ost_fail(err, OST_ERR_INPUT, "%s: the landmark '%s' is given twice; expected one position",
+                                  location, l->label)
+                       : ost_fail(err, OST_ERR_INPUT, "%s: '%s' and '%s' name the same landmark; expected one position",
+                                  location, all->items[i].label, l->label);
     all->count++;
     return OST_OK;
 }
@@ -279,11 +282,14 @@ static ost_status take_row(table *t, const field *fields, int count, ost_landmar
                         location);
     for (int a = 0; a < 3; a++) {
         ost_decimal d;
-        const field *f = at[a] < count ? &fields[at[a]] : NULL;
-        if (!f || ost_decimal_read(f->begin, f->begin + f->length, &d) != f->begin + f->length ||
+        if (at[a] >= count)
+            return ost_fail(err, OST_ERR_INPUT, "%s: %d column%s; expected the %c coordinate in column %d", location,
+                            count, count == 1 ? "" : "s", "xyz"[a], at[a] + 1);
+        const field *f = &fields[at[a]];
+        if (ost_decimal_read(f->begin, f->begin + f->length, &d) != f->begin + f->length ||
             !ost_decimal_to_pm(&d, &p[a], NULL))
             return ost_fail(err, OST_ERR_INPUT, "%s: column %d, '%.*s', is not a length in millimetres within 8 m",
-                            location, at[a] + 1, f ? (int)(f->length < 40 ? f->length : 40) : 0, f ? f->begin : "");
+                            location, at[a] + 1, (int)(f->length < 40 ? f->length : 40), f->begin);
     }
     if (c->label >= count)
         return ost_fail(err, OST_ERR_INPUT, "%s: %d columns; the label was expected in column %d", location, count,

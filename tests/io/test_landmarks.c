@@ -175,7 +175,7 @@ static void refuses_invalid_files(void **state)
     } cases[] = {
         {"e.csv", "", "no landmarks in the file"},
         {"e.csv", "# nothing\n", "no landmarks in the file"},
-        {"e.csv", "glenoid,1,2\n", ":1: column 4, '', is not a length"},
+        {"e.csv", "glenoid,1,2\n", ":1: 3 columns; expected the z coordinate in column 4"},
         {"e.csv", "glenoid,1,2,3\nGC,1,2,4\n", "e.csv:2: 'glenoid' and 'GC' name the same landmark"},
         {"e.csv", "glenoid,1,2,nan\n", "column 4, 'nan', is not a length"},
         {"e.csv", "glenoid,1,2,8001\n", "column 4, '8001', is not a length"},
