@@ -175,7 +175,7 @@ static ost_status finish_output(ost_error *err)
         signal(SIGPIPE, SIG_DFL);
         raise(SIGPIPE);
     }
-    return ost_fail(err, OST_ERR_IO, "standard output: %s", errno ? strerror(errno) : "write failed");
+    return ost_fail(err, OST_ERR_IO, "standard output: cannot write: %s", errno ? strerror(errno) : "write failed");
 }
 
 static int fail(const char *verb_name, const ost_error *err, ost_status status)

@@ -56,6 +56,7 @@ if [ -w /dev/full ]; then
     ln -s /dev/full full.nrrd
     run 2 import ct.nrrd --out full.nrrd
     grep -qE 'No space left|disk is full' err || fail "the error does not state that the device is full: $(cat err)"
+    refuse 2 '/dev/full: the name must end in .nrrd, .nii, .nii.gz or .txt' import ct.nrrd --out /dev/full
 fi
 
 # If the command is killed at any moment, the file must be complete or absent, and no temporary file

@@ -74,5 +74,5 @@ run 0 import ct.txt --out file.nrrd
 cmp -s file.nrrd through.nrrd || fail "the bone that two commands write through a pipe differs from that of the file"
 [ ! -e ./-.txt ] || fail "a file named -.txt was written"
 refuse 2 "both write standard output" export bone.nrrd --out -.nrrd --json
-refuse 2 "-.nrrd writes standard output" export bone.nrrd --out -
+refuse 2 "-: expected a format as well, such as -.nrrd for standard output" export bone.nrrd --out -
 finish

@@ -158,7 +158,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
         return OST_OK;
     case OPTION_TEXT:
         if (!*text)
-            return usage_error(app, err, "--%s needs %s, not an empty text", o->name, o->value);
+            return usage_error(app, err, "--%s must not be empty; expected %s", o->name, o->value);
         *(const char **)o->out = text;
         return OST_OK;
     case OPTION_LIST: {

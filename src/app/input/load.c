@@ -44,7 +44,7 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
 {
     struct stat st;
     if (strcmp(path, "-") == 0)
-        return usage_error(app, err, "-: expected the format too; -.%.*s writes standard output",
+        return usage_error(app, err, "-: expected a format as well, such as -.%.*s for standard output",
                            (int)strcspn(ends, "|"), ends);
     if (ost_outfile_is_stdout(path) && app->json)
         return usage_error(app, err, "%s and --json both write standard output", path);
@@ -57,7 +57,9 @@ ost_status out_check(app_state *app, const char *path, const char *ends, ost_err
     /* A name that is too long is rejected here, because the error would otherwise occur after all work is done. */
     if (!exists && errno == ENAMETOOLONG)
         return ost_fail(err, OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
-    bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+    /* The name of a pipe or a device needs no extension if there is only one format. */
+    const bool one_format = !strchr(ends, '|') || strcmp(ends, "html|htm") == 0;
+    bool special = exists && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode) && one_format;
     if (!special && !ends_with_one_of(path, ends)) {
         char spoken[OPTION_SPOKEN];
         return usage_error(app, err, "%s: the name must end in %s", path, spoken_list(spoken, ends, "."));
@@ -282,11 +284,13 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
         warn(app, "%s: %s densities were not whole numbers and were rounded", name,
              format_count(text, (int64_t)r->volume.rounded_values));
     if (r->volume.nan_values)
-        warn(app, "%s: %s voxels had no value (NaN) and were set to -1024 HU", name,
-             format_count(text, (int64_t)r->volume.nan_values));
+        warn(app, "%s: %s voxel%s no value (NaN) and %s set to -1024 HU", name,
+             format_count(text, (int64_t)r->volume.nan_values), r->volume.nan_values == 1 ? " had" : "s had",
+             r->volume.nan_values == 1 ? "was" : "were");
     if (r->volume.clamped_values)
-        warn(app, "%s: %s densities lay beyond int16 and were cut to its ends", name,
-             format_count(text, (int64_t)r->volume.clamped_values));
+        warn(app, "%s: %s densit%s outside -32768 to 32767 and %s clamped", name,
+             format_count(text, (int64_t)r->volume.clamped_values),
+             r->volume.clamped_values == 1 ? "y was" : "ies were", r->volume.clamped_values == 1 ? "was" : "were");
 }
 
 ost_status load_bone(const app_state *app, ost_backend *backend, const char *name, const ct_options *ct, bool digests,
