@@ -57,7 +57,9 @@ ost_status info_dicom(const app_state *app, const char *name, const ost_volume_o
     ost_status status = ost_dicom_list_read(name, options, &list, err);
     if (status != OST_OK)
         return status;
-    if (list.count == 0)
+    if (list.count == 0 && list.files == 0)
+        status = ost_fail(err, OST_ERR_INPUT, "%s: the folder contains no file; expected DICOM images", name);
+    else if (list.count == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: contains no DICOM image; %" PRId64 " file%s examined", name,
                           list.files, list.files == 1 ? " was" : "s were");
     json_t *items = json_array();

@@ -298,8 +298,12 @@ static ost_status read_list(ply *p, const property *q, int64_t index, ost_error 
         status = next_value(p, q->type, &v, err);
         if (status != OST_OK || !q->corners)
             continue;
-        if (!(v.number >= 0 && v.number < (double)p->vertices))
-            return bad_value(p, index, "face", "indices of vertices, from 0 and less than their count", err);
+        if (!(v.number >= 0 && v.number < (double)p->vertices)) {
+            char expected[80];
+            snprintf(expected, sizeof expected, "indices of vertices below %lld, the number of vertices",
+                     (long long)p->vertices);
+            return bad_value(p, index, "face", expected, err);
+        }
         const uint32_t corner = (uint32_t)v.number;
         if (i == 0)
             first = corner;
