@@ -304,6 +304,18 @@ static bool tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 
 /* ---------------------------------------------------------------- running */
 
+/* Returns true if the text is a decimal number from 1 to 65535. getaddrinfo would reduce a port modulo 65536. */
+static bool is_port(const char *text)
+{
+    const size_t digits = strspn(text, "0123456789"), zeros = strspn(text, "0");
+    int port = 0;
+    if (text[digits] || digits - zeros > 5)
+        return false;
+    for (const char *p = text; *p; p++)
+        port = port * 10 + (*p - '0');
+    return port >= 1 && port <= 65535;
+}
+
 static ost_status open_socket(bridge *b, ost_error *err)
 {
     const char *to = b->options->to, *colon = strrchr(to, ':');
@@ -314,7 +326,9 @@ static ost_status open_socket(bridge *b, ost_error *err)
     const char *name = to + bracketed;
     const size_t length = colon ? (size_t)(colon - to) - 2 * bracketed : 0;
     if (!colon || length == 0 || length >= sizeof host || !colon[1])
-        return ost_fail(err, OST_ERR_USAGE, "'%.100s'; expected HOST:PORT", to);
+        return ost_fail(err, OST_ERR_USAGE, "--to %.100s: expected HOST:PORT", to);
+    if (!is_port(colon + 1))
+        return ost_fail(err, OST_ERR_USAGE, "--to %.100s: port must be from 1 to 65535", to);
     memcpy(host, name, length);
     host[length] = '\0';
     const int error = getaddrinfo(host, colon + 1, &hints, &found);

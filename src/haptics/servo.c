@@ -268,7 +268,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
         return ost_fail(err, OST_ERR_USAGE, "a rehearsal %lld ns before a tick; expected 0 to half a period",
                         (long long)s.options.lead_ns);
     if (s.options.no_clock && !(driver->caps & OST_HAPTIC_LOGICAL))
-        return ost_fail(err, OST_ERR_USAGE, "device %s has its own time: it needs a clock", driver->name);
+        return ost_fail(err, OST_ERR_USAGE, "device %s runs in real time: it needs the clock", driver->name);
 
     const bool rehearses = s.options.rehearse && !s.options.no_clock && !(driver->caps & OST_HAPTIC_OWN_CLOCK);
     report->lead_ns = s.options.lead_ns = rehearses ? s.options.lead_ns : 0;

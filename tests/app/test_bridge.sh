@@ -49,7 +49,14 @@ grep -q "counters of device udp: all are 0" sim.out || fail "the output does not
 
 refuse 2 "missing option key=FILE" sim --headless --bone bone.nrrd --device udp
 refuse 2 "other users can read this key" sim --headless --bone bone.nrrd --device udp:key=bone.nrrd
-refuse 2 "'nowhere'; expected HOST:PORT" bridge --to nowhere --key key --device null
+refuse 2 "--to nowhere: expected HOST:PORT" bridge --to nowhere --key key --device null
+refuse 2 "--to 127.0.0.1:99999: port must be from 1 to 65535" bridge --to 127.0.0.1:99999 --key key --device null
+refuse 2 "--to localhost:abc: port must be from 1 to 65535" bridge --to localhost:abc --key key --device null
+refuse 2 "--device mouse: works only in osteon sim" bridge --to 127.0.0.1:9 --key key --device mouse
+refuse 2 "--device openxr: works only in osteon sim" bridge --to 127.0.0.1:9 --key key --device openxr:hand=left
+refuse 2 "--path builtin:peg-hole: built-in paths need osteon sim" bridge --to 127.0.0.1:9 --key key --path builtin:peg-hole
+refuse 2 "--no-clock: cannot be combined with --device udp, which runs in real time" sim --headless --bone bone.nrrd --no-clock --device udp:port=0,key=key
+refuse 2 "port=65536; expected a whole number from 0 to 65535" sim --headless --bone bone.nrrd --device udp:port=65536,key=key
 refuse 2 "device sim: no path given" bridge --to 127.0.0.1:9 --key key --device sim
 refuse 2 "unknown device" bridge --to 127.0.0.1:9 --key key --device omni
 refuse 2 "--seconds 0: must be" bridge --to 127.0.0.1:9 --key key --device null --seconds 0

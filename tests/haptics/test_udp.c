@@ -582,6 +582,17 @@ static void missing_simulation_is_reported(void **state)
     assert_non_null(strstr(err.text, "no simulation answers at 127.0.0.1"));
     assert_int_equal(run_bridge("nowhere", key_file, 10, &err), OST_ERR_USAGE);
     assert_int_equal(run_bridge("127.0.0.1:", key_file, 10, &err), OST_ERR_USAGE);
+    static const char *const ports[] = {
+        "0", "00", "65536", "99999", "4294967297", "18446744073709551617", "-1", "+9", "abc", "9x"};
+    for (size_t i = 0; i < sizeof ports / sizeof ports[0]; i++) {
+        char to[64];
+        snprintf(to, sizeof to, "127.0.0.1:%s", ports[i]);
+        assert_int_equal(run_bridge(to, key_file, 10, &err), OST_ERR_USAGE);
+        assert_non_null(strstr(err.text, "port must be from 1 to 65535"));
+    }
+    /* The highest port is valid, also with leading zeros. */
+    assert_int_equal(run_bridge("127.0.0.1:65535", other_file, 10, &err), OST_ERR_UNAVAILABLE);
+    assert_int_equal(run_bridge("127.0.0.1:00065535", other_file, 10, &err), OST_ERR_UNAVAILABLE);
     free_stand_in(s);
 }
 

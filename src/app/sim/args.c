@@ -110,6 +110,10 @@ ost_status sim_args_check(app_state *app, sim_args *args, ost_error *err)
         return status;
     if (args->ticks == 0 && args->seconds.text)
         return usage_error(app, err, "--seconds 0: must be greater than 0");
+    ost_haptic_info info;
+    if (args->no_clock && sim_device_info(args, &info) && !(info.caps & OST_HAPTIC_LOGICAL))
+        return usage_error(app, err, "--no-clock: cannot be combined with --device %s, which runs in real time",
+                           info.name);
     if (sim_device_is(args, "replay")) {
         if (args->paths.count != 1)
             return usage_error(app, err, "--device replay needs one --path SESSION");

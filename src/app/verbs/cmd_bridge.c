@@ -163,5 +163,13 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
     if (args.seconds.text &&
         (!ost_decimal_scale(&args.seconds.value, 1000, &ms, NULL) || ms < 1 || ms > INT64_C(86400000)))
         return usage_error(app, err, "--seconds %s: must be from 0.001 to 86400", args.seconds.text);
+    static const char *const shown[] = {"mouse", "openxr"};
+    for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++)
+        if (strncmp(args.device, shown[i], strcspn(args.device, ":")) == 0 &&
+            strlen(shown[i]) == strcspn(args.device, ":"))
+            return usage_error(app, err, "--device %s: works only in osteon sim", shown[i]);
+    if (args.path && strncmp(args.path, "builtin:", 8) == 0)
+        return usage_error(app, err, "--path %s: built-in paths need osteon sim; expected a .csv or a session",
+                           args.path);
     return run(app, &args, (uint64_t)ms, err);
 }
