@@ -397,8 +397,9 @@ static ost_status connect_to(haptic_instance *h, const choice *c, ost_error *err
         return OST_OK;
     stop_thread(h);
     return ost_fail(err, OST_ERR_UNAVAILABLE,
-                    "device inverse3: Haply's service at 127.0.0.1:%d offers no device%s: %s", (int)c->port,
-                    h->wanted[0] ? " of that id" : "", h->why[0] ? h->why : "it says nothing");
+                    h->wanted[0] ? "device inverse3: Haply's service at 127.0.0.1:%d has no device of that id: %s"
+                                 : "device inverse3: no device found through Haply's service at 127.0.0.1:%d: %s",
+                    (int)c->port, h->why[0] ? h->why : "no answer");
 }
 
 static ost_status inverse3_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out,

@@ -14,8 +14,7 @@ static void *load(const vendor_library *library, const char **name, char reason[
         void *handle = dlopen(given, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
         const char *why = handle ? NULL : dlerror();
         if (!handle)
-            snprintf(reason, 256, "%s names no library that can be loaded: %.180s", library->variable,
-                     why ? why : given);
+            snprintf(reason, 256, "cannot load the library in %s: %.180s", library->variable, why ? why : given);
         return handle;
     }
     for (const char *const *n = library->names; *n; n++) {
@@ -38,8 +37,8 @@ bool vendor_load(const vendor_library *library, void *table, char reason[256])
     for (size_t i = 0; i < library->count; i++) {
         void *symbol = dlsym(handle, library->symbols[i].name);
         if (!symbol) {
-            snprintf(reason, 256, "%.120s lacks %s: it is not the library that this osteon knows", name,
-                     library->symbols[i].name);
+            snprintf(reason, 256, "%.100s lacks %s: install %s, or set %s to the library's path", name,
+                     library->symbols[i].name, library->product, library->variable);
             return false;
         }
         /* POSIX guarantees that the address of a function fits into an object pointer. */

@@ -361,7 +361,7 @@ static void grip_rotates_the_tool(void **state)
      */
     service *s = begin_service(NONE, 0, true);
     assert_int_equal(open_at(s, ",id=A-2", &device, &err), OST_ERR_UNAVAILABLE);
-    assert_non_null(strstr(err.text, "offers no device of that id"));
+    assert_non_null(strstr(err.text, "has no device of that id"));
     end_service(s);
     s = begin_service(NONE, 0, true);
     atomic_store(&s->x_um, 200000);
@@ -402,7 +402,7 @@ static void failing_service_is_reported(void **state)
         fault what;
         const char *message; /* expected message if the fault occurs before the first state */
     } cases[] = {
-        {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "offers no device"},
+        {CLOSE, "closed the connection"}, {END, "closed the connection"},   {HUGE_FRAME, "no device found"},
         {LONG_MESSAGE, "too long"},       {GARBAGE, "reports no Inverse3"}, {WRONG, "reports no Inverse3"},
     };
     ost_error err = {0};
