@@ -52,8 +52,8 @@ static ost_status assemble(const int64_t t[3], const int64_t q[4], ost_pose *out
         if (!component_fits(q[a]))
             return ost_fail(
                 err, OST_ERR_RANGE,
-                "quaternion component %d is %.6g; expected a unit quaternion, whose components are from -1 to 1", a,
-                (double)q[a] / OST_Q30_ONE);
+                "quaternion component q%c is %.6g; expected a unit quaternion, whose components are from -1 to 1",
+                "wxyz"[a], (double)q[a] / OST_Q30_ONE);
     ost_pose pose = {{t[0], t[1], t[2]}, (int32_t)q[0], (int32_t)q[1], (int32_t)q[2], (int32_t)q[3]};
     ost_status status = ost_pose_check(&pose, err);
     if (status == OST_OK)
@@ -71,9 +71,9 @@ ost_status ost_pose_from_decimals(const ost_decimal t_mm[3], const ost_decimal q
     for (int a = 0; a < 4; a++)
         if (!ost_decimal_scale(&q[a], (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(err, OST_ERR_RANGE,
-                            "quaternion component %d is out of range; expected a unit quaternion, whose components are "
-                            "from -1 to 1",
-                            a);
+                            "quaternion component q%c is out of range; expected a unit quaternion, whose components "
+                            "are from -1 to 1",
+                            "wxyz"[a]);
     return assemble(t, c, out, err);
 }
 
@@ -91,8 +91,8 @@ ost_status ost_pose_from_doubles(const double t_mm[3], const double q[4], ost_po
             !ost_decimal_scale(&decimal, (uint64_t)OST_Q30_ONE, &c[a], NULL))
             return ost_fail(
                 err, OST_ERR_RANGE,
-                "quaternion component %d is %g; expected a unit quaternion, whose components are from -1 to 1", a,
-                q[a]);
+                "quaternion component q%c is %g; expected a unit quaternion, whose components are from -1 to 1",
+                "wxyz"[a], q[a]);
     }
     return assemble(t, c, out, err);
 }

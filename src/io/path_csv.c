@@ -69,24 +69,34 @@ static ost_status fail_field(const reader *r, int column, const char *field, con
                     expected);
 }
 
-static int count_columns(const char *p, const char *end)
+/* Counts the values before the first empty column or the end of the row. *empty is set to true at an empty column. */
+static int count_columns(const char *p, const char *end, bool *empty)
 {
     int columns = 0;
-    while (ost_text_field_start(&p, end, columns) == OST_TEXT_FIELD) {
-        columns++;
+    ost_text_field_kind kind;
+    for (; (kind = ost_text_field_start(&p, end, columns)) == OST_TEXT_FIELD; columns++)
         p = ost_text_field_end(p, end);
-    }
+    *empty = kind == OST_TEXT_EMPTY;
     return columns;
 }
 
 static ost_status fail_columns(const reader *r, const char *p, const char *end, ost_error *err)
 {
-    const int columns = count_columns(p, end);
+    bool empty;
+    const int columns = count_columns(p, end, &empty);
     if (r->columns == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns; expected %s", r->path, (long long)r->line, columns,
                         expected_row);
-    return ost_fail(err, OST_ERR_INPUT, "%s:%lld: %d columns, or an empty one; %s %d", r->path, (long long)r->line,
-                    columns, r->header ? "the header has" : "the rows above have", r->columns);
+    if (memchr(p, 0, (size_t)(end - p)))
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: a zero byte; expected a line of text", r->path,
+                        (long long)r->line);
+    if (empty)
+        return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is empty; expected %d values", r->path,
+                        (long long)r->line, columns + 1, r->columns);
+    return ost_fail(err, OST_ERR_INPUT,
+                    r->header ? "%s:%lld: %d values; the header requires %d"
+                              : "%s:%lld: %d values; expected %d, as in the rows above",
+                    r->path, (long long)r->line, columns, r->columns);
 }
 
 static bool is_name(const char *field, const char *end, const char *name)
@@ -114,8 +124,13 @@ static ost_status read_header(reader *r, const char *p, const char *end, ost_err
         int kind = column < POSE_COLUMNS ? column : NOT_READ;
         for (int k = POSE_COLUMNS; k < KINDS && column >= POSE_COLUMNS; k++)
             kind = is_name(field, p, column_names[0][k]) ? k : kind;
+        if ((column == 2 || column == 3) && is_name(field, p, column_names[!r->metres][column]))
+            return ost_fail(err, OST_ERR_INPUT,
+                            "%s:%lld: column %d is '%s', but column 2 is '%s'; expected the same unit", r->path,
+                            (long long)r->line, column + 1, column_names[!r->metres][column],
+                            column_names[r->metres][1]);
         if (column < POSE_COLUMNS && !is_name(field, p, column_names[r->metres][column]))
-            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is named '%s'; expected %s, with mm or with m",
+            return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is named '%s'; expected %s, or x_m,y_m,z_m",
                             r->path, (long long)r->line, column + 1, ost_text_quote(field, p, quote), expected_row);
         if (kind != NOT_READ && named[kind])
             return ost_fail(err, OST_ERR_INPUT, "%s:%lld: column %d is a second '%s'", r->path, (long long)r->line,
@@ -189,7 +204,7 @@ static ost_status read_fields(reader *r, const char *p, const char *end, row *ou
         if (k > 0 && k < POSE_COLUMNS && is_nan(field, stop))
             out->posed = false;
         else if (ost_decimal_read(field, end, &out->value[k]) != stop)
-            return fail_field(r, column, field, end,
+            return fail_field(r, column, field, end, k == LIFTED ? "0 or 1" :
                               k > 0 && k < POSE_COLUMNS ? "a decimal number or nan" : "a decimal number", err);
     }
     const bool complete = r->header
@@ -220,7 +235,8 @@ static ost_status read_row(reader *r, const char *p, const char *end, ost_error 
         return fail_field(r, in.column[LIFTED], in.field[LIFTED], end, "0 or 1", err);
     if (in.field[RPM] &&
         (!ost_decimal_scale(&in.value[RPM], 1, &rpm, &exact) || !exact || rpm < OST_RPM_OF_DEVICE || rpm > OST_RPM_MAX))
-        return fail_field(r, in.column[RPM], in.field[RPM], end, "turns a minute from 0 to 3000, or -1 or -2", err);
+        return fail_field(r, in.column[RPM], in.field[RPM], end,
+                          "revolutions per minute from 0 to 3000, -1 (speed unknown) or -2 (pose of the hand)", err);
     if (r->report.rows > 0 && t_ns <= r->t_ns)
         return ost_fail(err, OST_ERR_INPUT,
                         "%s:%lld: t_s is %.9f, not after the row above, which has %.9f; expected increasing times",
@@ -389,8 +405,8 @@ ost_status ost_path_read(const char *path, const ost_path_options *options, ost_
     } while (status == OST_OK && block.begin < block.end);
     ost_text_lines_close(lines);
     if (status == OST_OK && r.report.rows == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: no row in %lld lines; expected %s", path, (long long)r.line,
-                          expected_row);
+        status = ost_fail(err, OST_ERR_INPUT, r.line ? "%s: no rows; expected %s" : "%s: file is empty; expected %s",
+                          path, expected_row);
     if (status == OST_OK && out->count == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: %zu rows without a pose: every row has nan in a column of the pose",
                           path, r.report.rows);
