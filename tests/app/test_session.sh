@@ -127,7 +127,7 @@ head -c $((size / 2)) whole.session >cut.session
 run 0 replay cut.session --json
 check "truncated session: equal, end compared" "$(value equal) $(value end_compared)" "true false"
 [ "$(value ticks)" -gt 1000 ] || fail "the truncated session has $(value ticks) ticks, expected more than 1000"
-grep -q "the recording was cut off after tick" err || fail "wrong message for the truncated session: $(cat err)"
+grep -q "the recording is incomplete: it was cut off after tick" err || fail "wrong message for the truncated session: $(cat err)"
 # Tests the results of --verify: equal to the end, different, or equal up to the end of the file.
 run 0 replay whole.session --verify --json
 check "complete session: complete, equal, verified ticks, recorded ticks" "$(value complete) $(value equal) $(value verified_ticks) $(value recorded_ticks)" "true true $ticks $ticks"
@@ -135,7 +135,7 @@ run 2 replay cut.session --verify --out cut.nrrd --json
 check "truncated session with --verify: complete, equal, end compared" "$(value complete) $(value equal) $(value end_compared)" "false true false"
 verified=$(value verified_ticks)
 check "truncated session: recorded ticks" "$(value recorded_ticks)" "$verified"
-grep -qF "cut.session: verified only up to tick $verified of at least $verified; these are equal" err || fail "wrong message for the truncated session: $(cat err)"
+grep -qF "cut.session: the first $verified ticks are equal; the recording is incomplete after them" err || fail "wrong message for the truncated session: $(cat err)"
 [ ! -e cut.nrrd ] || fail "replay wrote a bone although the session was not verified to its end"
 run 0 replay cut.session --verify --ticks 100 --json
 check "truncated session with --ticks: complete, verified ticks" "$(value complete) $(value verified_ticks)" "false 100"
@@ -147,7 +147,7 @@ run 2 replay hole.session --verify --json
 verified=$(value verified_ticks)
 check "session with a damaged block: complete, equal, recorded ticks" "$(value complete) $(value equal) $(value recorded_ticks)" "false true $ticks"
 [ "$verified" -gt 100 ] && [ "$verified" -lt "$ticks" ] || fail "session with a damaged block: $verified of $ticks ticks were verified"
-grep -qF "verified only up to tick $verified of $ticks; these are equal" err || fail "wrong message for the session with a damaged block: $(cat err)"
+grep -qF "the first $verified of $ticks ticks are equal; the recording is incomplete after them" err || fail "wrong message for the session with a damaged block: $(cat err)"
 run 0 info cut.session --repair repaired.session --json
 complete_ticks=$(value replayable_ticks)
 run 0 info repaired.session --json

@@ -403,7 +403,7 @@ static void repair_keeps_complete_blocks(void **state)
     assert_string_equal(ost_session_header_get(ost_session_header_of(fixed), "bone"),
                         ost_session_header_get(ost_session_header_of(session), "bone"));
     assert_string_not_equal(ost_session_missing(session, before), ost_session_missing(fixed, after));
-    assert_string_equal(after, "it has no end: the recording was cut off after tick 3");
+    assert_string_equal(after, "the recording is incomplete: it was cut off after tick 3, counted from 0");
     ost_session_close(fixed);
     ost_session_close(session);
 

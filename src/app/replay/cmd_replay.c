@@ -261,7 +261,7 @@ static bool verified_in_part(const replay_args *args, const replay *r, const end
 
 static ost_status report(app_state *app, const replay_args *args, replay *r, const ending *e, ost_error *err)
 {
-    char a[FORMAT_TEXT], b[FORMAT_TEXT], hex[OST_DIGEST_HEX], missing[OST_SESSION_MISSING];
+    char a[FORMAT_TEXT], b[FORMAT_TEXT], hex[OST_DIGEST_HEX];
     const bool differs = r->differs || end_differs(e);
     json_t *o = app->result;
     put_text(o, "session", args->session);
@@ -280,12 +280,13 @@ static ost_status report(app_state *app, const replay_args *args, replay *r, con
                (int64_t)r->done), ost_backend_name(r->backend), format_count(b, (int64_t)e->totals.removed_voxels));
     print_line(app, "  grid %s", ost_digest_hex(&e->root, hex));
     if (verified_in_part(args, r, e)) {
+        char of[32] = ""; /* the number of recorded ticks is known only if the file has an end record */
+        if (e->found)
+            snprintf(of, sizeof of, "of %llu ", (unsigned long long)e->ticks);
         app->answered = true;
         return ost_fail(
-            err, OST_ERR_INPUT,
-            "%s: verified only up to tick %llu of %s%llu; these are equal, the rest is not in the file: %.300s",
-            args->session, (unsigned long long)r->done, e->found ? "" : "at least ", (unsigned long long)e->ticks,
-            ost_session_missing(r->session, missing));
+            err, OST_ERR_INPUT, "%s: the first %llu %sticks are equal; the recording is incomplete after them",
+            args->session, (unsigned long long)r->done, of);
     }
     if (!differs) {
         print_line(app, e->compared ? "  every tick and the bone at the end are as recorded"

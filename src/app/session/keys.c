@@ -327,8 +327,9 @@ static ost_status check_digest(const char *session, const ost_session_header *he
         return ost_fail(err, OST_ERR_INPUT, "%s: its header has no '%s'", session, key);
     if (strcmp(recorded, ost_digest_hex(digest, hex)) != 0)
         return ost_fail(err, OST_ERR_INPUT,
-                        "%s: %s is not the %s of this session: its grid is %.12s..., recorded was %.12s...", session,
-                        name, what, hex, recorded);
+                        "%s: %s is not the %s of this session: its grid has the digest %.12s..., the session "
+                        "recorded %.12s...",
+                        session, name, what, hex, recorded);
     return OST_OK;
 }
 

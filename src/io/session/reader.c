@@ -188,7 +188,10 @@ static ost_status scan_all(ost_session *s, uint64_t size, ost_error *err)
     s->summary.file_bytes = c.size;
     s->summary.header_damaged = s->header_copies < 2;
     if (!c.have_header && s->summary.blocks == 0 && s->summary.cut_bytes == c.size) {
-        return ost_fail(err, OST_ERR_INPUT, "%s: not a session, or both copies of its header are damaged", s->path);
+        return ost_fail(err, OST_ERR_INPUT,
+                        c.size > 0 ? "%s: not a session, or both copies of its header are damaged"
+                                   : "%s: file is empty; expected a session",
+                        s->path);
     }
     if (!c.have_header)
         return ost_fail(err, OST_ERR_INPUT, "%s: both copies of the session's header are damaged; the session cannot "
@@ -312,9 +315,10 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
     const ost_session_summary *s = &session->summary;
     text[0] = '\0';
     if (!s->ended && s->ticks)
-        add(text, "it has no end: the recording was cut off after tick %llu", (unsigned long long)s->last_tick);
+        add(text, "the recording is incomplete: it was cut off after tick %llu, counted from 0",
+            (unsigned long long)s->last_tick);
     else if (!s->ended)
-        add(text, "it has no end: the recording was cut off before the first tick");
+        add(text, "the recording is incomplete: it was cut off before the first tick");
     if (s->cut_bytes)
         add(text, "%llu bytes at the end are an incomplete block", (unsigned long long)s->cut_bytes);
     if (s->damaged_bytes)
@@ -324,7 +328,7 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
     if (s->lost_records)
         add(text, "%llu records were lost while it was recorded", (unsigned long long)s->lost_records);
     if (s->complete_ticks < s->ticks)
-        add(text, "only the first %llu of its %llu ticks can be done again", (unsigned long long)s->complete_ticks,
+        add(text, "only the first %llu of its %llu ticks can be replayed", (unsigned long long)s->complete_ticks,
             (unsigned long long)s->ticks);
     if (s->header_damaged)
         add(text, "one of the two copies of its header is damaged");
