@@ -105,10 +105,9 @@ ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, o
     if (stated != OST_SIDE_UNKNOWN && found != OST_SIDE_UNKNOWN && stated != found)
         return ost_fail(
             err, OST_ERR_INPUT,
-            "the side is %s, but the axis (%.4g, %.4g, %.4g) into the bone is a %s glenoid's, which faces the "
-            "patient's %s: one of the two is wrong",
+            "the side is %s, but the axis (%.4g, %.4g, %.4g) points into a %s glenoid; correct the side or the axis",
             stated == OST_SIDE_LEFT ? "left" : "right", axis[0], axis[1], axis[2],
-            found == OST_SIDE_LEFT ? "left" : "right", found == OST_SIDE_LEFT ? "left" : "right");
+            found == OST_SIDE_LEFT ? "left" : "right");
     *left = (stated == OST_SIDE_UNKNOWN ? found : stated) == OST_SIDE_LEFT;
     return OST_OK;
 }

@@ -105,7 +105,7 @@ done
 # Tests contradictions, and points outside the bone.
 refuse 2 'contradicts stored.nrrd, whose header has side right' ream --bone stored.nrrd --side left $ream
 refuse 2 'contradicts stored.nrrd, whose header has side right' import stored.nrrd --side left --out x.nrrd
-refuse 2 'one of the two is wrong' import bare.nrrd --at "$at" --axis 1,0,0 --side left --out x.nrrd
+refuse 2 'correct the side or the axis' import bare.nrrd --at "$at" --axis 1,0,0 --side left --out x.nrrd
 refuse 2 'lies outside the grid' import bare.nrrd --at 9,9,900 --axis 1,0,0 --out x.nrrd
 ras=$(echo "$at" | awk -F, '{ printf "%s,%s,%s", -$1, -$2, $3 }')
 refuse 2 'it is probably in RAS' import bare.nrrd --at "$ras" --axis 1,0,0 --out x.nrrd
@@ -152,7 +152,7 @@ check "digest after --set" "$(value sha256)" "$digest"
 for fact in $facts; do value "meta.$fact"; done >got
 cmp -s expected got || fail "the facts after --set differ from the expected facts: $(cat got)"
 cp set.nrrd kept.nrrd
-refuse 2 'one of the two is wrong' info set.nrrd --set side=left
+refuse 2 'correct the side or the axis' info set.nrrd --set side=left
 refuse 2 "set side=up: expected left or right" info set.nrrd --set side=up
 refuse 2 'expected KEY=VALUE' info set.nrrd --set threshold=3
 refuse 2 'expected KEY=VALUE' info set.nrrd --set side

@@ -104,8 +104,8 @@ static ost_status check_axis(const app_state *app, const start_setup *setup, con
         return OST_OK;
     const double *a = glenoid->axis;
     return problem(app, setup->strict, err,
-                   "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: %.0f %% of the way from 1 to 11 mm "
-                   "below the face is bone, and %.0f %% of the same way in front of it; %s",
+                   "%s: the axis (%.4g, %.4g, %.4g) does not point into bone: from 1 to 11 mm below the face, %.0f %% "
+                   "of it lies in bone, and from 1 to 11 mm in front of the face, %.0f %%; %s",
                    setup->bone_name, a[0], a[1], a[2], inward, outward,
                    outward >= BONE_LEAST_PERCENT ? "the axis is probably reversed" : "check --at and --axis");
 }
@@ -124,7 +124,7 @@ static ost_status check_overlap(const app_state *app, const start_setup *setup, 
         if (status == OST_OK && voxels)
             status = problem(
                 app, setup->strict, err,
-                "%s overlaps %s bone voxels at its first pose, with its origin at %s: begin clear of the bone",
+                "%s overlaps %s bone voxels at its first pose, with its origin at %s; start the path outside the bone",
                 setup->names->value[i], format_count(count, voxels), format_point(at, setup->first[i]->t));
     }
     put_integer(app->result, "overlap_voxels", all);

@@ -52,14 +52,17 @@ static void put_classes(const app_state *app, const ost_world_totals *totals, co
    wrong coordinate system. */
 static void warn_nothing(const app_state *app, const ream_job *j)
 {
-    ost_pm3 lo = j->before.geometry.origin, hi = lo, at = j->path.ticks[j->path.count / 2].pose.t;
+    ost_pm3 lo = j->before.geometry.origin, hi = lo;
+    const ost_pm3 at = j->path.ticks[j->path.count / 2].pose.t;
     hi.x += j->before.geometry.spacing.x * (j->before.geometry.dims.x - 1);
     hi.y += j->before.geometry.spacing.y * (j->before.geometry.dims.y - 1);
     hi.z += j->before.geometry.spacing.z * (j->before.geometry.dims.z - 1);
-    char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
-    warn(app, "no bone was removed: the tool %s; the bone's grid is from %s to %s, the tool halfway at %s",
+    char a[FORMAT_TEXT], b[FORMAT_TEXT];
+    warn(app,
+         "no bone was removed: the tool %s; the bone's grid is from %s to %s; halfway along its path the tool was at "
+         "(%.2f, %.2f, %.2f) mm",
          j->met ? "entered the grid but touched no bone" : "did not reach the grid", format_point(a, lo),
-         format_point(b, hi), format_point(c, at));
+         format_point(b, hi), ost_pm_to_mm(at.x), ost_pm_to_mm(at.y), ost_pm_to_mm(at.z));
 }
 
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err)
