@@ -117,7 +117,7 @@ run 0 bench --suite servo --quick --json
 check "names and ticks of the servo rows" "$(value rows.0.name) $(value rows.1.name) $(value rows.0.ticks)" "servo/empty servo/spin 50"
 has rows.0.missed rows.1.missed rows.1.p99_us
 run 0 bench --suite servo --filter empty --quick
-grep -q 'deadlines missed: [0-9]* of 50' out || fail "the servo rows do not state the missed deadlines: $(cat out)"
+grep -q 'deadlines missed: [0-9]* in 50 ticks' out || fail "the servo rows do not state the missed deadlines: $(cat out)"
 run 0 bench --suite removal --filter peg/32 --quick
 check "lines of more than 100 columns" "$(awk 'length > 100' out | grep -v '^  baseline' | wc -l | tr -d ' ')" 0
 grep -q '^removal/peg/32/fresh ' out || fail "the table has no row removal/peg/32/fresh"

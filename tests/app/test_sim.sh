@@ -87,7 +87,7 @@ has renderer.fps_worst_1_percent
 # The summary must be short; --stats must add the times.
 run 0 sim --headless --bone bone.nrrd --seconds 0.05
 [ "$(wc -l <out)" -le 6 ] || fail "the summary is longer than six lines: $(cat out)"
-grep -q "deadlines missed: [0-9,]* of 50" out || fail "the summary does not state the missed deadlines: $(cat out)"
+grep -q "deadlines missed: [0-9,]* in 50 ticks" out || fail "the summary does not state the missed deadlines: $(cat out)"
 grep -q "bone removed: [0-9,]* voxels, [0-9.]* mm3; grid [0-9a-f]*" out || fail "the summary does not state the removed bone: $(cat out)"
 run 0 sim --headless --bone bone.nrrd --seconds 0.05 --stats
 for line in "delay of a tick's begin" "duration of a tick" "thread CPU time" "scheduling:"; do

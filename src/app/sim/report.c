@@ -148,12 +148,13 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     put_text(o, "core", r->realtime.core);
     print_line(app, "%s ticks; %s", format_count(a, (int64_t)r->ticks), end_text(r->end));
     if (!args->no_clock && r->missed)
-        print_line(app, "  deadlines missed: %s of %s: %llu woken late, %llu preempted, %llu by the work of a tick",
+        print_line(app, "  deadlines missed: %s in %s ticks: %llu woken late, %llu preempted, %llu by the work of a "
+                   "tick",
                    format_count(a, (int64_t)r->missed), format_count(b, (int64_t)r->ticks),
                    (unsigned long long)r->missed_woken_late, (unsigned long long)r->missed_preempted,
                    (unsigned long long)r->missed_by_work);
     else if (!args->no_clock)
-        print_line(app, "  deadlines missed: 0 of %s", format_count(a, (int64_t)r->ticks));
+        print_line(app, "  deadlines missed: 0 in %s ticks", format_count(a, (int64_t)r->ticks));
     report_times(app, args, s);
     report_force(app, args, s);
     report_tracking(app, s);

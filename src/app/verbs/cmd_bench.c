@@ -132,8 +132,8 @@ static void print_deadlines(const app_state *app, const bench_row *row)
                  *p999 = extra_of(row, "p99_9_us");
     char a[FIGURE], b[FIGURE];
     if (ticks && missed && p99 && p999)
-        print_line(app, "    deadlines missed: %.0f of %.0f; delay at 99 %% %s us, at 99.9 %% %s us", *missed, *ticks,
-                   figure(a, *p99), figure(b, *p999));
+        print_line(app, "    deadlines missed: %.0f in %.0f ticks; delay at 99 %% %s us, at 99.9 %% %s us", *missed,
+                   *ticks, figure(a, *p99), figure(b, *p999));
 }
 
 static void print_row(const app_state *app, const bench_row *row)
