@@ -405,8 +405,8 @@ ost_status ost_path_read(const char *path, const ost_path_options *options, ost_
     } while (status == OST_OK && block.begin < block.end);
     ost_text_lines_close(lines);
     if (status == OST_OK && r.report.rows == 0)
-        status = ost_fail(err, OST_ERR_INPUT, r.line ? "%s: no rows; expected %s" : "%s: file is empty; expected %s",
-                          path, expected_row);
+        status = ost_fail(err, OST_ERR_INPUT, r.line ? "%s: no rows of values; expected %s"
+                                                     : "%s: file is empty; expected %s", path, expected_row);
     if (status == OST_OK && out->count == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: %zu rows without a pose: every row has nan in a column of the pose",
                           path, r.report.rows);

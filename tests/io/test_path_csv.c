@@ -236,7 +236,7 @@ static void broken_paths_are_refused(void **state)
         ost_status status;
     } cases[] = {
         {"", ": file is empty; expected t_s,x_mm", OST_ERR_INPUT},
-        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", ": no rows; expected t_s,x_mm", OST_ERR_INPUT},
+        {"t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz\n", ": no rows of values; expected t_s", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0\n", ":1: 7 columns; expected t_s,x_mm", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0,0,0\n", ":1: 10 columns; expected t_s,x_mm", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0,1\n", ":2: 9 values; expected 8, as in the rows above",

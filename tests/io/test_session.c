@@ -644,7 +644,7 @@ static void full_ring_buffer_is_reported(void **state)
     char text[OST_SESSION_MISSING];
     ost_session_missing(session, text);
     assert_non_null(strstr(text, "10 records were lost"));
-    assert_non_null(strstr(text, "only the first 65 of its 70 ticks"));
+    assert_non_null(strstr(text, "only the first 65 of the 70 ticks in the file"));
     ost_session_close(session);
 }
 

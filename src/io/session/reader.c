@@ -328,8 +328,8 @@ const char *ost_session_missing(const ost_session *session, char text[OST_SESSIO
     if (s->lost_records)
         add(text, "%llu records were lost while it was recorded", (unsigned long long)s->lost_records);
     if (s->complete_ticks < s->ticks)
-        add(text, "only the first %llu of its %llu ticks can be replayed", (unsigned long long)s->complete_ticks,
-            (unsigned long long)s->ticks);
+        add(text, "only the first %llu of the %llu ticks in the file can be replayed",
+            (unsigned long long)s->complete_ticks, (unsigned long long)s->ticks);
     if (s->header_damaged)
         add(text, "one of the two copies of its header is damaged");
     return text;
