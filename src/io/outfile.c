@@ -183,7 +183,8 @@ static ost_status open_in_folder(ost_outfile *file, ost_error *err)
         slash[1] = separator;
     }
     if (file->folder < 0)
-        return ost_fail(err, OST_ERR_IO, "%s: cannot open the folder: %s", file->path, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, "%s: cannot open the folder %.*s: %s", file->path,
+                        slash ? (int)(slash - file->target) + 1 : 1, slash ? file->target : ".", strerror(errno));
     file->fd = open_unnamed(file);
     if (file->fd < 0)
         file->fd = open_hidden(file);

@@ -222,7 +222,7 @@ static void failure_is_reported_and_ends_recording(void **state)
     for (int i = 0; i < 2000; i++)
         show(f, 0.1 * i, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
-    assert_non_null(strstr(err.text, "ended before the video did"));
+    assert_non_null(strstr(err.text, "ended before all frames were written"));
     f = open_film((film_options){.pipe = "cat >/dev/null; exit 7", .fps = 10, .wait = true});
     show(f, 0, 10);
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);

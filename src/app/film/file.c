@@ -238,7 +238,8 @@ static ost_status open_folder(film_file *f, ost_error *err)
     if (has_extension(f->target) && access(f->target, F_OK) != 0)
         return ost_fail(
             err, OST_ERR_USAGE,
-            "--video %s: unknown format; expected .mp4, .mkv, .mov, .webm, .y4m, or a folder, whose name may end in /",
+            "--video %s: unknown format; expected .mp4, .mkv, .mov, .webm, .y4m, or a folder, whose name ends in / or "
+            "has no extension",
             f->target);
     if (mkdir(f->target, 0777) != 0 && errno != EEXIST)
         return ost_fail(err, OST_ERR_IO, "%s: cannot create: %s", f->target, strerror(errno));
@@ -335,7 +336,8 @@ static ost_status broken(film_file *f, int error, ost_error *err)
     if (error == EPIPE) {
         if (f->messages)
             finish(f, NULL); /* ffmpeg's messages are complete only after it has ended */
-        return ost_fail(err, OST_ERR_IO, "the video's encoder ended before the video did%s", last_message(f, last));
+        return ost_fail(err, OST_ERR_IO, "the video's encoder ended before all frames were written%s",
+                        last_message(f, last));
     }
     return ost_fail(err, OST_ERR_IO, "%s: the video cannot be written: %s", f->target ? f->target : "the pipe",
                     strerror(error));
