@@ -78,7 +78,7 @@ ost_status ost_density_classes_parse(const char *text, ost_density_classes *out,
         const char *end = p + strcspn(p, ",");
         if (!colon || colon > end || !name_is_good(p, (size_t)(colon - p)))
             return ost_fail(err, OST_ERR_USAGE,
-                            "'%.100s': expected name:border,name:border,... with names of a-z, 0-9, - and _", text);
+                            "'%.100s': expected NAME:HU,NAME:HU,... with names of a-z, 0-9, - and _", text);
         if (classes.count == OST_CLASS_MAX)
             return ost_fail(err, OST_ERR_USAGE, "'%.100s': at most %d density classes", text, OST_CLASS_MAX);
         ost_decimal decimal;
@@ -87,10 +87,10 @@ ost_status ost_density_classes_parse(const char *text, ost_density_classes *out,
         if (ost_decimal_read(colon + 1, end, &decimal) != end || !ost_decimal_scale(&decimal, 1, &border, &exact) ||
             !exact || border < 1 || border > INT16_MAX)
             return ost_fail(err, OST_ERR_USAGE,
-                            "'%.*s' is not a density border; expected a whole number from 1 to 32767",
+                            "'%.*s' is not a density in HU; expected a whole number from 1 to 32767",
                             (int)(end - colon - 1), colon + 1);
         if (classes.count > 0 && border <= classes.border[classes.count - 1])
-            return ost_fail(err, OST_ERR_USAGE, "'%.100s': borders must increase", text);
+            return ost_fail(err, OST_ERR_USAGE, "'%.100s': values in HU must increase", text);
         snprintf(classes.name[classes.count], OST_CLASS_NAME, "%.*s", (int)(colon - p), p);
         classes.border[classes.count++] = (int16_t)border;
         if (*end == 0)

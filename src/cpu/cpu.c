@@ -105,7 +105,7 @@ static ost_status set_option(const char *option, cpu_options *options, ost_error
         }
     }
     return ost_fail(err, OST_ERR_USAGE, "backend cpu: unknown option '%.40s'; expected isa=NAME, threads=N, grain=N, "
-                    "order=N and voxelizer=NAME", option);
+                    "order=N or voxelizer=NAME", option);
 }
 
 /* Parses a comma-separated list of options. Replaces the commas in `text` with zero bytes. Strings in *options

@@ -518,7 +518,8 @@ static ost_status rect_from_file(job *j, ost_error *err)
     case OST_FILE_PATH_CSV:
         return ost_fail(err, OST_ERR_INPUT, "%s: is a tool's path, not a CT; expected lines of x y z density", j->path);
     case OST_FILE_SESSION:
-        return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; 'osteon replay' makes a bone of it", j->path);
+        return ost_fail(err, OST_ERR_INPUT, "%s: is a session, not a CT; run 'osteon replay' to compute its bone",
+                        j->path);
     case OST_FILE_UNKNOWN: break;
     }
     return ost_fail(err, OST_ERR_INPUT, "%s: not a CT; expected text (x y z density), NRRD, NIfTI, MetaImage, DICOM, "

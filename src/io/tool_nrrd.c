@@ -86,8 +86,9 @@ ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_erro
     /* The header is read first, so that a file that is not a tool is refused before any voxel is read. */
     ost_status status = ost_volume_read_any(path, NULL, NULL, &geometry, &meta, &report, &element, err);
     if (status == OST_OK && element != OST_ELEMENT_UINT8)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: voxels are %s; expected uint8 (0 void, 1 cutting, 2 not cutting)",
-                          path, report.type);
+        status = ost_fail(err, OST_ERR_INPUT,
+                          "%s: voxels are %s; a tool has uint8 voxels (0 void, 1 cutting, 2 not cutting)", path,
+                          report.type);
     if (status == OST_OK)
         status = tool_geometry(path, &geometry, &meta, &tool, err);
     if (status != OST_OK)

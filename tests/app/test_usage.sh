@@ -96,7 +96,7 @@ done
 refuse 2 'must be from 1 to 1024' $peg --threads 1025
 refuse 2 'pass one of them' $peg --backend cpu:threads=2 --threads 3
 refuse 2 'voxelizer=rays; expected auto, triangles or embree' $peg --backend cpu:voxelizer=rays
-refuse 2 "unknown option 'color=red'; expected isa=NAME, threads=N, grain=N, order=N and voxelizer=NAME" $peg --backend cpu:color=red
+refuse 2 "unknown option 'color=red'; expected isa=NAME, threads=N, grain=N, order=N or voxelizer=NAME" $peg --backend cpu:color=red
 refuse 2 "backend ref: unknown option 'threads'; it has no options" $peg --backend ref:threads=2
 OSTEON_ISA=sse9
 export OSTEON_ISA

@@ -23,7 +23,7 @@ static ost_status find_kind(const app_state *app, const char *name, ost_tool_kin
     const char *near = nearest_name(name, names, OST_TOOL_KIND_COUNT);
     if (near)
         return usage_error(app, err, "'%s' is not a tool; did you mean %s?", name, near);
-    return usage_error(app, err, "'%s' is not a tool: reamer, peg or burr", name);
+    return usage_error(app, err, "'%s' is not a tool; expected reamer, peg or burr", name);
 }
 
 ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
