@@ -159,7 +159,7 @@ static ost_status count_ticks(const ost_path *handle, int32_t rpm, size_t *count
                             "the previous row; expected shorter intervals", i, (double)row->t_ns * 1e-9);
         *count += (size_t)parts;
         if (*count > OST_PATH_TICKS_MAX)
-            return ost_fail(err, OST_ERR_RANGE, "with a motor of %d turns a minute the path has more than %d ticks",
+            return ost_fail(err, OST_ERR_RANGE, "at %d rpm, the path has more than %d ticks",
                             rpm, OST_PATH_TICKS_MAX);
     }
     return OST_OK;

@@ -20,7 +20,7 @@ static ost_status check_motor(const app_state *app, sim_args *args, ost_error *e
     ost_haptic_info info;
     if (args->period_ns > OST_MOTOR_TURN / 4 / (args->rpm ? args->rpm : 1) && args->rpm && !args->sweep_off)
         return usage_error(app, err,
-                           "--rate %s: at %lld turns a minute the motor turns by more than 90 degrees between two "
+                           "--rate %s: at %lld rpm, the motor turns by more than 90 degrees between two "
                            "removals; at least %.3g Hz",
                            args->rate.text, (long long)args->rpm, (double)args->rpm / 15);
     if (!sim_device_info(args, &info))
