@@ -38,13 +38,17 @@ run 0 sign b --key locked.key --passphrase-file passphrase --meaning "archived"
 run 0 verify b --trust trusted/tester.pem --trust trusted/reviewer.pem --json
 check "signer of the second signature" "$(value signatures.1.by)" "A. Reviewer"
 check "meaning of the third signature" "$(value signatures.2.meaning)" archived
-refuse 2 "passphrase" sign b --key locked.key --passphrase-file wrong --meaning x
-refuse 2 "another kind than Ed25519 and ECDSA P-256" sign b --key p384.key --meaning x
-refuse 2 "no readable private key" sign b --key trusted/tester.pem --meaning x
+refuse 2 "locked.key: is encrypted, and the passphrase in wrong does not decrypt it" sign b --key locked.key --passphrase-file wrong --meaning x
+: >empty
+refuse 2 "empty: the first line is empty; expected the passphrase of locked.key" sign b --key locked.key --passphrase-file empty --meaning x
+# Without a terminal, there must be no prompt.
+refuse 2 "locked.key: is encrypted; pass --passphrase-file FILE" sign b --key locked.key --meaning x </dev/null
+refuse 2 "not an Ed25519 or ECDSA P-256 key" sign b --key p384.key --meaning x
+refuse 2 "not a private key in PEM; expected Ed25519 or ECDSA P-256" sign b --key trusted/tester.pem --meaning x
 refuse 2 "no public key" verify b --trust tester.key
-refuse 2 "another kind" verify b --trust p384.pem
+refuse 2 "not an Ed25519 or ECDSA P-256 key" verify b --trust p384.pem
 openssl genpkey -algorithm RSA -pkeyopt rsa_keygen_bits:1024 2>/dev/null | openssl pkey -pubout -out rsa.pem
-refuse 2 "another kind" verify b --trust rsa.pem
+refuse 2 "not an Ed25519 or ECDSA P-256 key" verify b --trust rsa.pem
 openssl req -x509 -key tester.key -days 1 -subj "/CN=a tester" -out certificate.pem 2>/dev/null
 refuse 2 "is a certificate" verify b --trust certificate.pem
 mkdir none
@@ -52,7 +56,16 @@ refuse 2 "no public key (*.pem) in this folder" verify b --trust none
 refuse 2 "No such file" verify b --trust nowhere.pem
 refuse 2 "--timestamp-ca needs --trust" verify b --timestamp-ca trusted/tester.pem
 refuse 2 "--sign needs --out" validate --sign tester.key
-refuse 2 "line of UTF-8" sign b --key tester.key --meaning "$(printf 'two\nlines')"
+refuse 2 "--meaning: contains a control character" sign b --key tester.key --meaning "$(printf 'two\nlines')"
+refuse 2 "--by: contains a control character" sign b --key tester.key --meaning x --by "$(printf 'a\tb')"
+refuse 2 "--by: is too long; expected one printable line of UTF-8 of at most 200 bytes" sign b --key tester.key --meaning x --by "$(printf '%0201d' 0)"
+
+# A changed bundle must not be signed, and the output must state this.
+cp -r b changed
+echo >>changed/results.json
+run 1 sign changed --key tester.key --meaning x
+checks=$((checks + 1))
+grep -q "^changed: not signed, because" out || fail "sign does not state that the bundle was not signed: $(cat out)"
 if grep -rl "PRIVATE KEY" b; then fail "the bundle contains a private key"; fi
 
 # The digest of the bundle must be the same with and without signatures.
@@ -124,7 +137,7 @@ run 0 verify x --trust trusted # DSSE allows URL-safe base64, a wrong key hint a
 edit 'del s["keyid"]'
 run 0 verify x --trust trusted
 sign_copy; edit 'p["subject"][0]["digest"]["sha256"] = "0" * 64; e["payload"] = pack(p)'; check_forgery "wrong signature: the key that it names did not sign this"
-sign_copy; edit 'p["predicate"]["result"] = "PASSED"; e["payload"] = pack(p); s["keyid"] = ""'; check_forgery "by no trusted key"
+sign_copy; edit 'p["predicate"]["result"] = "PASSED"; e["payload"] = pack(p); s["keyid"] = ""'; check_forgery "by a key that is not trusted"
 sign_copy; edit 's["sig"] = s["sig"][:-4] + "AAA="'; check_forgery "signature"
 sign_copy; edit 's["sig"] = s["sig"][:-1]'; check_forgery "not base64"
 sign_copy; edit 's["sig"] = "*" + s["sig"][1:]'; check_forgery "not base64"
@@ -135,7 +148,7 @@ sign_copy; edit 'e["payloadType"] = "application/json"'; check_forgery "payloadT
 sign_copy; edit 'e["signatures"] = []'; check_forgery "no signature, or more than 16"
 sign_copy; edit 'e["signatures"] = [s] * 17'; check_forgery "no signature, or more than 16"
 sign_copy; edit 'e["signatures"] = [s, s]'; check_forgery "two signatures by one key"
-sign_copy; edit 'e["signatures"] = [s, {"sig": "AAAA"}]'; check_forgery "by no trusted key"
+sign_copy; edit 'e["signatures"] = [s, {"sig": "AAAA"}]'; check_forgery "by a key that is not trusted"
 sign_copy; edit 'del e["payload"]'; check_forgery "lacks payload"
 sign_copy; echo '{"payload": "", "payload": "", "payloadType": "x", "signatures": []}' >"$envelope"; check_forgery "not one JSON object"
 sign_copy; "$python" -c 'print("[" * 100000)' >"$envelope"; check_forgery "not one JSON object"
@@ -150,7 +163,7 @@ sign_copy; mkdir x/signatures/more; check_forgery "neither an envelope"
 sign_copy; mv x/signatures y; ln -s "$PWD/y" x/signatures; check_forgery "is not a folder"
 rm -rf x y; cp -r b x
 run 1 verify x --trust trusted/reviewer.pem
-check "number of signatures by no trusted key" "$(grep -c 'by no trusted key' out)" 2
+check "number of signatures by a key that is not trusted" "$(grep -c 'by a key that is not trusted' out)" 2
 run 1 verify x --trust stranger.pem
 # Tests a valid signature by a trusted key that belongs to another bundle.
 run 0 validate --only import/1 --backends "$one" --out other --sign tester.key --quiet

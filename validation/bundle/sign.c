@@ -129,17 +129,28 @@ static ost_status statement_of(const contents *c, const claim *claimed, json_t *
 
 /* --------------------------------------------------------------- signing */
 
-/* Returns true if the text is UTF-8, has no control characters and is at most SIGN_TEXT_MAX bytes long. */
-static bool is_line(const char *text)
+/* Checks that the text is UTF-8, has no control characters and is at most SIGN_TEXT_MAX bytes long. Returns NULL, or
+   what is wrong with the text. */
+static const char *line_problem(const char *text)
 {
     json_t *utf8 = json_string(text);
     json_decref(utf8);
-    if (!utf8 || strlen(text) > SIGN_TEXT_MAX)
-        return false;
+    if (!utf8)
+        return "is not UTF-8";
+    if (strlen(text) > SIGN_TEXT_MAX)
+        return "is too long";
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 127)
-            return false;
-    return true;
+            return "contains a control character";
+    return NULL;
+}
+
+static ost_status check_line(const char *option, const char *text, ost_error *err)
+{
+    const char *problem = line_problem(text);
+    return problem ? ost_fail(err, OST_ERR_USAGE, "%s: %s; expected one printable line of UTF-8 of at most %d bytes",
+                              option, problem, SIGN_TEXT_MAX)
+                   : OST_OK;
 }
 
 static ost_status write_envelope(const char *folder, const char *name, const char *text, ost_error *err)
@@ -178,17 +189,18 @@ ost_status sign_bundle(const char *folder, const sign_key *key, const char *by, 
     contents c;
     claim claimed;
     struct tm utc;
-    if (!is_line(by) || !is_line(meaning))
-        return ost_fail(err, OST_ERR_USAGE,
-                        "a signature's name and meaning must be a line of UTF-8 of at most %d bytes each",
-                        SIGN_TEXT_MAX);
+    ost_status status = check_line("--by", by, err);
+    if (status == OST_OK)
+        status = check_line("--meaning", meaning, err);
+    if (status != OST_OK)
+        return status;
     gmtime_r(&now, &utc);
     snprintf(claimed.by, sizeof claimed.by, "%s", by);
     snprintf(claimed.meaning, sizeof claimed.meaning, "%s", meaning);
     strftime(claimed.time, sizeof claimed.time, "%Y-%m-%dT%H:%M:%SZ", &utc);
     strftime(stamp, sizeof stamp, "%Y%m%dT%H%M%SZ", &utc);
     snprintf(name, SIGN_NAME, MANIFEST_SIGNATURES "/%s-%.16s" ENVELOPE_END, stamp, key->fingerprint);
-    ost_status status = contents_read(folder, &c, err);
+    status = contents_read(folder, &c, err);
     if (status != OST_OK)
         return status;
     status = statement_of(&c, &claimed, &statement, err);
@@ -253,7 +265,7 @@ static bool take_claim(const json_t *annotations, const char *key, char *to, siz
 {
     const json_t *value = json_object_get(annotations, key);
     const char *text = json_string_value(value);
-    if (!text || strlen(text) != json_string_length(value) || strlen(text) >= size || !is_line(text))
+    if (!text || strlen(text) != json_string_length(value) || strlen(text) >= size || line_problem(text))
         return false;
     snprintf(to, size, "%s", text);
     return true;
@@ -299,7 +311,7 @@ static const char *verify_signatures(const check *c, const sign_envelope *e, jso
             for (int i = 0; i < c->trust->count; i++)
                 if (strcmp(c->trust->keys[i].fingerprint, e->signatures[s].keyid) == 0)
                     return "has a wrong signature: the key that it names did not sign this";
-            return "has a signature by no trusted key";
+            return "has a signature by a key that is not trusted";
         }
         if (used[k])
             return "has two signatures by one key";

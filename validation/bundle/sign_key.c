@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <openssl/core_names.h>
 #include <openssl/crypto.h>
@@ -40,7 +41,7 @@ static ost_status take_key(const char *path, EVP_PKEY *pkey, sign_key *out, ost_
     if (!is_supported(pkey))
         status = ost_fail(
             err, OST_ERR_INPUT,
-            "%s: a key of another kind than Ed25519 and ECDSA P-256 (openssl genpkey -algorithm ed25519 makes one)",
+            "%s: not an Ed25519 or ECDSA P-256 key (openssl genpkey -algorithm ed25519 makes one)",
             path);
     const int size = status == OST_OK ? i2d_PUBKEY(pkey, &der) : 0;
     if (status == OST_OK)
@@ -68,6 +69,21 @@ static int give_passphrase(char *to, int size, int writing, void *user)
     return (int)length;
 }
 
+/* Reports why a PEM file gave no private key. The secret is the content of the passphrase file, or NULL. */
+static ost_status no_private_key(const char *path, bool encrypted, const char *passphrase, const char *secret,
+                                 ost_error *err)
+{
+    if (!encrypted)
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a private key in PEM; expected Ed25519 or ECDSA P-256", path);
+    if (!passphrase)
+        return ost_fail(err, OST_ERR_INPUT, "%s: is encrypted, and the passphrase does not decrypt it", path);
+    if (strcspn(secret, "\r\n") == 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: the first line is empty; expected the passphrase of %s", passphrase,
+                        path);
+    return ost_fail(err, OST_ERR_INPUT, "%s: is encrypted, and the passphrase in %s does not decrypt it", path,
+                    passphrase);
+}
+
 ost_status sign_key_open(const char *path, const char *passphrase, sign_key **out, ost_error *err)
 {
     char *bytes = NULL, *secret = NULL;
@@ -76,17 +92,17 @@ ost_status sign_key_open(const char *path, const char *passphrase, sign_key **ou
     ost_status status = ost_file_read(path, KEY_FILE_MAX, &bytes, &size, NULL, err);
     if (status == OST_OK && passphrase)
         status = ost_file_read(passphrase, PASSPHRASE_MAX, &secret, &secret_size, NULL, err);
+    const bool encrypted = status == OST_OK && size >= 9 && strstr(bytes, "ENCRYPTED");
+    /* Without this check, OpenSSL would prompt on standard error and read the passphrase from standard input. */
+    if (encrypted && !passphrase && !isatty(STDIN_FILENO))
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is encrypted; pass --passphrase-file FILE", path);
     BIO *bio = status == OST_OK ? BIO_new_mem_buf(bytes, (int)size) : NULL;
     if (status == OST_OK) {
         EVP_PKEY *pkey = bio ? PEM_read_bio_PrivateKey(bio, NULL, secret ? give_passphrase : NULL, secret) : NULL;
         ERR_clear_error();
         sign_key *key = pkey ? calloc(1, sizeof *key) : NULL;
         if (!pkey)
-            status = ost_fail(err, OST_ERR_INPUT,
-                              "%s: no readable private key; expected PEM with Ed25519 or ECDSA P-256%s", path,
-                              size >= 9 && strstr(bytes, "ENCRYPTED")
-                                  ? "; it is encrypted, and the passphrase was not given or is not its own"
-                                  : "");
+            status = no_private_key(path, encrypted, passphrase, secret, err);
         else if (!key) {
             EVP_PKEY_free(pkey);
             status = ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for a key", path);

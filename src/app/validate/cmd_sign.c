@@ -16,7 +16,7 @@ static void print_problem(void *user, bundle_problem_kind kind, const char *file
 
 /*
  * Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon verify` rejects must
- * not be signed.
+ * not be signed. The line that states this is printed here, because OST_ERR_DIFFER prints no message.
  */
 static ost_status check_first(app_state *app, const char *folder, json_t **summary, ost_error *err)
 {
@@ -26,11 +26,11 @@ static ost_status check_first(app_state *app, const char *folder, json_t **summa
     if (status == OST_OK)
         status = sign_check(folder, NULL, print_problem, app, &found, &signatures, err);
     json_decref(signatures);
-    if (status == OST_OK && found)
-        status =
-            ost_fail(err, OST_ERR_DIFFER,
-                     "%s: %d problem%s: the bundle was changed after it was written, and is not signed", folder,
-                     found, found == 1 ? "" : "s");
+    if (status == OST_OK && found) {
+        print_line(app, "%s: not signed, because the bundle was changed after it was written", folder);
+        status = ost_fail(err, OST_ERR_DIFFER, "%s: not signed, because the bundle was changed after it was written",
+                          folder);
+    }
     return status;
 }
 
@@ -46,7 +46,7 @@ ost_status cmd_sign(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "by", .kind = OPTION_TEXT, .out = &by, .value = "NAME",
          .help = "printed name of the signer (default: none)"},
         {.name = "passphrase-file", .kind = OPTION_TEXT, .out = &passphrase, .value = "FILE",
-         .help = "file whose first line is the passphrase of the key (default: OpenSSL asks on the terminal)"},
+         .help = "file whose first line is the passphrase of the key (default: OpenSSL prompts on the terminal)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "BUNDLE --key FILE --meaning TEXT [--by NAME] [--passphrase-file FILE]",
