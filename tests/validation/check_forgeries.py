@@ -105,7 +105,7 @@ def verdict_edited(f):
     f["results.json"] = f["results.json"].replace(b'"EQUAL"', b'"equal"')
 
 
-@forgery("results.json does not follow from the files that it is made of")
+@forgery("results.json does not match the files that it is computed from")
 def verdict_and_manifest_edited(f):
     f["results.json"] = f["results.json"].replace(b'"EQUAL"', b'"equal"')
     remake(f)
@@ -302,7 +302,7 @@ def tools_of_another_build(f):
     remake(f)
 
 
-@forgery("sbom.spdx.json does not follow from the files that it is made of")
+@forgery("sbom.spdx.json does not match the files that it is computed from")
 def library_left_out_of_the_bill_of_materials(f):
     bill = get(f, "sbom.spdx.json")
     del bill["packages"][-1]
@@ -328,7 +328,7 @@ def microcode_of_the_machine_invented(f):
 
 # -------------------------------------------------------------- hostile content
 
-@forgery("more.txt is no file that a bundle has")
+@forgery("more.txt does not belong to a bundle")
 def file_added(f):
     f["more.txt"] = b"more\n"
     remake(f)
@@ -428,7 +428,7 @@ def file_listed_twice(f):
     f["manifest.json"] = (json.dumps(value, sort_keys=True, indent=1) + "\n").encode()
 
 
-@forgery("is a folder that no bundle has")
+@forgery("is a folder that does not belong to a bundle")
 def bundle_within_the_bundle(f):
     for name, data in list(f.items()):
         f["inner/" + name] = data
@@ -442,7 +442,7 @@ def log_of_another_version(f):
     remake(f, other)
 
 
-@forgery("junit.xml does not follow from the files that it is made of")
+@forgery("junit.xml does not match the files that it is computed from")
 def begun_before_the_log(f):
     times = get(f, "times.json")
     times["begun"] = "2001-01-01T00:00:00Z"
@@ -450,7 +450,7 @@ def begun_before_the_log(f):
     remake(f)
 
 
-@forgery("is no file that a bundle has")
+@forgery("does not belong to a bundle")
 def name_with_a_control_character(f):
     f["README.md\x1b[2J"] = b"more\n"
     remake(f)

@@ -19,6 +19,13 @@ for threads in 2 3 7; do
     done
 done
 
+# A log that was cut off within a line.
+cp -r b cut
+head -c "$(($(wc -c <b/audit.log) - 10))" b/audit.log >cut/audit.log
+run 1 verify cut
+checks=$((checks + 1))
+grep -q "^  audit.log line [0-9]* is cut off; expected an entry 'ended'" out || fail "verify does not report the log that was cut off: $(cat out)"
+
 # verify computes the results of the reference and of a backend again, and must find a changed result.
 run 0 verify b --rerun
 run 0 verify b --rerun --backend cpu:isa=scalar,threads=3,grain=1
@@ -54,7 +61,7 @@ if [ -e "$build/.libs/mirror.so" ]; then
     mv other j/junit.xml
     run 1 verify j
     checks=$((checks + 1))
-    grep -q 'junit.xml does not follow from the files' out || fail "verify does not report the changed junit.xml: $(cat out)"
+    grep -q 'junit.xml does not match the files' out || fail "verify does not report the changed junit.xml: $(cat out)"
 else
     echo "not tested, because this build has no shared objects: time limits and junit.xml"
 fi

@@ -67,7 +67,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
     *b = NULL;
     struct stat info;
     if (lstat(out, &info) == 0)
-        return ost_fail(err, OST_ERR_IO, "%s: exists; a bundle is written once and never over another", out);
+        return ost_fail(err, OST_ERR_IO, "%s: already exists; choose a new folder for the bundle", out);
     bundle *made = calloc(1, sizeof *made);
     if (!made)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a bundle");
@@ -82,7 +82,7 @@ ost_status bundle_begin(const char *out, bundle **b, ost_error *err)
     }
     remove_stale(made->out);
     if (!mkdtemp(made->folder)) {
-        ost_status status = ost_fail(err, OST_ERR_IO, "%s: %s", out, strerror(errno));
+        ost_status status = ost_fail(err, OST_ERR_IO, "%s: cannot make the folder: %s", out, strerror(errno));
         free(made);
         return status;
     }
@@ -270,7 +270,8 @@ static ost_status check_log(const char *folder, bundle_problem *problem, void *u
         ost_digest_hex(&last, hex);
         if (!stop || stop - at < OST_DIGEST_HEX || memcmp(at, hex, OST_DIGEST_HEX - 1) != 0 ||
             at[OST_DIGEST_HEX - 1] != '\t') {
-            snprintf(text, sizeof text, "line %d does not follow from the line before it", number);
+            snprintf(text, sizeof text,
+                     stop ? "line %d does not follow from the line before it" : "line %d is cut off", number);
             problem(user, BUNDLE_DIFFERENT, BUNDLE_LOG, text);
             ++*found;
             break;

@@ -46,8 +46,9 @@ static ost_status compare_derived(void *user, const char *name, const void *byte
         report_problem(d, BUNDLE_ABSENT, name, "is missing");
     else if (!same) {
         char text[256];
-        snprintf(text, sizeof text, "does not follow from %s%s",
-                 strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is made of", d->other_build);
+        snprintf(text, sizeof text, "does not match %s%s",
+                 strcmp(name, REPORT_FILE) == 0 ? "the other files" : "the files that it is computed from",
+                 d->other_build);
         report_problem(d, BUNDLE_DIFFERENT, name, text);
     }
     return OST_OK;

@@ -216,10 +216,10 @@ static ost_status add_file(listing *l, const char *name, int64_t size, ost_error
 
 static const char *type_of(mode_t mode)
 {
-    return S_ISLNK(mode)    ? "is a symbolic link; a bundle has regular files alone"
-           : S_ISFIFO(mode) ? "is a pipe; a bundle has regular files alone"
-           : S_ISDIR(mode)  ? "is a folder that no bundle has"
-                            : "is a device or a socket; a bundle has regular files alone";
+    return S_ISLNK(mode)    ? "is a symbolic link; a bundle has only regular files"
+           : S_ISFIFO(mode) ? "is a pipe; a bundle has only regular files"
+           : S_ISDIR(mode)  ? "is a folder that does not belong to a bundle"
+                            : "is a device or a socket; a bundle has only regular files";
 }
 
 static bool known_folder(const char *name)
@@ -240,7 +240,7 @@ static ost_status list_one(listing *l, int fd, const char *name, const char *bas
     if (!S_ISREG(info.st_mode))
         report(l, name, type_of(info.st_mode));
     else if (!folder_describe(name, &about))
-        report(l, name, "is no file that a bundle has");
+        report(l, name, "does not belong to a bundle");
     else if (info.st_size > about.most) {
         snprintf(text, sizeof text, "has %lld bytes; at most %lld are expected", (long long)info.st_size,
                  (long long)about.most);

@@ -85,20 +85,26 @@ static void report(reader *r, const char *format, ...)
     ++*r->found;
 }
 
-/* Splits the next line into its four fields at its tabs. Returns false at the end of the log, or if the line does not
-   have this form. */
-static bool next_line(reader *r)
+/* Splits the next line into its four fields at its tabs. At the end of the log, or if the line does not have this form,
+   reports that an entry `action` is expected and returns false. */
+static bool next_line(reader *r, const char *action)
 {
     char *stop = strchr(r->at, '\n'), *field[3];
-    if (!*r->at || !stop)
-        return false;
-    *stop = '\0';
     r->number++;
+    if (!*r->at || !stop) {
+        report(r, *r->at ? "line %d is cut off; expected an entry '%s'" : "has no line %d; expected an entry '%s'",
+               r->number, action);
+        return false;
+    }
+    *stop = '\0';
     /* the fields time, action and detail; the digest of the previous line precedes them */
     for (int i = 0; i < 3; i++) {
         field[i] = strchr(i ? field[i - 1] : r->at, '\t');
-        if (!field[i])
+        if (!field[i]) {
+            report(r, "line %d has fewer than four fields, separated by tabs; expected an entry '%s'", r->number,
+                   action);
             return false;
+        }
         *field[i]++ = '\0';
     }
     r->time = field[0], r->action = field[1], r->detail = field[2];
@@ -121,10 +127,8 @@ static void check_time(reader *r)
 /* Checks that the next line has this action and this detail. If detail is NULL, any detail is accepted. */
 static bool expect(reader *r, const char *action, const char *detail)
 {
-    if (!next_line(r)) {
-        report(r, "ends, or has a line of another form, where line %d must be '%s'", r->number + 1, action);
+    if (!next_line(r, action))
         return false;
-    }
     check_time(r);
     if (strcmp(r->action, action) != 0) {
         report(r, "line %d: is '%.40s'; '%s' is expected", r->number, r->action, action);

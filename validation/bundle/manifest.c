@@ -227,6 +227,13 @@ static void compare_rows(const json_t *stated, const json_t *is, bundle_problem 
     json_decref(there);
 }
 
+/* Returns an error text without the name of the manifest and the line, because bundle_problem reports the name. */
+static const char *problem_text(const char *text)
+{
+    const char *end = strstr(text, ": ");
+    return end ? end + 2 : text;
+}
+
 ost_status manifest_check(const char *folder, bundle_problem *problem, void *user, int *found, ost_error *err)
 {
     char *bytes = NULL, *text = NULL;
@@ -254,7 +261,8 @@ ost_status manifest_check(const char *folder, bundle_problem *problem, void *use
             compare_rows(stated, is, problem, user, found);
         /* Every file matches its row, so the difference is in the manifest itself. */
         if (status == OST_OK && *found == before) {
-            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE, stated ? "is not what the files give" : unread.text);
+            problem(user, BUNDLE_DIFFERENT, MANIFEST_FILE,
+                    stated ? "is not what the files give" : problem_text(unread.text));
             ++*found;
         }
         json_decref(stated);

@@ -56,5 +56,7 @@ ost_status bundle_find_json(const char *folder, const char *name, json_t **out, 
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err)
 {
     const ost_status status = bundle_find_json(folder, name, out, err);
-    return status != OST_OK || *out ? status : ost_fail(err, OST_ERR_INPUT, "%s/%s: is missing", folder, name);
+    return status != OST_OK || *out
+               ? status
+               : ost_fail(err, OST_ERR_INPUT, "%s/%s: is missing; expected a complete bundle", folder, name);
 }

@@ -275,8 +275,8 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     if (status != OST_OK)
         return status;
     if (l.absent)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s: an incomplete bundle cannot be verified", folder,
-                        l.first, found > 1 ? ", and there are more problems" : "");
+        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s; an incomplete bundle cannot be verified", folder,
+                        l.first, found > 1 ? " (see the list for further problems)" : "");
     return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER,
                                           "%s: %d problem%s: the bundle was changed after it was written", folder,
                                           found, found == 1 ? "" : "s");
