@@ -227,7 +227,8 @@ ost_status export_cases(const char *folder, const plan *p, ost_error *err)
 {
     char seed[32];
     if (mkdir(folder, 0777) != 0)
-        return ost_fail(err, OST_ERR_IO, "%s: %s", folder, strerror(errno));
+        return ost_fail(err, OST_ERR_IO, errno == EEXIST ? "%s: already exists; choose a new folder"
+                                                         : "%s: cannot make the folder: %s", folder, strerror(errno));
     signal_cleanup_folder(folder);
     json_t *list = json_array();
     ost_status status = OST_OK;

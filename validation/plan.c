@@ -84,8 +84,11 @@ ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const
     }
     if (!out->total) {
         plan_free(out);
-        return ost_fail(err, OST_ERR_USAGE, "no case of tier %s has a name that starts with '%s'", plan_tier_name(tier),
-                        only);
+        return ost_fail(err, OST_ERR_USAGE,
+                        strncmp(only, "user", 4) == 0 && !(user && user->count)
+                            ? "no case of tier %s has a name that starts with '%s'; pass --ct, --tool or --path"
+                            : "no case of tier %s has a name that starts with '%s'",
+                        plan_tier_name(tier), only);
     }
     return OST_OK;
 }

@@ -152,7 +152,9 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err)
     if (!w->file) {
         free(w->path);
         free(w);
-        return ost_fail(err, OST_ERR_IO, "%s: %s", path, strerror(errno));
+        /* A worker ends with the status of exhausted resources if the error is OST_ERR_IO (WORKER_EXIT_RESOURCES). */
+        const bool unusable = errno == ENOENT || errno == ENOTDIR || errno == EISDIR || errno == EACCES;
+        return ost_fail(err, unusable ? OST_ERR_INPUT : OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     }
     *out = w;
     return OST_OK;
@@ -250,6 +252,8 @@ static uint32_t u32_at(const uint8_t *p)
 static ost_status index_records(const char *path, trace *t, ost_error *err)
 {
     size_t capacity = 0;
+    if (t->size && memcmp(t->bytes, magic, t->size < 4 ? t->size : 4) != 0)
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a trace; expected a file that --trace wrote", path);
     for (size_t at = 0; t->size - at >= HEAD;) {
         const uint8_t *head = t->bytes + at;
         const uint64_t body = u64_at(head + 16);
@@ -279,7 +283,7 @@ ost_status trace_open(const char *path, trace *out, ost_error *err)
     *out = (trace){0};
     ost_status status = ost_file_open(path, &file, err);
     if (status != OST_OK)
-        return status;
+        return file.absent ? ost_fail(err, OST_ERR_INPUT, "%s: cannot open: %s", path, strerror(ENOENT)) : status;
     if (file.size > 0) {
         void *bytes = mmap(NULL, (size_t)file.size, PROT_READ, MAP_PRIVATE, file.fd, 0);
         if (bytes == MAP_FAILED) {

@@ -229,7 +229,8 @@ ost_status user_store_open(int fd, user_store **out, ost_error *err)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the user's cases");
     u->fd = fd;
     if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size < (off_t)sizeof *u->head)
-        return ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs", fd);
+        return ost_fail(err, OST_ERR_INPUT, "--user is for workers of osteon validate: descriptor %d has no cases",
+                        fd);
     u->size = (size_t)info.st_size;
     ost_status status = map_all(u, err);
     if (status != OST_OK)
@@ -241,7 +242,8 @@ ost_status user_store_open(int fd, user_store **out, ost_error *err)
         complete = entry_is_complete(u, &u->head->entries[i]);
     return complete
                ? OST_OK
-               : ost_fail(err, OST_ERR_INPUT, "--user is for workers: descriptor %d has no inputs of this program", fd);
+               : ost_fail(err, OST_ERR_INPUT,
+                          "--user is for workers of osteon validate: descriptor %d has cases of another program", fd);
 }
 
 void user_store_free(user_store *u)

@@ -169,14 +169,14 @@ run 2 compare none
 rm none/dump.json
 refuse 2 "docs/spec/dumps.md" compare none
 refuse 2 "nobody" compare nobody
-refuse 2 "--worker needs --trace or --dump" validate --worker ref --trace x --dump y
+refuse 2 "--trace cannot be combined with --dump" validate --worker ref --trace x --dump y
 
 # Exports inputs for another program.
 run 0 validate --export-cases inputs --only poses/1
 for file in cases.json poses-1/case.json poses-1/samples.txt poses-1/path.csv poses-1/tool-0.obj poses-1/tool-0.stl; do
     [ -s "inputs/$file" ] || fail "the exported inputs do not contain $file"
 done
-refuse 2 "inputs: File exists" validate --export-cases inputs --only poses/1
+refuse 2 "inputs: already exists; choose a new folder" validate --export-cases inputs --only poses/1
 
 # A Python program that was written only from docs/spec/arithmetic.md computes the steps before the
 # voxels.

@@ -67,7 +67,7 @@ run 0 validate --only import/0 --backends "$one" --seed 2 --out x --quiet
 make_new x
 check "another seed: compared cases, cause, conclusion" "$(impact results.compared) $(impact causes.0.what) $(impact conclusion)" "0 seed no case has the same input in both bundles, so no result was compared"
 
-refuse 2 "no bundle: protocol.json is absent" validate --against . --out y
+refuse 2 "not a bundle: protocol.json is missing" validate --against . --out y
 refuse 2 "--against needs --out" validate --against old
 refuse 2 "--faults needs --faults-only" validate --faults 3
 [ ! -e y ] || fail "a bundle was begun"

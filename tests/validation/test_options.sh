@@ -19,6 +19,22 @@ for threads in 2 3 7; do
     done
 done
 
+# Conflicting options, and files that a worker cannot use.
+refuse 2 "--cpu-only cannot be combined with --backends" validate --cpu-only --backends cl --only import/0
+refuse 2 "--faults-only cannot be combined with --out" validate --faults-only --faults 1 --out none
+refuse 2 "--from and --to need --worker" validate --from 3 --only import/0
+refuse 2 "--from 5: must not be greater than --to 2" validate --worker ref --trace t --from 5 --to 2
+refuse 2 "--worker needs --trace or --dump" validate --worker ref
+refuse 2 "--trace needs --worker" validate --trace t
+refuse 2 "nodir/t: cannot write: No such file or directory" validate --worker ref --trace nodir/t --only import/0
+refuse 2 "gone: cannot open: No such file or directory" validate --worker ref --trace t --given gone --only import/0
+echo hello >text
+refuse 2 "text: not a trace" validate --worker ref --trace t --given text --only import/0
+refuse 2 "gone/b: cannot make the folder: No such file or directory" validate --only import/0 --backends ref --out gone/b
+refuse 2 "b: already exists; choose a new folder" validate --only import/0 --backends ref --export-cases b
+refuse 2 "b: is a bundle; expected a folder that contains one bundle per shard" validate --merge b --out merged
+refuse 2 "gone: neither a folder of dumps nor a backend" compare gone
+
 # A log that was cut off within a line.
 cp -r b cut
 head -c "$(($(wc -c <b/audit.log) - 10))" b/audit.log >cut/audit.log

@@ -20,7 +20,7 @@ campaign="validate --only import/0 --backends cpu:isa=scalar,threads=1"
 
 # A folder that is not a suite must be refused before anything runs.
 refuse 2 "needs --out" $campaign --with-suite suite
-refuse 2 "with --shard, only the first" $campaign --with-suite suite --shard 2/2 --out b
+refuse 2 "only the first shard runs the tests; pass --shard 1/2" $campaign --with-suite suite --shard 2/2 --out b
 refuse 2 "nowhere: has no program tests/run-test" $campaign --with-suite nowhere --out b
 mkdir -p plain/tests folder/tests/run-test
 echo text >plain/tests/run-test

@@ -29,7 +29,8 @@ ost_status impact_check(const char *old, ost_error *err)
     json_t *protocol;
     ost_status status = read_json(old, EVIDENCE_PROTOCOL, &protocol, err);
     if (status == OST_OK && !json_is_object(protocol))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: no bundle: %s is absent or no JSON object", old, EVIDENCE_PROTOCOL);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: not a bundle: %s is missing or not a JSON object", old,
+                          EVIDENCE_PROTOCOL);
     json_decref(protocol);
     return status;
 }

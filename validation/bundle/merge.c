@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "validation/bundle/check.h"
 #include "validation/bundle/environment.h"
@@ -31,6 +32,13 @@ static json_t *common_part(const json_t *protocol)
     json_object_del(o, "cases");
     json_object_del(o, "suite"); /* Only the first shard runs the test suite, so only its protocol has this key. */
     return o;
+}
+
+static bool is_bundle(const char *folder)
+{
+    char path[BUNDLE_PATH];
+    return snprintf(path, sizeof path, "%s/%s", folder, EVIDENCE_PROTOCOL) < (int)sizeof path &&
+           access(path, F_OK) == 0;
 }
 
 /* Adds the cases of one bundle to the table `by_id`, and its environment and times to *m. */
@@ -129,7 +137,10 @@ ost_status merge_read(const char *folder, merged *out, ost_error *err)
     json_t *by_id = json_object();
     DIR *dir = opendir(folder);
     int count = 0;
-    ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: %s", folder, strerror(errno));
+    ost_status status = dir ? OST_OK : ost_fail(err, OST_ERR_INPUT, "%s: cannot open: %s", folder, strerror(errno));
+    if (status == OST_OK && is_bundle(folder))
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is a bundle; expected a folder that contains one bundle per shard",
+                          folder);
     for (struct dirent *e; status == OST_OK && (status = bundle_next_entry(dir, folder, &e, err)) == OST_OK && e;) {
         char path[BUNDLE_PATH];
         if (e->d_name[0] == '.' || strstr(e->d_name, ".part-"))

@@ -152,6 +152,18 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
     return OST_OK;
 }
 
+/* Returns true if the text up to the first ':' is the name of a backend. */
+static bool is_backend(const char *spec)
+{
+    const size_t length = strcspn(spec, ":");
+    ost_backend_info info;
+    for (int i = 0; i < ost_backend_count(); i++)
+        if (ost_backend_describe(i, &info, NULL) == OST_OK && strlen(info.name) == length &&
+            memcmp(info.name, spec, length) == 0)
+            return true;
+    return length == strlen(SUBJECT_DENSE) && memcmp(SUBJECT_DENSE, spec, length) == 0;
+}
+
 /*
  * Finds the subject to compare. If the name is a folder, the subject is a dump, whose header contains the tier and
  * the seed of its campaign. Any other name denotes a backend.
@@ -166,8 +178,12 @@ static ost_status find_subject(const app_state *app, compare_args *args, char sp
     if (n < 0 || n >= SUBJECT_SPEC || strchr(args->subject_spec, ';'))
         return usage_error(app, err, "'%.60s': expected one folder or one backend, shorter than %d bytes and without "
                            "a semicolon", args->subject_spec, SUBJECT_SPEC);
-    if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0)
+    if (strncmp(spec, SUBJECT_DUMP, strlen(SUBJECT_DUMP)) != 0) {
+        if (!is_backend(spec))
+            return ost_fail(err, OST_ERR_USAGE, "%s: neither a folder of dumps nor a backend; 'osteon devices' lists "
+                            "the backends", spec);
         return OST_OK;
+    }
     const ost_status status = dump_read_head(spec + strlen(SUBJECT_DUMP), &head, err);
     if (status != OST_OK)
         return status;

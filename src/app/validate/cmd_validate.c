@@ -258,12 +258,24 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
     if (!options_parse(app, &usage, argc, argv, &status, err) ||
         (status = shard_of(app, args.shard, &shard, &shards, err)) != OST_OK)
         return status;
-    if (!args.worker != !(args.trace || args.dump) || (args.trace && args.dump))
-        return usage_error(app, err, "--worker needs --trace or --dump, and the reverse");
+    if (!args.worker != !(args.trace || args.dump))
+        return usage_error(app, err, args.worker ? "--worker needs --trace or --dump"
+                                     : args.trace ? "--trace needs --worker" : "--dump needs --worker");
+    if (args.trace && args.dump)
+        return usage_error(app, err, "--trace cannot be combined with --dump");
+    if (!args.worker && (args.from || args.to))
+        return usage_error(app, err, "--from and --to need --worker");
+    if (args.to && args.from > args.to)
+        return usage_error(app, err, "--from %lld: must not be greater than --to %lld", (long long)args.from,
+                           (long long)args.to);
     if (args.given && !args.trace)
         return usage_error(app, err, "--given needs --worker and --trace");
     if (args.export_to && (args.worker || args.out))
         return usage_error(app, err, "--export-cases cannot be combined with --worker or --out");
+    if (args.cpu_only && args.backends)
+        return usage_error(app, err, "--cpu-only cannot be combined with --backends");
+    if (args.faults_only && args.out)
+        return usage_error(app, err, "--faults-only cannot be combined with --out, because it writes no bundle");
     if (args.apart && (args.out || args.worker || args.merge || args.faults_only || args.export_to))
         return usage_error(app, err, "--apart cannot be combined with --out, --worker, --merge, --faults-only or "
                            "--export-cases: evidence needs complete runs");
@@ -273,12 +285,15 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "%s cannot be combined with --ct, --tool or --path",
                            args.merge ? "--merge" : "--faults-only");
     if (args.against && (!args.out || args.merge || args.faults_only))
-        return usage_error(app, err, "--against needs --out and a run of the campaign");
+        return usage_error(app, err, "--against needs --out, and cannot be combined with --merge or --faults-only");
     if (args.against && (status = impact_check(args.against, err)) != OST_OK)
         return status;
-    if (args.suite && (!args.out || args.merge || args.faults_only || args.worker || shard != 1))
-        return usage_error(app, err,
-                           "--with-suite needs --out and a run of the campaign; with --shard, only the first");
+    if (args.suite && (!args.out || args.merge || args.faults_only || args.worker))
+        return usage_error(app, err, "--with-suite needs --out, and cannot be combined with --merge, --faults-only or "
+                           "--worker");
+    if (args.suite && shard != 1)
+        return usage_error(app, err, "--with-suite with --shard %s: only the first shard runs the tests; pass --shard "
+                           "1/%d", args.shard, shards);
     if (args.suite && (status = suite_find(args.suite, err)) != OST_OK)
         return status;
     if ((args.sign && (!args.out || args.faults_only)) || (args.passphrase && !args.sign))

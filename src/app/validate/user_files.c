@@ -91,7 +91,7 @@ static ost_status identify_file(const char *path, int64_t *bytes, ost_digest *di
 {
     struct stat info;
     if (stat(path, &info) != 0)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s", path, strerror(errno));
+        return ost_fail(err, OST_ERR_INPUT, "%s: cannot open: %s", path, strerror(errno));
     if (!S_ISREG(info.st_mode))
         return ost_fail(err, OST_ERR_INPUT,
                         "%s: not a regular file; the evidence needs the SHA-256 of a file that others can check",
