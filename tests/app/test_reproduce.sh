@@ -81,7 +81,11 @@ refuse 2 "'table-9.9' is not an item" reproduce table-9.9 --out x
 refuse 2 "did you mean table-3.3" reproduce tabel-3.3 --out x
 refuse 2 '--out DIR is missing' reproduce table-3.3
 refuse 3 'a drawing' reproduce figure-1.1 --out x
-refuse 2 'contains no result' reproduce --merge "$scratch/own.nrrd.d" --out x
+refuse 2 'contains no result' reproduce --merge "$scratch/own.nrrd.d" --out absent
+refuse 2 "'banana' is not a model; expected foam, core-2, core-1, scapula or glenoid" reproduce table-3.3 --ct banana=own.nrrd --out absent
+refuse 2 'gone.nrrd: cannot open' reproduce table-3.3 --ct gone.nrrd --out absent
+checks=$((checks + 1))
+if [ -e absent ]; then fail "a run that made no result leaves a folder"; fi
 echo x >file
 refuse 2 'file: cannot make the folder' reproduce table-3.6 --out file
 mkdir broken

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "app/common/options.h"
 #include "app/common/print.h"
@@ -91,6 +92,11 @@ static ost_status select_cts(const app_state *app, const option_list *given, con
         }
         if (!*file)
             return usage_error(app, err, "--ct '%s': expected MODEL=FILE or FILE", text);
+        /* A FILE may contain '='. */
+        const size_t word = strcspn(text, "=/");
+        if (file == text && text[word] == '=' && access(text, F_OK) != 0)
+            return usage_error(app, err, "--ct '%s': '%.*s' is not a model; expected foam, core-2, core-1, scapula or "
+                               "glenoid", text, (int)word, text);
         if (ct[id])
             return usage_error(app, err, "--ct '%s': the model %s has a CT already", text, model_words[id]);
         ct[id] = file;
@@ -187,6 +193,8 @@ static ost_status measure(app_state *app, const reproduce_args *args, const bool
     ost_status status = select_cts(app, &args->ct, r.models.ct, err);
     if (status == OST_OK)
         status = reproduction_begin(&r, err);
+    if (status == OST_OK)
+        status = make_folder(args->out, err);
     for (const reproduction_item *item = reproduction_items; item->id && status == OST_OK; item++) {
         if (!chosen[item - reproduction_items])
             continue;
@@ -255,9 +263,10 @@ static ost_status merge(app_state *app, const reproduce_args *args, const bool c
         status = merge_item(args, item, to, err);
         if (status != OST_OK || to->machine_count == 0)
             continue;
-        run->count++;
         *e = (report_entry){.item = item, .result = to};
-        status = finish_item(app, args, run, e, err);
+        status = run->count++ == 0 ? make_folder(args->out, err) : OST_OK;
+        if (status == OST_OK)
+            status = finish_item(app, args, run, e, err);
     }
     if (status == OST_OK && run->measured == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: contains no result of osteon reproduce", args->merge.value[0]);
@@ -270,9 +279,8 @@ static ost_status run_items(app_state *app, const reproduce_args *args, const bo
     if (!run)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the results");
     put(app->result, "items", json_array());
-    ost_status status = make_folder(args->out, err);
-    if (status == OST_OK)
-        status = args->merge.count ? merge(app, args, chosen, run, err) : measure(app, args, chosen, run, err);
+    ost_status status =
+        args->merge.count ? merge(app, args, chosen, run, err) : measure(app, args, chosen, run, err);
     if (status == OST_OK)
         status = reproduction_report(args->out, run->entry, (size_t)run->count, err);
     if (status == OST_OK) {
