@@ -28,7 +28,7 @@ run 0 export drilled.nrrd --before bone.nrrd --out removed.nrrd
 run 0 info removed.nrrd --digest --json
 check "solid voxels of removed.nrrd" "$("$json_get" solid_voxels <out)" "$removed"
 refuse 2 "nothing was removed" export bone.nrrd --before bone.nrrd --out none.stl
-refuse 2 "other dims" export ct.nrrd --before removed.nrrd --out none.stl
+refuse 2 "differ in dims, spacing or origin" export ct.nrrd --before removed.nrrd --out none.stl
 [ ! -e none.stl ] || fail "a refused export left none.stl"
 
 # -------------------------------------------------------------- the mesh's frame

@@ -111,7 +111,7 @@ static void print_result(const app_state *app, const char *name_a, const char *n
         return;
     }
     if (!r->same_dims)
-        print_line(app, "different: %s and %s have other dims, so no voxel was compared", name_a, name_b);
+        print_line(app, "different: %s and %s differ in dims, so no voxel was compared", name_a, name_b);
     else
         print_line(app, "different: %s of %s voxels, in %zu of %s chunks", format_count(n, r->different),
                    format_count(m, ost_dims_count(a->volume.geometry.dims)), r->chunk_count,

@@ -214,7 +214,7 @@ ost_status diff_html(const char *path, const char *name_a, const char *name_b, c
     if (r->equal)
         html_text(&p, "Equal: the same geometry, and every voxel the same.");
     else if (!r->same_dims)
-        html_text(&p, "They differ: the grids have other dims, so no voxel was compared.");
+        html_text(&p, "They differ: the grids differ in dims, so no voxel was compared.");
     else
         html_print(&p, "They differ in %s voxels.", format_count(n, r->different));
     html_text(&p, "</p>\n");

@@ -148,7 +148,7 @@ static ost_status export_picture(const app_state *app, const export_args *args, 
     if (args->before) {
         status = load_volume(app, args->before, &before, err);
         if (status == OST_OK && !ost_geometry_equal(&before.volume.geometry, &in->volume.geometry))
-            status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", args->before,
+            status = ost_fail(err, OST_ERR_INPUT, "%s and %s differ in dims, spacing or origin", args->before,
                               args->bone);
     }
     progress_show(NULL, "drawing", 0);

@@ -131,7 +131,7 @@ static ost_status add_uncut(const app_state *app, const render_args *args, drawi
     if (status == OST_OK)
         status = ost_bone_info_get(args->before ? bone : d->bone, &info, err);
     if (status == OST_OK && !ost_geometry_equal(&info.geometry, &d->viewer.bone.geometry))
-        status = ost_fail(err, OST_ERR_INPUT, "%s: has another grid than %s", args->before, args->bone);
+        status = ost_fail(err, OST_ERR_INPUT, "%s and %s differ in dims, spacing or origin", args->before, args->bone);
     if (status == OST_OK)
         status = bone_to_volume(args->before ? bone : d->bone, NULL, &d->before, err);
     if (status == OST_OK)

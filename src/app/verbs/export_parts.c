@@ -13,7 +13,7 @@ ost_status export_removed(const app_state *app, const char *before, const char *
     *count = 0;
     ost_status status = load_volume(app, before, &old, err);
     if (status == OST_OK && !ost_geometry_equal(&old.volume.geometry, &in->volume.geometry))
-        status = ost_fail(err, OST_ERR_INPUT, "%s and %s have other dims, spacing or origin", before, name);
+        status = ost_fail(err, OST_ERR_INPUT, "%s and %s differ in dims, spacing or origin", before, name);
     const int64_t voxels = status == OST_OK ? ost_dims_count(in->volume.geometry.dims) : 0;
     for (int64_t v = 0; v < voxels; v++) {
         const bool removed = old.volume.voxels[v] >= old.threshold && in->volume.voxels[v] < in->threshold;
@@ -21,7 +21,7 @@ ost_status export_removed(const app_state *app, const char *before, const char *
         *count += removed;
     }
     if (status == OST_OK && *count == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: no voxel of %s is missing in it, so nothing was removed", name,
+        status = ost_fail(err, OST_ERR_INPUT, "%s: has every voxel of %s, so nothing was removed", name,
                           before);
     if (status == OST_OK)
         in->threshold = 1;
