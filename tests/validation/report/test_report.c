@@ -449,10 +449,10 @@ static void changed_byte_is_detected(void **state)
         assert_int_equal(stat(path, &info), 0);
         const long at = (long)(rng_next(&rng) % (uint64_t)info.st_size);
         flip(folder, name, at);
-        /* one problem concerns the manifest; another problem is that the page no longer follows from the bundle */
+        /* one problem concerns the manifest; another problem is that the page no longer matches the bundle */
         assert_true(problems_of(folder, all) >= 2);
         assert_non_null(strstr(all, name));
-        assert_non_null(strstr(all, REPORT_FILE " does not follow"));
+        assert_non_null(strstr(all, REPORT_FILE " does not match"));
         flip(folder, name, at);
         assert_int_equal(problems_of(folder, all), 0);
     }
