@@ -13,7 +13,7 @@ walk=$build/tests/faults/walk
 [ -z "${OST_SAN_CFLAGS:-}" ] || skip "the run-time library of a sanitizer must be loaded first"
 seed=${OST_TEST_SEED:-$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}
 echo "# seed $seed"
-excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libcrypto:libexpat:libomp:libgomp
+excepted=libassimp:_dri:libEGL:libGL:libglapi:libepoxy:libgallium:libLLVM:libgcc_s:libcrypto:libexpat:libomp:libgomp
 # OpenCL is disabled in these tests, because its libraries are written in C++.
 export OCL_ICD_VENDORS="$scratch/none" XDG_CACHE_HOME="$scratch/cache" OST_FAIL_EXCEPT=$excepted
 mkdir "$OCL_ICD_VENDORS" "$XDG_CACHE_HOME"
