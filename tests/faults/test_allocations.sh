@@ -8,8 +8,8 @@
 #
 # The allocations of some libraries are excluded, because these libraries crash or end the program
 # if an allocation fails: assimp, the run-time libraries of OpenMP, the drivers of OpenGL and
-# OpenCL, libgcc_s, in which LLVM registers the code that it generates for OpenGL, and libcrypto (version 3.0.19, for about one in a hundred of the 4,700 allocations at its
-# start).
+# OpenCL, libgcc_s, in which LLVM registers the code that it generates for OpenGL, and libcrypto
+# (version 3.0.19, for about one in a hundred of the 4,700 allocations at its start).
 # Covers: REQ-OUT-OF-MEMORY
 . "${srcdir:-.}/tests/app/lib.sh"
 . "$source_folder/tests/faults/lib.sh"
