@@ -47,9 +47,7 @@ static ost_status unknown(const char *path, const unsigned char *bytes, size_t s
     if (size == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: file is empty; expected an NRRD, NIfTI, MetaImage or DICOM volume",
                         path);
-    /* the size 348 of a NIfTI-1 header in both byte orders */
-    static const unsigned char little[4] = {0x5c, 1, 0, 0}, big[4] = {0, 0, 1, 0x5c};
-    if (size >= 4 && size < OST_NIFTI_SNIFF && (memcmp(bytes, little, 4) == 0 || memcmp(bytes, big, 4) == 0))
+    if (ost_nifti_is_truncated(bytes, size))
         return ost_fail(err, OST_ERR_INPUT, "%s: truncated NIfTI header: %zu bytes; expected at least %d", path, size,
                         OST_NIFTI_SNIFF);
     char start[3 * 8 + 1] = "";

@@ -12,6 +12,8 @@
 enum { OST_NIFTI_SNIFF = 348 };
 /* Returns 1 for NIfTI-1, 2 for NIfTI-2, 7 for ANALYZE 7.5 (the predecessor of NIfTI), and 0 for any other file. */
 int ost_nifti_sniff(const unsigned char *bytes, size_t size);
+/* Returns true if the bytes, which are a complete file, begin like a NIfTI-1 header but end before its magic string. */
+bool ost_nifti_is_truncated(const unsigned char *bytes, size_t size);
 
 /*
  * Reads a NIfTI file. The input must be at the start of the (unpacked) header. For the other parameters, see

@@ -20,3 +20,8 @@ int ost_nifti_sniff(const unsigned char *bytes, size_t size)
         return 0;
     return memcmp(bytes + 344, "n+1", 4) == 0 || memcmp(bytes + 344, "ni1", 4) == 0 ? 1 : 7;
 }
+
+bool ost_nifti_is_truncated(const unsigned char *bytes, size_t size)
+{
+    return size >= 4 && size < OST_NIFTI_SNIFF && starts_with_size(bytes, 348);
+}
