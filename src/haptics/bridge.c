@@ -307,13 +307,8 @@ static bool tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)
 /* Returns true if the text is a decimal number from 1 to 65535. getaddrinfo would reduce a port modulo 65536. */
 static bool is_port(const char *text)
 {
-    const size_t digits = strspn(text, "0123456789"), zeros = strspn(text, "0");
-    int port = 0;
-    if (text[digits] || digits - zeros > 5)
-        return false;
-    for (const char *p = text; *p; p++)
-        port = port * 10 + (*p - '0');
-    return port >= 1 && port <= 65535;
+    const long port = strtol(text, NULL, 10); /* LONG_MAX if there are too many digits */
+    return !text[strspn(text, "0123456789")] && port >= 1 && port <= 65535;
 }
 
 static ost_status open_socket(bridge *b, ost_error *err)
