@@ -4,12 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "app/common/options.h"
 #include "app/common/progress.h"
 
 bool backend_is(const app_state *app, const char *name)
 {
-    const size_t length = strcspn(app->backend, ":");
-    return strlen(name) == length && memcmp(app->backend, name, length) == 0;
+    return spec_is(app->backend, name);
 }
 
 /* Opens the backend of --backend. For an OpenCL device, shows a progress line, because the device's driver compiles

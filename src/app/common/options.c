@@ -36,6 +36,12 @@ static const option *find(const option *table, const char *name, size_t length)
     return NULL;
 }
 
+bool spec_is(const char *spec, const char *name)
+{
+    const size_t length = strcspn(spec, ":");
+    return strlen(name) == length && memcmp(spec, name, length) == 0;
+}
+
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...)
 {
     char text[OST_ERROR_TEXT];

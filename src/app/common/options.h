@@ -83,6 +83,9 @@ typedef struct usage_text {
  */
 bool options_parse(app_state *app, const usage_text *usage, int argc, char **argv, ost_status *status, ost_error *err);
 
+/* Returns true if `spec`, such as "cpu:threads=2" or "udp:port=0", names the backend or device `name`. */
+bool spec_is(const char *spec, const char *name);
+
 /* Reports an incorrect use of the verb in one line that ends with a reference to the verb's help. */
 ost_status usage_error(const app_state *app, ost_error *err, const char *format, ...) OST_PRINTF(3, 4);
 

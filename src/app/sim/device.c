@@ -2,12 +2,11 @@
 /* Opens the device that --device names. */
 #include "app/sim/sim.h"
 
-#include <string.h>
+#include "app/common/options.h"
 
 bool sim_device_is(const sim_args *args, const char *name)
 {
-    const size_t length = strcspn(args->device, ":");
-    return strlen(name) == length && memcmp(args->device, name, length) == 0;
+    return spec_is(args->device, name);
 }
 
 bool sim_follows_path(const sim_args *args)

@@ -155,13 +155,11 @@ static ost_status report(app_state *app, const campaign *c, bool apart, ost_erro
 /* Returns true if the text up to the first ':' is the name of a backend. */
 static bool is_backend(const char *spec)
 {
-    const size_t length = strcspn(spec, ":");
     ost_backend_info info;
     for (int i = 0; i < ost_backend_count(); i++)
-        if (ost_backend_describe(i, &info, NULL) == OST_OK && strlen(info.name) == length &&
-            memcmp(info.name, spec, length) == 0)
+        if (ost_backend_describe(i, &info, NULL) == OST_OK && spec_is(spec, info.name))
             return true;
-    return length == strlen(SUBJECT_DENSE) && memcmp(SUBJECT_DENSE, spec, length) == 0;
+    return spec_is(spec, SUBJECT_DENSE);
 }
 
 /*

@@ -165,8 +165,7 @@ ost_status cmd_bridge(app_state *app, int argc, char **argv, ost_error *err)
         return usage_error(app, err, "--seconds %s: must be from 0.001 to 86400", args.seconds.text);
     static const char *const shown[] = {"mouse", "openxr"};
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++)
-        if (strncmp(args.device, shown[i], strcspn(args.device, ":")) == 0 &&
-            strlen(shown[i]) == strcspn(args.device, ":"))
+        if (spec_is(args.device, shown[i]))
             return usage_error(app, err, "--device %s: works only in osteon sim", shown[i]);
     if (args.path && strncmp(args.path, "builtin:", 8) == 0)
         return usage_error(app, err, "--path %s: built-in paths need osteon sim; expected a .csv or a session",
