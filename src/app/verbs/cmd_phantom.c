@@ -61,7 +61,8 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
     int side = 1;
     bool compress = false;
     const operand operands[] = {
-        {"KIND", &kind_name, "which phantom? One of scapula, glenoid, shoulder, trabecular, trabecular2, foam"}, {0}};
+        {"KIND", &kind_name, "no phantom named; expected scapula, glenoid, shoulder, trabecular, trabecular2 or foam"},
+        {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
          .help = "the CT: .txt, .nrrd, .nii or .nii.gz"},

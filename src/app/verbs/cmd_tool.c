@@ -31,7 +31,7 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     const char *kind_name = NULL, *out = NULL;
     ost_tool_options make = {0};
     int64_t segments = 0;
-    const operand operands[] = {{"KIND", &kind_name, "which tool? One of reamer, peg, burr"}, {0}};
+    const operand operands[] = {{"KIND", &kind_name, "no tool named; expected reamer, peg or burr"}, {0}};
     const option options[] = {
         {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
          .help = "the mesh: .stl, .ply or .obj"},
