@@ -26,10 +26,24 @@ run 0 import ct.nrrd --threshold 400 --out dense.nrrd
 run 0 import dense.nrrd --out dense2.nrrd
 cmp -s dense.nrrd dense2.nrrd || fail "a bone of threshold 400 HU differs after it was imported again"
 
-# The output may be the input.
+# An output must not replace a file that another argument names, whatever the spelling of its name.
 cp bone.nrrd same.nrrd
-run 0 ream --bone same.nrrd --tool builtin:peg --path builtin:peg-hole --out same.nrrd
-cmp -s same.nrrd reamed32.nrrd || fail "ream writes another file if --out is equal to --bone"
+ln -s same.nrrd link.nrrd
+ln same.nrrd hard.nrrd
+peg_hole="--tool builtin:peg --path builtin:peg-hole"
+for out in same.nrrd ./same.nrrd link.nrrd hard.nrrd; do
+    refuse 2 "--out $out: argument 'same.nrrd' names the same file" ream --bone same.nrrd $peg_hole --out $out
+    refuse 2 "argument '--bone=same.nrrd' names the same file" ream --out=$out $peg_hole --bone=same.nrrd
+done
+refuse 2 "argument 'ct.nrrd' names the same file" import ct.nrrd --out ct.nrrd
+refuse 2 "argument 'same.nrrd:1' names the same file" import ct.nrrd --mask same.nrrd:1 --out same.nrrd
+refuse 2 "argument 'same.nrrd' names the same file" export same.nrrd --out same.nrrd
+refuse 2 "--out and --preview both name x.png" import ct.nrrd --out x.png --preview x.png
+cmp -s bone.nrrd same.nrrd || fail "a refused output changed the file"
+run 0 ream --record same.session --bone bone.nrrd $peg_hole --out reamed.nrrd
+refuse 2 "--repair same.session: argument 'same.session' names the same file" info same.session --repair same.session
+run 0 ream --bone bone.nrrd $peg_hole --out same.nrrd
+cmp -s same.nrrd reamed32.nrrd || fail "ream does not replace a file that no other argument names"
 
 # Every file format of the volume must give the same grid.
 for form in nrrd nii.gz txt; do

@@ -199,7 +199,7 @@ run 0 sim --headless --no-clock --device script --resume killed.session --path r
 check "operation continued after a kill: all ticks, digest" "$(($(value ticks_before) + $(value ticks))) $(value sha256)" "301 $one"
 run 0 sim --headless --no-clock --device null --resume first.session --path builtin:peg-hole --seconds 0.02 --json
 check "operation continued with a distant device: faults, ticks with a fault" "$(value faults) $(value fault_ticks)" "1 20"
-refuse 2 "is the session to resume" sim --headless --resume first.session --record first.session
+refuse 2 "names the same file" sim --headless --resume first.session --record first.session
 refuse 2 "is not the bone of this session" sim --headless --resume first.session --bone all.nrrd
 
 # If a signal ends the operation, the session must be complete and record the reason.

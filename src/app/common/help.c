@@ -76,7 +76,7 @@ static const char *kind_of(const option *o)
         return "flag";
     if (o->kind == OPTION_CHOICE)
         return o->value;
-    return o->kind == OPTION_TEXT || o->kind == OPTION_LIST ? "file" : "value";
+    return o->kind == OPTION_TEXT || o->kind == OPTION_OUTPUT || o->kind == OPTION_LIST ? "file" : "value";
 }
 
 static void print_candidates(const option *table)

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/common/help.h"
+#include "app/common/output_names.h"
 #include "core/file.h"
 #include "app/common/progress.h"
 
@@ -163,6 +164,7 @@ static ost_status take(const app_state *app, const option *o, const char *text, 
         *(bool *)o->out = true;
         return OST_OK;
     case OPTION_TEXT:
+    case OPTION_OUTPUT:
         if (!*text)
             return usage_error(app, err, "--%s must not be empty; expected %s", o->name, o->value);
         *(const char **)o->out = text;
@@ -291,7 +293,7 @@ static ost_status parse_all(app_state *app, const usage_text *usage, int argc, c
     for (const option *o = usage->options; o->name; o++)
         if (o->required && !seen[o - usage->options])
             return usage_error(app, err, "--%s %s is missing", o->name, o->value);
-    return OST_OK;
+    return output_names_check(usage->options, argc, argv, err);
 }
 
 /* Returns true if an argument is --help, which takes precedence over errors in other arguments. */

@@ -17,6 +17,7 @@
 typedef enum option_kind {
     OPTION_FLAG,     /* bool */
     OPTION_TEXT,     /* const char * */
+    OPTION_OUTPUT,   /* const char *: the path of a file to write, which no other argument may name */
     OPTION_LIST,     /* an option_list, to which each occurrence of the option adds its value */
     OPTION_INTEGER,  /* an int64_t in min..max */
     OPTION_DECIMAL,  /* option_decimal */

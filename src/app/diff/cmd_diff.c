@@ -140,7 +140,7 @@ ost_status cmd_diff(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {
         {"A", &name_a, "no grids given; expected two"}, {"B", &name_b, "no second grid given"}, {0}};
     const option options[] = {
-        {.name = "html", .kind = OPTION_TEXT, .out = &html, .value = "FILE",
+        {.name = "html", .kind = OPTION_OUTPUT, .out = &html, .value = "FILE",
          .help = "write a page with slices, a view of the surface with the most differences, a map of the chunks "
                  "and the voxels"},
         {.name = "limit", .kind = OPTION_INTEGER, .out = &limit, .value = "N", .min = 0, .max = 100000,

@@ -38,7 +38,7 @@ typedef struct film film;
 
 /* The rows of the video options in a verb's option table. */
 #define VIDEO_OPTIONS(v)                                                                                          \
-    {.name = "video", .kind = OPTION_TEXT, .out = &(v).target, .value = "TARGET",                                 \
+    {.name = "video", .kind = OPTION_OUTPUT, .out = &(v).target, .value = "TARGET",                               \
      .help = "write a video: .mp4, .mkv, .mov or .webm (these need ffmpeg), .y4m, or a folder of numbered PNGs"}, \
     {.name = "video-pipe", .kind = OPTION_TEXT, .out = &(v).pipe, .value = "COMMAND",                             \
      .help = "write the video as YUV4MPEG2 to the standard input of this shell command, such as ffmpeg, x264 "    \

@@ -64,7 +64,7 @@ typedef struct patient_options {
                  "a CSV label,x,y,z (LPS); labels: glenoid, axis (a point inside the bone on the axis), trigonum, "    \
                  "inferior angle"},                                                                                    \
     {                                                                                                                  \
-        .name = "landmarks-out", .kind = OPTION_TEXT, .out = &(p).landmarks_out, .value = "FILE.mrk.json",             \
+        .name = "landmarks-out", .kind = OPTION_OUTPUT, .out = &(p).landmarks_out, .value = "FILE.mrk.json",           \
         .help = "write these points, to correct them in 3D Slicer and to pass them to --landmarks"                     \
     }
 

@@ -24,7 +24,7 @@ enum { PREVIEW_WIDTH = 1600, PREVIEW_HEIGHT = 1000 };
 
 /* The row of --preview in a verb's option table. */
 #define PREVIEW_OPTION(path)                                                                                         \
-    {.name = "preview", .kind = OPTION_TEXT, .out = &(path), .value = "FILE.png",                                    \
+    {.name = "preview", .kind = OPTION_OUTPUT, .out = &(path), .value = "FILE.png",                                  \
      .help = "also write a picture of the result: three planes of the CT with outlines, a view of the surface, and " \
              "a table of what was read and what was left out"}
 

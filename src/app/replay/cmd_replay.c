@@ -376,7 +376,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
          .help = "compare up to the end of the recording; if something differs, find the tick, chunk and voxel "
                  "with a second backend"},
         {.name = "out",
-         .kind = OPTION_TEXT,
+         .kind = OPTION_OUTPUT,
          .out = &args.out,
          .value = "FILE",
          .help = "the bone after the last tick: .nrrd, .nii, .nii.gz or .txt"},
@@ -399,7 +399,7 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
          .value = "TOOL",
          .help = "where the tools are now, in order; may repeat (default: where they were recorded)"},
         {.name = "debrief",
-         .kind = OPTION_TEXT,
+         .kind = OPTION_OUTPUT,
          .out = &args.debrief,
          .value = "FILE.html",
          .help = "page that compares the result with the plan: angles, depths, hole, seat, force, pictures"},

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "app/sim/sim.h"
 
-#include <sys/stat.h>
-
 #include "app/common/progress.h"
 #include "app/common/print.h"
 #include "app/session/keys.h"
@@ -11,12 +9,6 @@ ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, 
 {
     session_setup setup;
     char missing[OST_SESSION_MISSING];
-    struct stat a, b;
-    if (args->record && stat(args->record, &a) == 0 && stat(args->resume, &b) == 0 && a.st_dev == b.st_dev &&
-        a.st_ino == b.st_ino)
-        return usage_error(app, err,
-                           "--record %s: is the session to resume; pass another file, which will hold both parts",
-                           args->record);
     ost_status status = ost_session_open(args->resume, &s->resumed, err);
     if (status != OST_OK)
         return status;

@@ -200,7 +200,7 @@ ost_status cmd_validate(app_state *app, int argc, char **argv, ost_error *err)
          .value = "BACKEND",
          .help = "run the cases on this backend only, write --trace and compare nothing"},
         {.name = "trace",
-         .kind = OPTION_TEXT,
+         .kind = OPTION_OUTPUT,
          .out = &args.trace,
          .value = "FILE",
          .help = "file for the results of --worker"},

@@ -231,7 +231,7 @@ ost_status cmd_export(app_state *app, int argc, char **argv, ost_error *err)
     const operand operands[] = {{"BONE", &args.bone, "no bone given"}, {0}};
     const option options[] = {
         {.name = "out",
-         .kind = OPTION_TEXT,
+         .kind = OPTION_OUTPUT,
          .out = &args.out,
          .value = "FILE",
          .required = true,

@@ -136,7 +136,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
     bool compress = false;
     const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &out, .value = "FILE", .required = true,
          .help = "the bone: .nrrd, .nii, .nii.gz or .txt"},
         HEADING("reading the CT"),
         CT_OPTIONS(ct),

@@ -289,7 +289,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
          .help = "set a fact in the header of a bone or CT and leave its voxels: at=X,Y,Z, axis=X,Y,Z, side=left "
                  "or right, trigonum=X,Y,Z, inferior-angle=X,Y,Z; an empty VALUE removes the fact; may repeat"},
         DICOM_OPTIONS(dicom),
-        {.name = "repair", .kind = OPTION_TEXT, .out = &repaired, .value = "FILE",
+        {.name = "repair", .kind = OPTION_OUTPUT, .out = &repaired, .value = "FILE",
          .help = "write the complete ticks of a session that was cut off or damaged as a new session"},
         {.name = NULL}};
     const usage_text usage = {

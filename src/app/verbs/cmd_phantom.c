@@ -64,7 +64,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         {"KIND", &kind_name, "no phantom named; expected scapula, glenoid, shoulder, trabecular, trabecular2 or foam"},
         {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &out, .value = "FILE", .required = true,
          .help = "the CT: .txt, .nrrd, .nii or .nii.gz"},
         {.name = "seed", .kind = OPTION_INTEGER, .out = &seed, .value = "N", .min = 1, .max = INT64_MAX,
          .help = "seed of the generated bone (default: 1)"},

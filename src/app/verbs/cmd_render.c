@@ -248,7 +248,7 @@ ost_status cmd_render(app_state *app, int argc, char **argv, ost_error *err)
     render_args args = {.ct = CT_OPTIONS_DEFAULT, .how = TOOL_OPTIONS_DEFAULT};
     target_options *t = &args.target;
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &args.out, .value = "FILE.png", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &args.out, .value = "FILE.png", .required = true,
          .help = "the picture"},
         VIEW_OPTION(args.view, "direction of view (default: operator)"),
         VIEW_EXTENT_OPTION(args.view),

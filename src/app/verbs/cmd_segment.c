@@ -34,7 +34,7 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
     dicom_options dicom = {.series = NULL};
     const operand operands[] = {{"CT", &name, "no CT given"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &out, .value = "FILE", .required = true,
          .help = "the label map: .nrrd, .nii or .nii.gz"},
         HEADING("what is bone"),
         {.name = "threshold", .kind = OPTION_INTEGER, .out = &threshold, .value = "HU", .min = 1, .max = 32767,

@@ -33,7 +33,7 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
     int64_t segments = 0;
     const operand operands[] = {{"KIND", &kind_name, "no tool named; expected reamer, peg or burr"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &out, .value = "FILE", .required = true,
          .help = "the mesh: .stl, .ply or .obj"},
         {.name = "diameter", .kind = OPTION_LENGTH, .out = &make.diameter, .value = "MM",
          .help = "diameter (default: reamer 36, peg 6, burr 6)"},

@@ -37,7 +37,7 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
     tool_options how = TOOL_OPTIONS_DEFAULT;
     const operand operands[] = {{"MESH", &mesh, "no mesh given"}, {0}};
     const option options[] = {
-        {.name = "out", .kind = OPTION_TEXT, .out = &out, .value = "FILE", .required = true,
+        {.name = "out", .kind = OPTION_OUTPUT, .out = &out, .value = "FILE", .required = true,
          .help = "the tool grid: .nrrd"},
         TOOL_OPTIONS(how),
         {.name = "noncutting", .kind = OPTION_TEXT, .out = &noncutting, .value = "MESH",
