@@ -408,7 +408,7 @@ ost_status ost_path_read(const char *path, const ost_path_options *options, ost_
         status = ost_fail(err, OST_ERR_INPUT, r.line ? "%s: no rows of values; expected %s"
                                                      : "%s: file is empty; expected %s", path, expected_row);
     if (status == OST_OK && out->count == 0)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: %zu rows without a pose: every row has nan in a column of the pose",
+        status = ost_fail(err, OST_ERR_INPUT, "%s: no row has a pose; rows with nan in a column of the pose: %zu",
                           path, r.report.rows);
     if (status == OST_OK)
         status = mark_gaps(&r, options, err);

@@ -260,7 +260,7 @@ static void refuses_invalid_motions(void **state)
         ost_status status;
     } cases[] = {
         {"", "", "bad.csv: file is empty", OST_ERR_INPUT},
-        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,nan,0,0,0\n", "", "bad.csv: 1 rows without a pose", OST_ERR_INPUT},
+        {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,nan,0,0,0\n", "", "bad.csv: no row has a pose", OST_ERR_INPUT},
         {"t_s,x_cm,y_cm,z_cm,qw,qx,qy,qz\n", "", "bad.csv:1: column 2 is named 'x_cm'", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0\n", "", "bad.csv:1: 7 columns", OST_ERR_INPUT},
         {"0,0,0,0,1,0,0,0\n0,0,0,0,1,0,0,0\n", "", "bad.csv:2: t_s is 0.000000000, not after", OST_ERR_INPUT},

@@ -376,7 +376,8 @@ static void text_errors_contain_the_line(void **state)
         {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", ":13: face 0: expected a count"},
         {"x.ply", PLY_HEAD PLY_FACE "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "has no face"},
         {"x.3ds", "MMMMMM", "byte 2: the header states"},
-        {"x.3ds", "no", "begins with a chunk of kind 4D4D"},
+        {"x.3ds", "no", "truncated after 2 bytes; a 3DS file begins with 6 bytes of header"},
+        {"x.3ds", "NNMMMM", "byte 0: the first chunk has the kind 4E4E; expected 4D4D, the kind of a 3DS file"},
         {"x.off", "OFF\n3 1 0\n", "'.off' is not a supported mesh format"},
         {"noextension", "v 0 0 0\n", "'no extension' is not a supported mesh format"},
     };

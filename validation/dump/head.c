@@ -65,7 +65,8 @@ ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err)
         return status;
     status = ost_file_read(path, 1 << 20, &bytes, &size, &absent, &why);
     if (status != OST_OK)
-        return ost_fail(err, status, "%s%s", why.text, absent ? "; a dump has this file, see docs/spec/dumps.md" : "");
+        return ost_fail(err, status, "%s%s", why.text,
+                        absent ? "; expected the folder of a dump, which contains this file (docs/spec/dumps.md)" : "");
     json_t *o = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &where);
     free(bytes);
     if (!o)

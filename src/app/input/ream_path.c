@@ -110,8 +110,8 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
         last = out->ticks[i].tool > last ? out->ticks[i].tool : last;
     if (last >= tool_count) {
         ost_path_free(out);
-        return ost_fail(err, OST_ERR_INPUT, "%s: uses tool %d, counted from 0, but %d tool%s given with --tool", name,
-                        last, tool_count, tool_count == 1 ? " is" : "s are");
+        return ost_fail(err, OST_ERR_INPUT, "%s: a tick uses tool %d; tools are numbered from 0, and %d %s given with "
+                        "--tool", name, last, tool_count, tool_count == 1 ? "is" : "are");
     }
     for (size_t i = 0; i < out->count; i++) {
         out->ticks[i].tool = last == 0 ? index : out->ticks[i].tool;

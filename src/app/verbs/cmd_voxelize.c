@@ -66,7 +66,8 @@ ost_status cmd_voxelize(app_state *app, int argc, char **argv, ost_error *err)
     if (strncmp(mesh, "builtin:", 8) != 0)
         status = ost_file_kind_find(mesh, &kind, err);
     if (status == OST_OK && kind != OST_FILE_MESH && kind != OST_FILE_UNKNOWN)
-        status = ost_fail(err, OST_ERR_INPUT, "%s: is not a mesh; expected STL, OBJ, PLY or 3DS", mesh);
+        status = ost_fail(err, OST_ERR_INPUT, "%s: is of kind %s; expected a mesh: STL, OBJ, PLY or 3DS", mesh,
+                          load_kind_name(kind));
     if (status == OST_OK)
         status = backend_choose(app, &backend, err);
     if (status == OST_OK)

@@ -128,8 +128,12 @@ static ost_status chunks(mesh_input *in, size_t at, size_t end, uint32_t around,
 
 ost_status ost_mesh_check_3ds(mesh_input *in, ost_error *err)
 {
-    if (in->size < HEAD || get16(in, 0) != MAIN)
-        return fail_at(in, 0, "a 3DS file begins with a chunk of kind 4D4D", err);
+    if (in->size < HEAD)
+        return ost_fail(err, OST_ERR_INPUT, "%s: file is truncated after %zu bytes; a 3DS file begins with %d bytes of "
+                        "header", in->path, in->size, HEAD);
+    if (get16(in, 0) != MAIN)
+        return ost_fail(err, OST_ERR_INPUT, "%s: byte 0: the first chunk has the kind %04X; expected 4D4D, the kind of "
+                        "a 3DS file", in->path, (unsigned)get16(in, 0));
     if (get32(in, 2) < HEAD || get32(in, 2) > in->size)
         return ost_fail(err, OST_ERR_INPUT, "%s: byte 2: the header states %u bytes; the file has %zu", in->path,
                         (unsigned)get32(in, 2), in->size);

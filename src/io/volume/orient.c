@@ -13,16 +13,16 @@ static const int permutations[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0
 enum { LEAST_STEPS = 64, STRAIGHT_SHARE = 8 };
 
 /*
- * Returns true if every component is at most 100 mm in magnitude, which is below 2^37 pm. Products of three components
- * then fit into 128 bits.
+ * Returns the greatest magnitude of a component. If it is at most 100 mm, which is below 2^37 pm, products of three
+ * components fit into 128 bits.
  */
-static bool columns_small(const ost_affine *affine)
+static ost_pm greatest_component(const ost_affine *affine)
 {
+    ost_pm greatest = 0;
     for (int a = 0; a < 3; a++)
         for (int w = 0; w < 3; w++)
-            if (llabs(affine->column[a][w]) > OST_SPACING_MAX)
-                return false;
-    return true;
+            greatest = llabs(affine->column[a][w]) > greatest ? llabs(affine->column[a][w]) : greatest;
+    return greatest;
 }
 
 static ost_i128 determinant(const ost_affine *m)
@@ -118,8 +118,9 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
 {
     static const char toward[3][2] = {{'L', 'R'}, {'P', 'A'}, {'S', 'I'}};
     *out = (ost_placement){0};
-    if (!columns_small(affine))
-        return ost_fail(err, OST_ERR_RANGE, "a voxel is more than 100 mm long; check the spacing and its unit");
+    if (greatest_component(affine) > OST_SPACING_MAX)
+        return ost_fail(err, OST_ERR_RANGE, "a voxel is %.6g mm long, more than 100 mm; check the spacing and its unit",
+                        ost_pm_to_mm(greatest_component(affine)));
     if (determinant(affine) == 0)
         return ost_fail(err, OST_ERR_INPUT,
                         "its three axes do not span space: a spacing is 0, or two axes are parallel");
