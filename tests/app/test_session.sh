@@ -131,6 +131,16 @@ grep -q "the recording is incomplete: it was cut off after tick" err || fail "wr
 # Tests the results of --verify: equal to the end, different, or equal up to the end of the file.
 run 0 replay whole.session --verify --json
 check "complete session: complete, equal, verified ticks, recorded ticks" "$(value complete) $(value equal) $(value verified_ticks) $(value recorded_ticks)" "true true $ticks $ticks"
+# Every verb that reads ticks from a session must warn that the session is incomplete.
+warns_of_cut() {
+    run 0 "$@"
+    grep -q "cut.session: the recording is incomplete: it was cut off after tick" err || fail "osteon $*: no warning: $(cat err)"
+}
+warns_of_cut info cut.session
+warns_of_cut export cut.session --out cut.csv
+warns_of_cut ream --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --path cut.session --out cut_reamed.nrrd
+warns_of_cut sim --headless --no-clock --bone bone.nrrd --tool builtin:peg --tool builtin:reamer --device replay --path cut.session
+warns_of_cut sim --headless --no-clock --device null --resume cut.session --seconds 0.01
 run 2 replay cut.session --verify --out cut.nrrd --json
 check "truncated session with --verify: complete, equal, end compared" "$(value complete) $(value equal) $(value end_compared)" "false true false"
 verified=$(value verified_ticks)

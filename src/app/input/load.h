@@ -176,6 +176,13 @@ ost_status loaded_to_bone(const app_state *app, const char *name, loaded_volume 
 ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume *out, ost_error *err);
 
 /*
+ * Opens a session and warns if its recording is incomplete or damaged. The caller closes *out with ost_session_close.
+ */
+ost_status load_session(const app_state *app, const char *name, ost_session **out, ost_error *err);
+/* Reads the ticks of a session up to the first gap in the tick numbers, with the same warning. */
+ost_status load_session_path(const app_state *app, const char *name, ost_path *out, ost_error *err);
+
+/*
  * Checks that `path` has one of the extensions in `ends`, such as "nrrd|nii|nii.gz|txt", and that its folder exists.
  * Called before any work is done. An existing file is later replaced without a warning.
  */

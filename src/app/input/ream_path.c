@@ -6,6 +6,7 @@
 
 #include "app/common/result.h"
 #include "app/common/print.h"
+#include "app/input/load.h"
 #include "core/integer.h"
 
 enum { GAP_NS = 1000000 };
@@ -78,21 +79,6 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
                        near ? near : names[0]);
 }
 
-/* Reads the ticks of a session. Stops at the first gap in the tick numbers. */
-static ost_status session_path(const app_state *app, const char *name, ost_path *out, ost_error *err)
-{
-    ost_session *session;
-    char missing[OST_SESSION_MISSING];
-    ost_status status = ost_session_open(name, &session, err);
-    if (status != OST_OK)
-        return status;
-    if (ost_session_missing(session, missing)[0])
-        warn(app, "%s: %s", name, missing);
-    status = ost_session_path(session, out, err);
-    ost_session_close(session);
-    return status;
-}
-
 /* Reads a file of ticks. If all ticks refer to tool 0, they are changed to move tool `index` (AR-PATH-6). */
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count,
                             const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
@@ -101,7 +87,7 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
     ost_file_kind kind;
     const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
     ost_path_report report = {0};
-    ost_status status = known && kind == OST_FILE_SESSION ? session_path(app, name, out, err)
+    ost_status status = known && kind == OST_FILE_SESSION ? load_session_path(app, name, out, err)
                                                           : ost_path_read(name, gaps, out, &report, err);
     if (status != OST_OK)
         return status;

@@ -435,15 +435,13 @@ ost_status cmd_replay(app_state *app, int argc, char **argv, ost_error *err)
     if ((status = replay_film_check(app, &args.film, err)) != OST_OK)
         return status;
     ost_session *session;
-    status = ost_session_open(args.session, &session, err);
+    status = load_session(app, args.session, &session, err);
     if (status != OST_OK)
         return status;
     session_setup setup;
     replay r = {0};
     char missing[OST_SESSION_MISSING];
-    if (ost_session_missing(session, missing)[0])
-        warn(app, "%s: %s", args.session, missing);
-    put_text(app->result, "missing", missing);
+    put_text(app->result, "missing", ost_session_missing(session, missing));
     if (ost_session_summary_of(session)->complete_ticks == 0)
         status = ost_fail(err, OST_ERR_INPUT, "%s: no tick can be replayed", args.session);
     if (status == OST_OK)

@@ -5,8 +5,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-/* Stores the numbers of a session's summary, and warns once if records are missing. */
-static void put_summary(const app_state *app, const char *name, const ost_session *session)
+static void put_summary(const app_state *app, const ost_session *session)
 {
     const ost_session_summary *s = ost_session_summary_of(session);
     char missing[OST_SESSION_MISSING];
@@ -20,10 +19,7 @@ static void put_summary(const app_state *app, const char *name, const ost_sessio
     put_integer(o, "missing_records", (int64_t)s->missing_records);
     put_integer(o, "damaged_bytes", (int64_t)s->damaged_bytes);
     put_integer(o, "cut_bytes", (int64_t)s->cut_bytes);
-    ost_session_missing(session, missing);
-    put_text(o, "missing", missing);
-    if (missing[0])
-        warn(app, "%s: %s", name, missing);
+    put_text(o, "missing", ost_session_missing(session, missing));
 }
 
 static void put_header(const app_state *app, const ost_session_header *header)
@@ -41,7 +37,7 @@ static void put_header(const app_state *app, const ost_session_header *header)
 ost_status info_session(const app_state *app, const char *name, const char *repaired, ost_error *err)
 {
     ost_session *session;
-    ost_status status = ost_session_open(name, &session, err);
+    ost_status status = load_session(app, name, &session, err);
     if (status != OST_OK)
         return status;
     const ost_session_summary *s = ost_session_summary_of(session);
@@ -52,7 +48,7 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
     put(app->result, "dims", json_pack("[I]", (json_int_t)s->ticks));
     print_line(app, "%s: a session of %s ticks in %.3f s, %s", name, format_count(a, (int64_t)s->ticks),
                s->ticks ? (double)(s->last_t_ns - s->first_t_ns) * 1e-9 : 0.0, format_bytes(b, (int64_t)s->file_bytes));
-    put_summary(app, name, session);
+    put_summary(app, session);
     put_header(app, ost_session_header_of(session));
     if (repaired) {
         status = ost_session_repair(session, repaired, err);
@@ -68,13 +64,13 @@ ost_status info_session(const app_state *app, const char *name, const char *repa
 ost_status export_session(const app_state *app, const char *name, const char *out, ost_error *err)
 {
     ost_session *session;
-    ost_status status = ost_session_open(name, &session, err);
+    ost_status status = load_session(app, name, &session, err);
     if (status != OST_OK)
         return status;
     char a[FORMAT_TEXT];
     put_text(app->result, "in", name);
     put_text(app->result, "out", out);
-    put_summary(app, name, session);
+    put_summary(app, session);
     status = ost_session_write_csv(session, out, err);
     if (status == OST_OK)
         print_line(app, "%s: a table of %s ticks", out,

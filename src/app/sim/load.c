@@ -125,6 +125,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
                                                                                  : back_from_the_bone(args, s, &first);
     if (s->window && sim_device_is(args, "mouse") && (status = sim_window_mouse_create(s, &start, err)) != OST_OK)
         return status;
+    ost_session *session;
     const ost_haptic_setup setup = {
         .path = &s->path,
         .session = args->session,
@@ -133,7 +134,10 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         .start = start,
         .gaps = args->gaps,
     };
-    return ost_haptic_open(args->device, &setup, &s->device, err);
+    /* The device opens the session itself; here it is opened for the warning about missing ticks. */
+    if (sim_device_is(args, "replay") && (status = load_session(app, args->session, &session, err)) == OST_OK)
+        ost_session_close(session);
+    return status == OST_OK ? ost_haptic_open(args->device, &setup, &s->device, err) : status;
 }
 
 ost_status sim_check_start(const app_state *app, const sim_args *args, simulation *s, ost_error *err)

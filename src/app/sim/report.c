@@ -160,8 +160,10 @@ void sim_report_loop(const app_state *app, const sim_args *args, const simulatio
     report_tracking(app, s);
     report_counts(app, args->stats, s);
     if (s->done.faults)
-        warn(app, "%s: %llu faults in %llu ticks; the last: %s", args->device, (unsigned long long)s->done.faults,
-             (unsigned long long)s->done.fault_ticks, ost_fault_text(s->done.last_fault));
+        warn(app, "%s reported %llu fault%s, which affected %llu tick%s; the last fault: %s", args->device,
+             (unsigned long long)s->done.faults, s->done.faults == 1 ? "" : "s",
+             (unsigned long long)s->done.fault_ticks, s->done.fault_ticks == 1 ? "" : "s",
+             ost_fault_text(s->done.last_fault));
 }
 
 ost_status sim_device_end(app_state *app, const sim_args *args, const simulation *s, ost_error *err)

@@ -8,15 +8,11 @@
 ost_status sim_resume_open(const app_state *app, sim_args *args, simulation *s, ost_error *err)
 {
     session_setup setup;
-    char missing[OST_SESSION_MISSING];
-    ost_status status = ost_session_open(args->resume, &s->resumed, err);
+    ost_status status = load_session(app, args->resume, &s->resumed, err);
     if (status != OST_OK)
         return status;
     if (ost_session_summary_of(s->resumed)->complete_ticks == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: no tick can be replayed", args->resume);
-    const ost_session_summary *sum = ost_session_summary_of(s->resumed);
-    if (sum->complete_ticks < sum->ticks && ost_session_missing(s->resumed, missing)[0])
-        warn(app, "%s: %s", args->resume, missing);
     status = session_keys_read(args->resume, ost_session_header_of(s->resumed), &setup, err);
     if (status != OST_OK)
         return status;

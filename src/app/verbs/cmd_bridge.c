@@ -21,18 +21,12 @@ typedef struct bridge_args {
 } bridge_args;
 
 /* Reads a path from a CSV table of ticks or from a session. */
-static ost_status path_of(const char *name, ost_path *out, ost_error *err)
+static ost_status path_of(const app_state *app, const char *name, ost_path *out, ost_error *err)
 {
     ost_file_kind kind;
-    ost_session *session;
-    if (ost_file_kind_find(name, &kind, NULL) != OST_OK || kind != OST_FILE_SESSION)
-        return ost_path_read_csv(name, out, err);
-    ost_status status = ost_session_open(name, &session, err);
-    if (status != OST_OK)
-        return status;
-    status = ost_session_path(session, out, err);
-    ost_session_close(session);
-    return status;
+    const bool known = ost_file_kind_find(name, &kind, NULL) == OST_OK;
+    return known && kind == OST_FILE_SESSION ? load_session_path(app, name, out, err)
+                                             : ost_path_read_csv(name, out, err);
 }
 
 static void put_times(const app_state *app, const char *key, const char *what, const ost_times *times)
@@ -98,7 +92,7 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
     if (!r)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for the times of a run");
     const bool replay = strcmp(args->device, "replay") == 0;
-    ost_status status = args->path && !replay ? path_of(args->path, &path, err) : OST_OK;
+    ost_status status = args->path && !replay ? path_of(app, args->path, &path, err) : OST_OK;
     const ost_haptic_setup setup = {.path = &path, .session = replay ? args->path : NULL, .start = ost_pose_identity()};
     if (status == OST_OK)
         status = ost_haptic_open(args->device, &setup, &device, err);
