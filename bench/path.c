@@ -4,33 +4,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef struct quat {
-    double w, x, y, z;
-} quat;
-
-static quat product(quat a, quat b)
-{
-    return (quat){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                  a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
-static quat normalised(quat q)
-{
-    double length = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    return (quat){q.w / length, q.x / length, q.y / length, q.z / length};
-}
+#include "core/quaternion.h"
 
 ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, ost_error *err)
 {
     const double side = scene->bone.dims.x * ost_pm_to_mm(SCENE_SPACING), feed = 0.02, depth = feed * PATH_TICKS;
-    const quat tilt = normalised((quat){0.97, 0.17, -0.13, 0.11});
-    const quat step = normalised((quat){256, 0, 0, 1});
+    double tilt[4] = {0.97, 0.17, -0.13, 0.11}, step[4] = {256, 0, 0, 1};
+    ost_quaternion_unit(tilt);
+    ost_quaternion_unit(step);
     /* The direction into the bone, which is the tool's -z axis rotated by `tilt`. */
-    const quat down = product(product(tilt, (quat){0, 0, 0, -1}), (quat){tilt.w, -tilt.x, -tilt.y, -tilt.z});
+    double down[3] = {0, 0, -1};
+    ost_quaternion_rotate(tilt, down, down);
     /* Halfway along the path, the tool's face is in the middle of the upper part of the bone. At the
        first tick, the tool's face is just inside the bone. */
-    const double middle[3] = {side / 2, side / 2, side - depth / 2 * -down.z};
-    quat turn = {1, 0, 0, 0};
+    const double middle[3] = {side / 2, side / 2, side - depth / 2 * -down[2]};
+    double turn[4] = {1, 0, 0, 0};
     ost_tick *ticks = malloc((size_t)count * sizeof *ticks);
     ost_status status = OST_OK;
     *out = ticks;
@@ -38,11 +26,14 @@ ost_status bench_path_make(const bench_scene *scene, int count, ost_tick **out, 
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a path of %d ticks", count);
     for (int i = 0; i < count && status == OST_OK; i++) {
         const double s = feed * i - depth / 2;
-        const double t[3] = {middle[0] + s * down.x, middle[1] + s * down.y, middle[2] + s * down.z};
-        const quat q = normalised(product(tilt, turn));
+        const double t[3] = {middle[0] + s * down[0], middle[1] + s * down[1], middle[2] + s * down[2]};
+        double q[4];
+        ost_quaternion_product(tilt, turn, q);
+        ost_quaternion_unit(q);
         ticks[i] = (ost_tick){.t_ns = (int64_t)i * 1000000, .tool = 0, .rpm = OST_RPM_ON};
-        status = ost_pose_from_doubles(t, (const double[4]){q.w, q.x, q.y, q.z}, &ticks[i].pose, err);
-        turn = normalised(product(turn, step));
+        status = ost_pose_from_doubles(t, q, &ticks[i].pose, err);
+        ost_quaternion_product(turn, step, turn);
+        ost_quaternion_unit(turn);
     }
     return status;
 }

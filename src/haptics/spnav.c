@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/quaternion.h"
 #include "haptics/driver.h"
 #include "haptics/vendor.h"
 #include "haptics/workspace.h"
@@ -183,18 +184,8 @@ static void turn_on(double q[4], const double by[3])
     const double s = by[0] / 2, t = by[1] / 2, u = by[2] / 2;
     const double r[4] = {q[0] - s * q[1] - t * q[2] - u * q[3], q[1] + s * q[0] + t * q[3] - u * q[2],
                          q[2] + t * q[0] + u * q[1] - s * q[3], q[3] + u * q[0] + s * q[2] - t * q[1]};
-    const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-    for (int i = 0; i < 4; i++)
-        q[i] = r[i] / length;
-}
-
-static void frame_of(const double q[4], double m[3][3])
-{
-    const double w = q[0], x = q[1], y = q[2], z = q[3];
-    const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                            {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-                            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-    memcpy(m, r, sizeof r);
+    memcpy(q, r, sizeof r);
+    ost_quaternion_unit(q);
 }
 
 static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
@@ -213,7 +204,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
         by[a] = moves ? share_of(s->push[3 + a]) * s->how.turn_degrees * (M_PI / 180) * TICK_S : 0;
     }
     turn_on(s->q, by);
-    frame_of(s->q, frame);
+    ost_quaternion_matrix(s->q, frame);
     *state = (ost_haptic_state){
         .pose = haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
     return OST_HAPTIC_FRESH;
@@ -221,7 +212,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
 
 const haptic_driver haptic_spnav = {
     .name = "spnav",
-    .description = "3Dconnexion's SpaceMouse, by libspnav: its cap says how fast",
+    .description = "3Dconnexion's SpaceMouse, by libspnav; the deflection of its cap sets the speed",
     .caps = OST_HAPTIC_ORIENTATION,
     .buttons = {{"left", OST_ACTION_SWITCH}, {"right", OST_ACTION_TOOL}},
     .usable = spnav_usable,

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "core/rotation.h"
+#include "core/quaternion.h"
 
 #define PM_PER_M (1000.0 * (double)OST_PM_PER_MM)
 
@@ -14,21 +14,13 @@ static void multiply(const double a[3][3], const double b[3][3], double out[3][3
             out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-static void rotation_of(const ost_pose *pose, double r[3][3])
-{
-    const ost_rotation exact = ost_rotation_of(pose);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            r[i][j] = (double)exact.m[i][j] / (double)exact.n;
-}
-
 haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale)
 {
     haptic_workspace w = {
         .scale = scale,
         .at = {(double)start->t.x / PM_PER_M, (double)start->t.y / PM_PER_M, (double)start->t.z / PM_PER_M}};
     double tool[3][3], to_tool[3][3] = {{0}};
-    rotation_of(start, tool);
+    ost_pose_matrix(start, tool);
     for (int i = 0; i < 3; i++) {
         to_tool[i][axes[i]] = 1;
         w.identity[axes[i]][i] = 1;

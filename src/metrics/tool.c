@@ -11,6 +11,7 @@
 
 #include <osteon/metrics.h>
 
+#include "core/quaternion.h"
 #include "core/vector.h"
 
 /* Computes the range of indices of the cutting voxels along each axis; hi is exclusive. Returns false if there are no
@@ -67,13 +68,10 @@ ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, os
 
 void ost_metrics_tip(const ost_metrics_tool *tool, const ost_pose *pose, double mm[3], double axis[3])
 {
-    double t[3], q[4];
+    double t[3], q[4], m[3][3];
     ost_pose_to_doubles(pose, t, q);
-    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    const double w = q[0] / size, x = q[1] / size, y = q[2] / size, z = q[3] / size;
-    const double m[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                            {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-                            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    ost_quaternion_unit(q);
+    ost_quaternion_matrix(q, m);
     for (int a = 0; a < 3; a++) {
         axis[a] = -m[a][2];
         mm[a] = t[a] + ost_vector_dot(m[a], tool->tip_mm);

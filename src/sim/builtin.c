@@ -30,6 +30,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/quaternion.h"
+#include "core/vector.h"
 #include "sim/press.h"
 
 enum { TICK_NS = 1000000, PRESS_TICKS = 60000 };
@@ -58,43 +60,15 @@ const char *ost_builtin_name(ost_builtin which)
     return (unsigned)which < OST_BUILTIN_COUNT ? plans[which].name : "unknown";
 }
 
-typedef struct quat {
-    double w, x, y, z;
-} quat;
-
-typedef struct vec {
-    double x, y, z;
-} vec;
-
-static quat normalised(quat q)
+/* Computes the rotation that maps the working direction, -z, to the unit vector a. */
+static void facing(const double a[3], double q[4])
 {
-    double length = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-    return (quat){q.w / length, q.x / length, q.y / length, q.z / length};
-}
-
-static quat product(quat a, quat b)
-{
-    return (quat){
-        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-    };
-}
-
-static vec turned(quat q, vec v)
-{
-    quat r = product(product(q, (quat){0, v.x, v.y, v.z}), (quat){q.w, -q.x, -q.y, -q.z});
-    return (vec){r.x, r.y, r.z};
-}
-
-/* Returns the rotation that maps the working direction, -z, to the unit vector a. */
-static quat facing(vec a)
-{
-    if (a.z <= 0)
-        return normalised((quat){1 - a.z, a.y, -a.x, 0});
+    const double half_turn[4] = {0, 1, 0, 0}, up[4] = {1 - a[2], a[1], -a[0], 0}, down[4] = {1 + a[2], -a[1], a[0], 0};
+    memcpy(q, a[2] <= 0 ? up : down, sizeof up);
+    ost_quaternion_unit(q);
     /* Half a turn about x maps -z to +z. The remaining rotation is less than a quarter turn. */
-    return product(normalised((quat){1 + a.z, -a.y, a.x, 0}), (quat){0, 1, 0, 0});
+    if (a[2] > 0)
+        ost_quaternion_product(q, half_turn, q);
 }
 
 static double mm(ost_pm value)
@@ -110,16 +84,14 @@ static double axis_of(ost_pm lo, ost_pm hi)
 }
 
 /*
- * Returns the point of the tool that moves along the axis. By Alg. 2.1, the lower corner of the grid is one to two
+ * Computes the point of the tool that moves along the axis. By Alg. 2.1, the lower corner of the grid is one to two
  * voxels below the lowest vertex of the mesh. The middle of this range, 3/2 voxels, is used.
  */
-static vec working_point(const ost_tool_geometry *g)
+static void working_point(const ost_tool_geometry *g, double tip[3])
 {
-    return (vec){
-        axis_of(g->corner.x, g->corner.x + g->dims.x * g->voxel),
-        axis_of(g->corner.y, g->corner.y + g->dims.y * g->voxel),
-        mm(g->corner.z + 3 * g->voxel / 2),
-    };
+    tip[0] = axis_of(g->corner.x, g->corner.x + g->dims.x * g->voxel);
+    tip[1] = axis_of(g->corner.y, g->corner.y + g->dims.y * g->voxel);
+    tip[2] = mm(g->corner.z + 3 * g->voxel / 2);
 }
 
 static int64_t ticks_for(ost_pm distance, ost_pm speed)
@@ -149,15 +121,15 @@ static int64_t tick_count(const plan *p)
            ticks_for(p->depth - p->outside, p->retreat) + 1;
 }
 
-static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err)
+static ost_status unit_axis(const ost_glenoid *glenoid, double out[3], ost_error *err)
 {
     const double *a = glenoid->axis;
     double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
     if (!isfinite(a[0]) || !isfinite(a[1]) || !isfinite(a[2]) || !(largest > 0))
         return ost_fail(err, OST_ERR_USAGE, "the glenoid's axis (%g, %g, %g) is not a direction", a[0], a[1], a[2]);
-    vec scaled = {a[0] / largest, a[1] / largest, a[2] / largest};
-    double length = sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
-    *out = (vec){scaled.x / length, scaled.y / length, scaled.z / length};
+    for (int i = 0; i < 3; i++)
+        out[i] = a[i] / largest;
+    ost_vector_unit(out, 2);
     return OST_OK;
 }
 
@@ -165,37 +137,39 @@ static ost_status unit_axis(const ost_glenoid *glenoid, vec *out, ost_error *err
  * Converts a pose to integers. q has unit length, so its components times 2^30 fit into int32; rint rounds half to
  * even.
  */
-static ost_status quantised(vec t, quat q, ost_pose *out, ost_error *err)
+static ost_status quantised(const double t[3], const double q[4], ost_pose *out, ost_error *err)
 {
-    if (!ost_pm_from_binary(t.x, &out->t.x) || !ost_pm_from_binary(t.y, &out->t.y) ||
-        !ost_pm_from_binary(t.z, &out->t.z))
+    if (!ost_pm_from_binary(t[0], &out->t.x) || !ost_pm_from_binary(t[1], &out->t.y) ||
+        !ost_pm_from_binary(t[2], &out->t.z))
         return ost_fail(err, OST_ERR_RANGE, "the path leaves the range of 8 m around the bone's origin");
-    out->qw = (int32_t)rint(q.w * OST_Q30_ONE);
-    out->qx = (int32_t)rint(q.x * OST_Q30_ONE);
-    out->qy = (int32_t)rint(q.y * OST_Q30_ONE);
-    out->qz = (int32_t)rint(q.z * OST_Q30_ONE);
+    out->qw = (int32_t)rint(q[0] * OST_Q30_ONE);
+    out->qx = (int32_t)rint(q[1] * OST_Q30_ONE);
+    out->qy = (int32_t)rint(q[2] * OST_Q30_ONE);
+    out->qz = (int32_t)rint(q[3] * OST_Q30_ONE);
     return ost_pose_check(out, err);
 }
 
 /* Values that all built-in paths use. */
 typedef struct start {
-    vec at, axis, tip;
-    quat face; /* rotation that maps -z to the axis */
+    double at[3], axis[3], tip[3];
+    double face[4]; /* rotation that maps -z to the axis */
 } start;
 
 static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, size_t ticks, start *s,
                         ost_path *out, ost_error *err)
 {
-    ost_status status = unit_axis(glenoid, &s->axis, err);
+    ost_status status = unit_axis(glenoid, s->axis, err);
     if (status == OST_OK)
         status = ost_tool_geometry_check(geometry, err);
     if (status == OST_OK)
         status = ost_path_init(out, ticks, err);
     if (status != OST_OK)
         return status;
-    s->at = (vec){mm(glenoid->at.x), mm(glenoid->at.y), mm(glenoid->at.z)};
-    s->tip = working_point(geometry);
-    s->face = facing(s->axis);
+    s->at[0] = mm(glenoid->at.x);
+    s->at[1] = mm(glenoid->at.y);
+    s->at[2] = mm(glenoid->at.z);
+    working_point(geometry, s->tip);
+    facing(s->axis, s->face);
     return OST_OK;
 }
 
@@ -203,11 +177,13 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
  * Computes a pose with the orientation q. At this pose, the tool's tip is at the given depth along the axis and at
  * the offset `sideways` across the axis.
  */
-static ost_status make_pose(const start *s, quat q, double depth, vec sideways, ost_pose *out, ost_error *err)
+static ost_status make_pose(const start *s, const double q[4], double depth, const double sideways[3], ost_pose *out,
+                            ost_error *err)
 {
-    const vec r = turned(q, s->tip);
-    const vec t = {s->at.x + depth * s->axis.x + sideways.x - r.x, s->at.y + depth * s->axis.y + sideways.y - r.y,
-                   s->at.z + depth * s->axis.z + sideways.z - r.z};
+    double r[3], t[3];
+    ost_quaternion_rotate(q, s->tip, r);
+    for (int a = 0; a < 3; a++)
+        t[a] = s->at[a] + depth * s->axis[a] + sideways[a] - r[a];
     return quantised(t, q, out, err);
 }
 
@@ -223,10 +199,13 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
     press_begin(&load);
     for (size_t k = 0; k < ticks && status == OST_OK; k++) {
         press_go_on(&load, (int64_t)k);
-        const vec sideways = turned(s.face, (vec){load.across[0], load.across[1], 0});
-        const quat lean = normalised((quat){1, load.lean[0], load.lean[1], 0});
+        double sideways[3] = {load.across[0], load.across[1], 0}, q[4] = {1, load.lean[0], load.lean[1], 0};
+        ost_quaternion_rotate(s.face, sideways, sideways);
+        ost_quaternion_unit(q);
+        ost_quaternion_product(s.face, q, q);
+        ost_quaternion_unit(q);
         out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_OF_DEVICE};
-        status = make_pose(&s, normalised(product(s.face, lean)), load.depth, sideways, &out->ticks[k].pose, err);
+        status = make_pose(&s, q, load.depth, sideways, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);
@@ -243,11 +222,13 @@ ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const
     if (which == OST_BUILTIN_GLENOID_PRESS)
         return ost_builtin_press(glenoid, geometry, tool, PRESS_TICKS, out, err);
     const plan *p = &plans[which];
+    const double centre[3] = {0, 0, 0};
     ost_status status = begin(glenoid, geometry, (size_t)tick_count(p), &s, out, err);
+    if (status == OST_OK)
+        ost_quaternion_unit(s.face);
     for (size_t k = 0; status == OST_OK && k < out->count; k++) {
         out->ticks[k] = (ost_tick){.t_ns = (int64_t)k * TICK_NS, .tool = tool, .rpm = OST_RPM_OF_DEVICE};
-        status = make_pose(&s, normalised(s.face), mm(depth_at(p, (int64_t)k)), (vec){0, 0, 0}, &out->ticks[k].pose,
-                           err);
+        status = make_pose(&s, s.face, mm(depth_at(p, (int64_t)k)), centre, &out->ticks[k].pose, err);
     }
     if (status != OST_OK)
         ost_path_free(out);

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/quaternion.h"
+
 static const double A_PIXEL = 0.006; /* rotation in radians per pixel */
 
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool)
@@ -29,22 +31,11 @@ void sim_handle_drag(sim_handle *handle, const ost_orbit *orbit, double dx, doub
         handle->at[a] += mm * (dx * right[a] - dy * up[a]);
 }
 
-static void multiply(const double a[4], const double b[4], double out[4])
-{
-    const double r[4] = {
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-    double n = 0;
-    for (int i = 0; i < 4; i++)
-        n += r[i] * r[i];
-    for (int i = 0; i < 4; i++)
-        out[i] = r[i] / sqrt(n);
-}
-
 static void turn_about(sim_handle *handle, const double axis[3], double angle)
 {
     const double s = sin(angle / 2), turn[4] = {cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]};
-    multiply(turn, handle->q, handle->q);
+    ost_quaternion_product(turn, handle->q, handle->q);
+    ost_quaternion_unit(handle->q);
 }
 
 void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, double dy)
@@ -58,7 +49,8 @@ void sim_handle_turn(sim_handle *handle, const ost_orbit *orbit, double dx, doub
 void sim_handle_twist(sim_handle *handle, double angle)
 {
     const double turn[4] = {cos(angle / 2), 0, 0, sin(angle / 2)};
-    multiply(handle->q, turn, handle->q);
+    ost_quaternion_product(handle->q, turn, handle->q);
+    ost_quaternion_unit(handle->q);
 }
 
 /* Computes the direction in which the tool works, as a unit vector. */

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "core/rotation.h"
+#include "core/quaternion.h"
 #include "core/vector.h"
 
 /* Distance of the near plane in voxels; smaller than any detail of the bone. */
@@ -24,22 +24,9 @@ ost_status ost_camera_check(const ost_camera *camera, ost_error *err)
     return OST_OK;
 }
 
-typedef struct matrix {
-    double m[3][3]; /* [row][column] */
-} matrix;
-
-static matrix matrix_of(const ost_pose *pose)
-{
-    const ost_rotation r = ost_rotation_of(pose);
-    matrix out;
-    for (int i = 0; i < 9; i++)
-        out.m[i / 3][i % 3] = (double)r.m[i / 3][i % 3] / (double)r.n;
-    return out;
-}
-
 /* Returns an eye at the position `at`, in picometres in the grid's frame. The matrix `r` rotates the camera's frame
    to the grid's frame. */
-static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const matrix *r)
+static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, const double at[3], const double r[3][3])
 {
     const double s = (double)grid->spacing.x;
     ost_eye eye = {
@@ -53,9 +40,9 @@ static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, cons
         .height = camera->height,
     };
     for (int a = 0; a < 3; a++) {
-        eye.right[a] = (float)r->m[a][0];
-        eye.up[a] = (float)r->m[a][1];
-        eye.forward[a] = (float)-r->m[a][2];
+        eye.right[a] = (float)r[a][0];
+        eye.up[a] = (float)r[a][1];
+        eye.forward[a] = (float)-r[a][2];
     }
     return eye;
 }
@@ -63,24 +50,26 @@ static ost_eye make_eye(const ost_camera *camera, const ost_geometry *grid, cons
 /* Positions in picometres are below 2^43, so they and their differences are exact in doubles. */
 ost_eye ost_eye_make(const ost_camera *camera, const ost_geometry *bone)
 {
-    const matrix r = matrix_of(&camera->pose);
+    double r[3][3];
+    ost_pose_matrix(&camera->pose, r);
     const double at[3] = {(double)camera->pose.t.x, (double)camera->pose.t.y, (double)camera->pose.t.z};
-    return make_eye(camera, bone, at, &r);
+    return make_eye(camera, bone, at, r);
 }
 
 ost_eye ost_eye_make_from(const ost_camera *camera, const ost_geometry *grid, const ost_pose *pose)
 {
-    const matrix c = matrix_of(&camera->pose), p = matrix_of(pose);
+    double c[3][3], p[3][3], r[3][3];
+    ost_pose_matrix(&camera->pose, c);
+    ost_pose_matrix(pose, p);
     const double d[3] = {(double)(camera->pose.t.x - pose->t.x), (double)(camera->pose.t.y - pose->t.y),
                          (double)(camera->pose.t.z - pose->t.z)};
     double at[3];
-    matrix r;
     for (int a = 0; a < 3; a++) {
-        at[a] = (p.m[0][a] * d[0] + p.m[1][a] * d[1]) + p.m[2][a] * d[2];
+        at[a] = (p[0][a] * d[0] + p[1][a] * d[1]) + p[2][a] * d[2];
         for (int b = 0; b < 3; b++)
-            r.m[a][b] = (p.m[0][a] * c.m[0][b] + p.m[1][a] * c.m[1][b]) + p.m[2][a] * c.m[2][b];
+            r[a][b] = (p[0][a] * c[0][b] + p[1][a] * c[1][b]) + p[2][a] * c[2][b];
     }
-    return make_eye(camera, grid, at, &r);
+    return make_eye(camera, grid, at, r);
 }
 
 /* ------------------------------------------------------------------- aim */
