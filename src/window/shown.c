@@ -3,11 +3,14 @@
 
 #include <stddef.h>
 
+#include "window/embedded.h"
+
 static GLuint shader(GLenum kind, const char *text)
 {
     const GLuint s = glCreateShader(kind);
+    const char *parts[] = {"#version 330 core\n", text};
     GLint compiled = 0;
-    glShaderSource(s, 1, &text, NULL);
+    glShaderSource(s, 2, parts, NULL);
     glCompileShader(s);
     glGetShaderiv(s, GL_COMPILE_STATUS, &compiled);
     if (compiled)
@@ -18,19 +21,8 @@ static GLuint shader(GLenum kind, const char *text)
 
 bool ost_shown_make(ost_shown *shown)
 {
-    static const char vertex[] = "#version 330 core\n"
-                                 "out vec2 at;\n"
-                                 "void main() {\n"
-                                 "    vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
-                                 "    at = vec2(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y);\n"
-                                 "    gl_Position = vec4(p, 0.0, 1.0);\n"
-                                 "}\n";
-    static const char fragment[] = "#version 330 core\n"
-                                   "in vec2 at;\n"
-                                   "out vec4 colour;\n"
-                                   "uniform sampler2D picture;\n"
-                                   "void main() { colour = vec4(texture(picture, at).rgb, 1.0); }\n";
-    const GLuint v = shader(GL_VERTEX_SHADER, vertex), f = shader(GL_FRAGMENT_SHADER, fragment);
+    const GLuint v = shader(GL_VERTEX_SHADER, ost_window_picture_vert[0]),
+                 f = shader(GL_FRAGMENT_SHADER, ost_window_picture_frag[0]);
     GLint linked = 0;
     *shown = (ost_shown){0};
     if (v && f) {
