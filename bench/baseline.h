@@ -5,8 +5,8 @@
  * links.
  *
  * The baselines may contain instructions that the executing machine lacks, so bench_baseline_runs() must be called
- * first. It reads the list of instruction sets that the compiler was allowed to use. The list is in a file without
- * code, baseline_needs.c, so every machine can read it.
+ * first. It reads the list of the instruction sets that the baselines need. The list is in a file without code
+ * (baseline_needs.c), so every machine can read it.
  */
 #ifndef OST_BENCH_BASELINE_H
 #define OST_BENCH_BASELINE_H
@@ -50,9 +50,9 @@ typedef struct bench_row_store {
     uint32_t hit;
 } bench_row_store;
 
-/* Executes only the stores of a removal event on an unmodified bone. The time of these stores is a lower bound of the
-   event's time. If the machine has masked stores, the function uses them. If the machine has none, the function reads
-   each row, clears the densities that are hit, and writes the row. */
+/* Executes only the stores of a removal event on an unmodified bone. Their time is a lower bound of the event's time.
+   On a machine without masked stores, the function reads each row, clears the densities that are hit, and writes the
+   row. */
 void bench_store_rows(const bench_row_store *rows, size_t count);
 
 /* --------------------------------------------------------------------- bytes */
@@ -60,9 +60,8 @@ void bench_store_rows(const bench_row_store *rows, size_t count);
 /* The method by which bytes are copied: memcpy of the C library, or stores that bypass the caches. */
 typedef enum bench_copy { BENCH_COPY_MEMCPY, BENCH_COPY_STREAM, BENCH_COPY_COUNT } bench_copy;
 
-/* Copies `in` to `out` until `bytes` bytes of `out` are written. Starts again at the beginning of `in` each time the
-   end of `in` is reached. If `in` is longer than `out`, also reads the remaining bytes of `in` and returns a sum over
-   them. */
+/* Copies `in` to `out`, repeatedly if `in` is shorter, until `bytes` bytes are written. If `in` is longer than `out`,
+   also reads the remaining bytes of `in` and returns a sum over them. */
 uint64_t bench_copy_bytes(bench_copy how, uint8_t *out, size_t bytes, const uint8_t *in, size_t in_bytes, int threads);
 
 /* Reads all bytes, 64 at a time, and returns a sum over them. */

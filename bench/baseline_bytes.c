@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Copies or reads as many bytes as the measured operation, without the operation's computations. The time of the copy
-   or of the reading is a lower bound of the operation's time. */
+/* Copies or reads as many bytes as the measured operation does, but computes nothing. The time is a lower bound of the
+   operation's time. */
 #include "bench/baseline.h"
 
 #include <string.h>

@@ -24,7 +24,7 @@ typedef struct bench_options {
     int repeat;          /* number of repetitions; 0 selects the default of each row */
     /* true for few repetitions and small inputs; the names of the rows do not change */
     bool quick;
-    double scale;        /* fraction of the 12,040,704 text lines that the row parse/text reads */
+    double scale;        /* the row parse/text reads this fraction of its 12,040,704 text lines */
     /* only rows whose names contain this text are measured; NULL for all rows */
     const char *filter;
     void (*show)(void *user, const char *row); /* called before a row is measured; may be NULL */
@@ -83,9 +83,9 @@ bool bench_wanted(const bench_options *options, const char *name);
    NULL if memory is exhausted. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
- * Returns OST_OK, OST_ERR_CANCELLED and OST_ERR_INTERNAL (a defect in osteon) unchanged. For any other status, adds the
- * named rows with the error's text as their reason, and returns OST_OK, so that the suite continues. A name is skipped
- * if it is NULL, if the filter excludes it, or if its row already exists.
+ * If `status` is OST_OK, OST_ERR_CANCELLED or OST_ERR_INTERNAL (a defect in osteon), returns it and adds no row. For
+ * any other status, adds the named rows with the error's text as their reason, and returns OST_OK, so that the suite
+ * continues. A name is skipped if it is NULL, if the filter excludes it, or if its row already exists.
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
@@ -101,12 +101,12 @@ double bench_row_ratio(const bench_row *row);
 /* Returns the baseline's minimum time divided by osteon's minimum time. Background load affects this ratio less than
    the ratio of the medians. */
 double bench_row_ratio_of_minima(const bench_row *row);
-/* Returns true if one of the row's two medians is more than 1.5 times the corresponding minimum. Possible reasons are
-   background load or, for a short operation, cold caches. */
+/* Returns true if osteon's or the baseline's median is more than 1.5 times its minimum. Possible reasons are background
+   load or, for a short operation, cold caches. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions of a row. If options->repeat is not 0, this is options->repeat. If it is 0, the
-   number is `normal`, which options->quick limits to 3. */
+/* Returns the number of repetitions of a row: options->repeat if it is not 0, or else `normal`, but at most 3 if
+   options->quick is true. */
 int bench_repeat(const bench_options *options, int normal);
 
 /* ------------------------------------------------------------------ machine */

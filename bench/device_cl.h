@@ -22,9 +22,9 @@ typedef struct bench_device {
 } bench_device;
 
 /*
- * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". An omitted number is
- * 0. If the string names a backend other than cl, both numbers are 0. Returns false and the reason if the device does
- * not exist or cannot be opened.
+ * Opens the device whose platform and device numbers are in the string `backend`, such as "cl:platform=0,device=1". A
+ * missing number is 0. If the string names a backend other than cl, both numbers are 0. Returns false and the reason if
+ * the device does not exist or cannot be opened.
  */
 bool bench_device_open(bench_device *device, const char *backend, char reason[BENCH_TEXT]);
 void bench_device_close(bench_device *device); /* may be called more than once */

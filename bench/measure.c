@@ -21,8 +21,8 @@ int64_t bench_now(void)
 
 /* ------------------------------------------------------------------ figures */
 
-/* Adds a value to the series. Drops the value if memory is exhausted, so the series may contain fewer values than
-   repetitions. */
+/* Adds a value to the series. Drops the value if memory is exhausted, so the series may have fewer values than the
+   measurement had repetitions. */
 void bench_series_add(bench_series *series, double ns)
 {
     if (series->count == series->capacity) {

@@ -15,8 +15,8 @@
 ost_status bench_sphere(ost_pm side, ost_mesh *out, ost_error *err);
 ost_status bench_knot(ost_pm side, ost_mesh *out, ost_error *err);
 
-/* Creates a mesh of across^3 tilted spheres that do not touch, or of one sphere if `across` is 1. Each sphere has
-   `meridians` (3 or more) times `rings` (1 or more) vertices and two poles, and 2 * meridians * rings triangles. */
+/* Creates a mesh of across^3 tilted spheres that do not touch. Each sphere has two poles, meridians * rings other
+   vertices, and 2 * meridians * rings triangles. There must be at least 3 meridians and 1 ring. */
 ost_status bench_balls(ost_pm side, int across, int meridians, int rings, ost_mesh *out, ost_error *err);
 
 #endif

@@ -25,8 +25,8 @@ typedef struct bench_sequence {
 
 ost_status bench_sequence_init(bench_sequence *sequence, int count, ost_error *err);
 void bench_sequence_add(bench_sequence *sequence, const double *ns);
-/* Stores in the row: the mean time of a tick; p50, p99 and maximum of the times of all ticks; mean, p99 and maximum of
-   the minimum times in `best`, which contain no interruptions by other processes. */
+/* Stores the mean time of a tick in the row. Also stores p50, p99 and maximum of all times, and mean, p99 and maximum
+   of the times in `best`. The times in `best` exclude interruptions by other processes. */
 void bench_sequence_row(bench_sequence *sequence, bench_row *row);
 void bench_sequence_free(bench_sequence *sequence);
 

@@ -156,8 +156,8 @@ int bench_scene_chunks(const bench_scene *scene, int32_t n, int32_t (*corners)[3
     return count;
 }
 
-/* Rounds the affine matrix of the exact map to floats. The matrix maps to tool voxels, with the corner of the tool's
-   grid at 0. */
+/* Rounds the exact map to an affine matrix of floats, which maps bone voxels to tool voxels. The corner of the tool's
+   grid is at 0. */
 static void float_map(const ost_map *map, float out[3][4])
 {
     const double scale = (double)ost_i128_of(map->divisor) * (1 << OST_MAP_FRACTION);

@@ -69,7 +69,7 @@ int bench_scene_chunks(const bench_scene *scene, int32_t chunk_size, int32_t (*c
 typedef struct bench_thesis {
     bench_thesis_event event;
     int16_t *tool;        /* owned, like the pointers below */
-    /* the chunks, one after the other; `full` is their content before the event, and `live` is modified by the event */
+    /* the densities of all chunks: those before the event in `full`, and a copy that the event modifies in `live` */
     int16_t *full, *live;
     int16_t **chunks;
     int32_t (*corners)[3];
@@ -85,8 +85,8 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The minimum numbers of rows and bricks that every method must write in an event. They are counted in the chunks that
-   the thesis' kernel has modified. */
+/* The rows and bricks that every method must write in an event. They are counted in the chunks that the thesis' kernel
+   has modified. */
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;

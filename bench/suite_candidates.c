@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the two methods by which the voxelizer of the cpu backend finds the triangles that may cross a row: bins of
- * triangles by tile (cpu/voxelize/bins.c) and rays that Embree casts (cpu/voxelize/embree.c). The crossings are
- * computed by the same code, and the grids are equal.
+ * Compares two methods by which the cpu backend's voxelizer finds the triangles that a row may cross. One method sorts
+ * the triangles into bins, one bin per tile (cpu/voxelize/bins.c). The other method casts rays with Embree
+ * (cpu/voxelize/embree.c). The same code then computes the crossings, and the grids are equal.
  *
  *   candidates/sphere/TRIANGLES/N   one sphere in a cube of N^3 voxels
  *   candidates/balls/TRIANGLES/N    1,000 spheres that do not touch, in one mesh

@@ -4,8 +4,8 @@
  *
  *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
  *   opencl/transfer/scapula, opencl/voxelize/...    the backend cpu on the same data
- *   opencl/launch                                   none; the row measures how long it takes to launch an empty kernel
- *                                                   and to wait for its end, a lower bound of the time of an event
+ *   opencl/launch                                   none; the row measures launching an empty kernel and waiting for
+ *                                                   its end, which takes less time than any event
  */
 #include "bench/meshes.h"
 #include "bench/path.h"

@@ -8,9 +8,9 @@
  *   parse/text/floor  the baseline reads every byte of the mapped file, with as many
  *                     threads as osteon uses
  *
- * osteon's time is the time of an import without its last two stages. The import opens the file, finds the
- * spacing, converts every number exactly, checks every line, and scatters the samples. The file is in the page cache.
- * The file has no name while it is used, so it is deleted when the program ends for any reason.
+ * osteon's time covers an import up to the rect grid: opening the file, finding the spacing, converting every number
+ * exactly, checking every line, and scattering the samples. The file is in the page cache. It has no name while it is
+ * used, so the system deletes it when the program ends for any reason.
  */
 #include "bench/baseline.h"
 #include "bench/bench.h"
@@ -39,8 +39,8 @@ typedef struct parse {
 
 /* --------------------------------------------------------------- the file */
 
-/* Writes a length given in nanometres as a number of mm, followed by a blank, such as "-57.340000 ". With
-   six decimal places, every length in nanometres is exact. */
+/* Writes a length in mm and a blank, such as "-57.340000 ". The six decimal places represent every length
+   in nanometres exactly. */
 static char *put_mm(char *at, int64_t nm)
 {
     if (nm < 0) {

@@ -6,12 +6,12 @@
  *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
  *           the baseline's chunks were read once
  *   cold    the event runs immediately after the voxels were restored; osteon restores complete
- *           slices and the baseline only the event's chunks, so before osteon's event, the caches
- *           contain less of the event's data than before the baseline's event
+ *           slices, but the baseline restores only the event's chunks, so the caches contain
+ *           less of the event's data for osteon than for the baseline
  *   steady  the event is repeated without restoring the voxels, so no voxel remains to be removed
  *
- * A repetition consists of the steps restore, cold, restore, collide (for the baseline: read), fresh,
- * steady, steady, first for osteon and then for the baseline. The first steady run is a warm-up.
+ * In each repetition, osteon and then the baseline run the steps restore, cold, restore, collide (for
+ * the baseline: read), fresh, steady, steady. The first steady step is a warm-up.
  */
 #include "bench/path.h"
 #include "bench/thesis_cl.h"
@@ -160,8 +160,8 @@ static ost_status verify(removal *r)
     return status;
 }
 
-/* Counts the voxels for which the thesis' kernel and osteon have different results. They differ because the thesis'
-   kernel rounds to floats. The function needs memory for two copies of the bone. */
+/* Counts the voxels for which the thesis' kernel, which rounds to floats, and osteon produce different results. Needs
+   memory for two copies of the bone. */
 static ost_status compare_thesis(removal *r)
 {
     const ost_dims d = r->scene->bone.dims;
@@ -258,8 +258,8 @@ static ost_status repeat(removal *r, int count, bool cold, removal_series *s)
     return status;
 }
 
-/* Adds a row. If `stores` is not NULL, this series contains the times of the event's stores alone (bench_store_rows).
-   The row shows these times as a lower bound. */
+/* Adds a row. `stores` is NULL or contains the times of the event's stores alone (bench_store_rows), which the row
+   shows as a lower bound. */
 static ost_status add_row(removal *r, const char *name, bench_series *ours, bench_series *baseline,
                           bench_series *stores)
 {
@@ -343,8 +343,8 @@ static ost_status static_events(const bench_options *options, bench_table *table
     return status;
 }
 
-/* Adds the rows of Table 3.5, which measure the same event with coarser and finer tool voxels. With tool voxels of 0.5
-   mm, the event is the event of the row removal/reamer/32. */
+/* Adds the rows of Table 3.5, which measure one event with tool voxels of several sizes. The row for 0.5 mm measures
+   the same event as the row removal/reamer/32. */
 static ost_status tool_voxels(const bench_options *options, bench_table *table, ost_error *err)
 {
     static const struct {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Measures frames drawn by OpenGL. The first row is the thesis' frame, and the last rows are osteon's frame. Most of
- * the other rows differ from an earlier row by one change. Each frame ends with glFinish. Before a row is timed, its
- * picture is compared with the picture that the processor draws. osteon's picture may differ in at most 30 of 921,600
- * pixels. The methods of the other rows lose points at the frame's edge or near the camera, so these rows report the
- * number of pixels that differ.
+ * the rows in between differ from an earlier row by one change. Each frame ends with glFinish. Before a row is timed,
+ * its picture is compared with the picture that the processor draws. osteon's picture may differ in at most 30 of
+ * 921,600 pixels. The other methods lose points at the frame's edge or near the camera. Their rows are measured
+ * nevertheless and report the number of pixels that differ.
  */
 #include "bench/render_gl.h"
 
@@ -157,8 +157,8 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     int differ = 0;
     ost_status status = OST_OK;
     if (b->gl) {
-        /* Frame 0 is drawn last, because its picture is compared. A frame omits cells that were hidden in the previous
-           frame. Therefore two frames from other positions precede frame 0, as for a moving camera. */
+        /* The picture of frame 0 is compared, so this frame is drawn last. The two frames before it are drawn from
+           other positions, because a frame omits the cells that the previous frame found hidden. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

@@ -40,8 +40,8 @@ static const view views[] = {{"whole", OST_VIEW_OVERVIEW, 0},
 
 typedef enum stage { POINTS, TINTS, SPLAT, HIDDEN, RESOLVE, MERGE, STAGES } stage;
 
-/* The inner loops of a frame, and the total time of each stage on one thread. Each of the functions below calls an
-   inner loop and adds the time of the call to the stage. */
+/* The inner loops of a frame, and the total time of each stage on one thread. Each function below calls one of these
+   inner loops and adds the time of the call to the total of its stage. */
 static struct {
     ost_splat_kernels kernels;
     ost_light_tint_of *tint;

@@ -4,14 +4,13 @@
  *
  *   removal/sequence/1   only the removal events; their maps and boxes are computed beforehand
  *   tick/sequence/1      complete ticks of the world, including maps and boxes
- *   tick/force/1         complete ticks, each after a computation of the force. The device follows the
- *                        same path, and the computation of the force determines the tool's pose.
+ *   tick/force/1         complete ticks, each preceded by the computation of a force. The device follows
+ *                        the same path, and this computation determines the tool's pose.
  *
  * All rows use one thread and chunks of 32^3 voxels. Every tick is timed separately.
  *
- * The thesis' kernel runs only at every twentieth tick, on unmodified chunks, because all ticks would take a minute.
- * This does not change the result, because the kernel's time depends only on the number of chunks that the tool's box
- * enters.
+ * The thesis' kernel runs only at every twentieth tick, because all ticks would take a minute. It runs on unmodified
+ * chunks, because its time depends only on the number of chunks that the tool's box enters.
  */
 #include "bench/path.h"
 

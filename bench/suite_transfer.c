@@ -24,7 +24,7 @@ enum { REPEAT = 31, CHUNK = 32, THRESHOLD = 120 };
 typedef struct variant {
     const char *name;
     ost_resample rule;
-    /* spacing; 0 selects the x spacing of the rect grid, so that only z is resampled */
+    /* spacing of the cubic grid; 0 selects the x spacing of the rect grid, so that only z is resampled */
     ost_pm cubic;
     bool wanted, equal;
     bench_series both, to_cubic, to_chunks, floor[BENCH_COPY_COUNT];

@@ -12,9 +12,9 @@
 typedef struct bench_cl bench_cl;
 
 /*
- * Opens the device that the string `backend` selects by numbers, such as "cl:platform=0,device=1". An omitted number is
- * 0. If the string names a backend other than cl, both numbers are 0. Returns NULL and the reason if the device does
- * not exist or cannot be opened.
+ * Opens the device whose platform and device numbers are in the string `backend`, such as "cl:platform=0,device=1". A
+ * missing number is 0. If the string names a backend other than cl, both numbers are 0. Returns NULL and the reason if
+ * the device does not exist or cannot be opened.
  */
 bench_cl *bench_cl_open(const char *backend, char reason[BENCH_TEXT]);
 void bench_cl_close(bench_cl *cl); /* cl may be NULL */

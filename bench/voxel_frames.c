@@ -165,8 +165,8 @@ static bool is_active(const ost_volume *v, int x, int y, int z)
 }
 
 /*
- * Finds the first active voxel of a column along y. The column is the one closest to the grid's middle that contains an
- * active voxel.
+ * Finds the column along y that contains an active voxel and is closest to the grid's middle. Stores the position of
+ * this column's first active voxel in `at`.
  */
 static bool find_surface(const ost_volume *v, double at[3])
 {

@@ -3,9 +3,8 @@
  * Makes the models for the measurements of voxel_methods.h, counts their voxels and measures meshing. These
  * measurements do not use OpenGL. voxel_frames.c measures frames.
  *
- * In this file, a chunk is a block of a surface, because a bone with chunks of 32^3 voxels has the same division. The
- * slots of a model's surface contain the blocks in the order of the grid, so the first k chunks are the slots 0 to
- * k - 1.
+ * In this file, a chunk is a block of a surface, because a bone with chunks of 32^3 voxels is divided in the same way.
+ * A surface stores its blocks in the order of the grid, so the first k chunks are in the slots 0 to k - 1.
  */
 #include "bench/voxel_model.h"
 
@@ -196,8 +195,8 @@ typedef struct stage_series {
 } stage_series;
 
 /*
- * Meshes all chunks, `some` of them in each call, and adds the times of the stages to ns. The last stage includes
- * copying each chunk's vertices to `own`, a buffer for one chunk.
+ * Meshes all chunks and adds the times of the stages to ns. The parameter `some` is the number of chunks per call. The
+ * last stage includes copying each chunk's vertices to `own`, a buffer for one chunk.
  */
 static ost_status mesh_all(ost_backend *backend, const ost_face_cluster *clusters, int32_t chunks, int32_t some,
                            ost_face_mesh *mesh, uint32_t *own, double ns[BENCH_VOXEL_STAGES], uint64_t *faces,

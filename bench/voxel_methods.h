@@ -49,10 +49,10 @@ int32_t bench_voxel_chunks(const bench_voxel_model *model);
 
 /* ----------------------------------------------------- memory (Table 3.7, Fig. 3.15) */
 
-/* The counts of one grid that is divided into chunks of 32^3 voxels, and the memory in bytes. */
+/* The counts of a grid that is divided into chunks of 32^3 voxels, and the sizes of its buffers in bytes. */
 typedef struct bench_voxel_grid {
     ost_geometry geometry;
-    int64_t chunks, active_chunks; /* numbers of all chunks and of chunks with at least one active voxel */
+    int64_t chunks, active_chunks; /* number of chunks; number of chunks with at least one active voxel */
     int64_t voxels;                /* number of voxels, without the padding of chunks */
     int64_t active_voxels;
     int64_t surface_voxels;        /* number of active voxels with at least one visible face */
@@ -90,16 +90,16 @@ typedef struct bench_voxel_stages {
     int32_t at_a_time;                        /* number of chunks in one call: 1, as in the thesis, or `chunks` */
     bench_figures stage[BENCH_VOXEL_STAGES];  /* times of the stages in microseconds per chunk, over all repetitions */
     bench_figures total;                      /* sum of the stages in microseconds per chunk */
-    /* time of the same call in microseconds per chunk, measured without clocks between the stages; with several
-       threads, this time is shorter than `total` */
+    /* time of the same calls in microseconds per chunk, without timing the stages; with several threads, this time is
+       shorter than `total` */
     bench_figures elapsed;
     double faces_per_chunk;
 } bench_voxel_stages;
 
 /*
  * Meshes every chunk of the cubic grid on a backend: "ref" uses scalar code, "cpu" bit operations and threads, and
- * "cl..." OpenCL. If `one` is true, each call meshes one chunk, as in the thesis. If it is false, one call meshes all
- * chunks. `repeat` is the number of repetitions, at least 1.
+ * "cl..." OpenCL. The flag `one` selects one chunk per call, as in the thesis, instead of all chunks in one call.
+ * `repeat` is the number of repetitions, at least 1.
  */
 ost_status bench_voxel_mesh(const bench_voxel_model *model, const char *backend, bool one, int repeat,
                             bench_voxel_stages *out, ost_error *err);
@@ -122,8 +122,8 @@ typedef struct bench_voxel_frames {
 void bench_voxel_frames_free(bench_voxel_frames *frames);
 
 /*
- * Measures idle frames, between which nothing changes. `counts` contains the numbers of chunks to draw, each from 1 to
- * bench_voxel_chunks. For each number, the first chunks in the order of the grid are drawn in `repeat` frames.
+ * Measures idle frames, between which nothing changes. Each element n of `counts` (1 to bench_voxel_chunks) selects a
+ * measurement of `repeat` frames. These frames show the first n chunks in the order of the grid.
  */
 ost_status bench_voxel_idle(const bench_voxel_model *model, bench_voxel_method method, const int32_t *counts, int count,
                             int repeat, bench_voxel_frames *out, ost_error *err);
@@ -136,8 +136,8 @@ typedef struct bench_voxel_cut {
     int32_t frames;
     /* milliseconds per frame, including the update of the surface, meshing, drawing and glFinish */
     bench_figures ms;
-    bench_figures idle_ms;   /* milliseconds per frame if the same frames are drawn again without a change */
-    double changed_chunks;   /* mean number of chunks per frame in which voxels were removed */
+    bench_figures idle_ms;   /* milliseconds per frame if a frame is drawn again without a change */
+    double changed_chunks;   /* mean per frame: number of chunks from which voxels were removed */
     double meshed_chunks;    /* mean number of chunks per frame that were meshed again; 0 for GL_POINTs */
     double mesh_ms, copy_ms; /* mean times in ms per frame for meshing and for copying the meshes to OpenGL */
     /* mean time in ms per frame for updating the lists and the appearance of surface voxels, which all methods need */
