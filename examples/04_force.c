@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Raises *greatest to the largest magnitude of the three components of v. */
+/* Stores the largest magnitude of the three components of v in *greatest, unless *greatest is already larger. */
 static void raise_to(double *greatest, const double v[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -39,7 +39,7 @@ int main(int argc, char **argv)
     ost_glenoid glenoid;
     ost_force_result result;
     ost_safety safety;
-    double hand_n = 0, device_n = 0; /* greatest component of the force before and after the safety layer, in newtons */
+    double hand_n = 0, device_n = 0; /* largest force component in newtons: before the safety layer, and after it */
     int ticks_in_contact = 0;
     ost_status status;
 

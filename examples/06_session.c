@@ -57,7 +57,7 @@ static ost_status record(ost_world *world, const ost_bone *bone, const ost_path 
     end.has_root = true;
     if (!status)
         status = ost_bone_digest(bone, NULL, &end.root, err);
-    /* The recorder is closed even after an error. A session without an end record was interrupted. */
+    /* The recorder is closed even after an error. The session then has no end record, as if it had been interrupted. */
     if (recorder) {
         const ost_status closed = ost_recorder_close(recorder, status ? NULL : &end, status ? NULL : err);
         status = status ? status : closed;

@@ -59,7 +59,7 @@ int32_t engine_minimum(engine *e, const float least[3], float size, float minimu
 int32_t engine_solid(engine *e, const thesis_grid *grid, const float *corners, int mark, uint8_t *solid,
                      ost_plugin_error *error);
 /*
- * Processes one pose. Stores the chunk range in *x and the marks of the pose in `marks`, an array
+ * Processes one pose. Stores the chunk range in *x and adds the pose's marks to `marks`, an array
  * with one element per bone voxel.
  */
 int32_t engine_pose(engine *e, thesis_boxes *x, const uint8_t *tool, uint8_t *marks, ost_plugin_error *error);

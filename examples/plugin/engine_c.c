@@ -64,7 +64,7 @@ void engine_close(engine *e)
 int32_t engine_index(engine *e, const float first_last_size[9], const float *samples, size_t count, thesis_rect *rect,
                      int *index, ost_plugin_error *error)
 {
-    (void)e; /* no operation in this function can be contracted */
+    (void)e; /* `e` selects the contraction, but no operation of this function can be contracted */
     (void)error;
     for (int a = 0; a < 3; a++)
         rect->axis[a] = thesis_rect_axis_apart(first_last_size[3 * a], first_last_size[3 * a + 1],

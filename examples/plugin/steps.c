@@ -10,7 +10,7 @@
 
 __extension__ typedef __int128 wide;
 
-/* Divides as AR-INT-2 requires, rounding half to even; d > 0. */
+/* Returns n / d, rounded half to even (AR-INT-2). d must be positive. */
 static wide nearest(wide n, wide d)
 {
     wide q = n / d, r = n % d;

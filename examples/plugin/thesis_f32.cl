@@ -19,9 +19,10 @@
  * decides.
  *
  * The thesis does not define when a row intersects a triangle; this file uses edge
- * functions with the tie rule of AR-VOX-2, in floats. The function round() rounds
- * ties to even in Alg. 2.1, as in Table 3.5, and away from zero in Alg. 2.3. A
- * voxel's position is its centre, and chunk ranges are half-open.
+ * functions with the tie rule of AR-VOX-2, in floats. The thesis also does not
+ * define how round() rounds a tie: this file rounds it to even in Alg. 2.1, as in
+ * Table 3.5, and away from zero in Alg. 2.3. A voxel's position is its centre, and
+ * chunk ranges are half-open.
  * docs/design/thesis-notes.md states the reasons.
  */
 #ifdef __OPENCL_VERSION__
@@ -175,7 +176,7 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
 
 /* ---------------------------------------------------------- Algs. 2.8 to 2.10 */
 
-/* Moves the tool's corners into the frame of the bone's box, then converts them to units of chunks. */
+/* Computes the range of chunks that enclose the tool's corners, which are clamped to the bone's box. */
 FUNCTION thesis_boxes thesis_share(thesis_boxes x)
 {
     const float n = (float)x.chunk_size;
@@ -195,7 +196,8 @@ FUNCTION thesis_boxes thesis_share(thesis_boxes x)
     return x;
 }
 
-/* Returns the index of the tool voxel at bone voxel (i, j, k), or -1 if the voxel lies outside the tool's grid. */
+/* Returns the index of the tool voxel that contains the centre of bone voxel (i, j, k). Returns -1 if this centre lies
+   outside the tool's grid. */
 FUNCTION int thesis_tool_voxel(thesis_boxes x, int i, int j, int k)
 {
     const float p0 = MUL_ADD((float)i + 0.5f, x.bone_voxel, -x.bone[0]);
@@ -234,7 +236,7 @@ __kernel void rect_dims(__global const float *first_last_size, __global thesis_r
 }
 
 /*
- * The thesis writes densities in this kernel. If two samples lie in the same voxel, the
+ * In the thesis, this kernel also writes the densities. If two samples lie in one voxel, the
  * work item that is executed last determines the density. In this plugin, the host writes
  * the densities in the order of the samples.
  */

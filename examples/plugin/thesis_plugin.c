@@ -6,8 +6,8 @@
  *   osteon  --table of osteon/plugin.h-->  thesis_plugin.c  --engine.h-->  engine_c.c or engine_cl.c
  *
  * The plugin is an example of the interface and shows the effects of the thesis' arithmetic. It is
- * not meant to be fast. A bone is one dense array. A chunk without active voxels is set to zero
- * in this array, as if its buffer were deleted.
+ * not meant to be fast. A bone is one dense array. Where the thesis deletes the buffer of a chunk
+ * without active voxels, the plugin sets the chunk's part of this array to zero.
  *
  * The file has more than 500 lines, because all slots of the table are in one place.
  */
@@ -168,8 +168,8 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
 
 /*
  * Implements Algs. 2.2 to 2.4. In the grid that the host requests, every lattice point of the samples has a
- * voxel. Alg. 2.3 computes other dims: they are smaller by one on each axis on which all positions are
- * multiples of the voxel size. Alg. 1.1 computes a voxel's index from the dims of Alg. 2.3.
+ * voxel. The dims of Alg. 2.3 are smaller by one on each axis on which all positions are multiples of the
+ * voxel size. Alg. 1.1 computes a voxel's index from these smaller dims.
  */
 static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error)
@@ -204,7 +204,7 @@ static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *sampl
             grid->voxels[(size_t)x + (size_t)g->dims[0] * ((size_t)y + (size_t)g->dims[1] * (size_t)z)] = (int16_t)
                 four[4 * s + 3];
     }
-    report->samples += count; /* the thesis' algorithm reports only the number of samples */
+    report->samples += count; /* the other counts remain 0, because the thesis' algorithm does not compute them */
     free(index);
     free(four);
     return status;
@@ -461,7 +461,8 @@ static int32_t voxelize(ost_plugin_instance *self, const ost_plugin_tool_geometr
 
 /* -------------------------------------------------------------------- events */
 
-/* Converts the host's map between voxels to the matrix of the thesis, which maps between the centres of the boxes. */
+/* Converts the host's map, which is in units of voxels, to the thesis' matrix, which is in millimetres relative to the
+   centres of the boxes. */
 static thesis_boxes boxes_of(const ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_map *map)
 {
     const double bone_mm = (double)bone->geometry.spacing_pm[0] / 1e9, tool_mm = (double)tool->geometry.voxel_pm / 1e9;
