@@ -34,7 +34,7 @@ typedef struct ost_anatomy_bone {
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
     bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
-    /* range of the radius, within 5 to 100 mm; if both limits are 0, 17 to 32 mm or, if concave, 20 to 45 mm */
+    /* limits of the radius, within 5 to 100 mm; if both are 0: 17 to 32 mm, or 20 to 45 mm for concave spheres */
     ost_pm radius_min, radius_max;
     bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;
@@ -46,23 +46,23 @@ typedef struct ost_sphere {
     ost_pm3 centre;     /* centre of the sphere; the centre and the radius are rounded to 0.01 mm */
     ost_pm radius;
     double coverage;    /* share of the sphere's area that lies on the bone's surface, 0 to 1 */
-    double area_mm2;    /* area of the bone's surface that lies on the sphere */
+    double area_mm2;    /* area of the part of the bone's surface that lies on the sphere */
     double residual_mm; /* RMS distance between this part of the surface and the sphere */
     double facing[3];   /* unit vector from the centre to the middle of this part of the surface */
 } ost_sphere;
 
 enum { OST_SPHERES_MAX = 16 };
 /*
- * Finds spheres on the surface of a bone. Cavities in the bone are ignored. Stores at most `most` (1 to
- * OST_SPHERES_MAX) spheres in out, and their number in *count. Convex spheres are in descending order of coverage,
- * which is at least 0.15. Concave spheres are in descending order of area, which is at least 200 mm2. The centres
- * of two spheres are at least 10 mm apart. Returns OST_ERR_RANGE if an option is out of range, and OST_ERR_INPUT if
- * there is no bone or no sphere.
+ * Finds spheres on the surface of a bone. Cavities in the bone are ignored. Stores the spheres in out and their number
+ * in *count. The parameter `most` is the capacity of out, 1 to OST_SPHERES_MAX. Convex spheres are in descending order
+ * of coverage, which is at least 0.15. Concave spheres are in descending order of area, which is at least 200 mm2. The
+ * centres of two spheres are at least 10 mm apart. Returns OST_ERR_RANGE if an option is out of range, and
+ * OST_ERR_INPUT if there is no bone or no sphere.
  */
 OST_API ost_status ost_spheres_find(const ost_anatomy_bone *bone, const ost_sphere_options *options, ost_sphere *out,
                                     int most, int *count, ost_error *err);
 
-enum { OST_RIM_MAX = 72 }; /* number of directions, 5 degrees apart, in which the glenoid's rim is searched for */
+enum { OST_RIM_MAX = 72 }; /* number of directions, one every 5 degrees, in which the glenoid's rim is searched for */
 
 /*
  * Landmarks of a scapula, defined in docs/reference/landmarks.md. Lengths and positions are rounded to 0.01 mm, and
@@ -74,13 +74,12 @@ typedef struct ost_scapula_landmarks {
     ost_pm3 trigonum, inferior; /* trigonum spinae and inferior angle */
     bool left;
     ost_sphere curvature;  /* sphere that fits the face */
-    ost_pm height, width;  /* extents of the rim along and across the superior direction */
+    ost_pm height, width;  /* extent of the rim along the superior direction, and perpendicular to it */
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*
-     * The uncertainty of the proposal. A spread is the maximum change of a value when the search is repeated in these
-     * variants: the surface is moved inward or outward, only the even or only the odd directions of the rim are used,
-     * or the grid is coarser.
+     * The uncertainty of the proposal. A spread is the maximum change of a value when the search is repeated with the
+     * surface moved inward or outward, with only the even or only the odd directions of the rim, and on a coarser grid.
      */
     double rim_share;      /* share of the directions in which the rim was found */
     double rim_residual_mm; /* RMS distance of the rim from its plane */

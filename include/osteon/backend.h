@@ -16,14 +16,16 @@
  *   snapped mesh --voxelize--> tool                      event --remove--> bone, report
  *
  * Lifetimes: grids, bones and tools are owned by the caller and must be freed before their backend is closed. All
- * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE. Threads: a backend and
- * its objects may be used by one thread at a time; different backends may be used by different threads at the same
- * time. After fork(), the child must not call osteon before exec, because the OpenMP runtime's threads do not exist
- * in the child. Errors: these functions check their arguments. If a call fails, no object changes, unless the comment
- * of the function states otherwise. There is one exception: if a device fails while it changes a grid or a bone, the
- * state of this grid or bone is unknown. The object can then only be freed, and every other call with it returns
- * OST_ERR_UNAVAILABLE. The caller can create the object again; ost_world_failover (sim.h) does this for a world, on
- * another backend.
+ * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE.
+ *
+ * Threads: a backend and its objects may be used by one thread at a time; different backends may be used by different
+ * threads at the same time. After fork(), the child must not call osteon before exec, because the OpenMP runtime's
+ * threads do not exist in the child.
+ *
+ * Errors: these functions check their arguments. If a call fails, no object changes, unless the comment of the function
+ * states otherwise. If a device fails while it changes a grid or a bone, however, the state of this object is unknown.
+ * The object can then only be freed, and every other call with it returns OST_ERR_UNAVAILABLE. The caller can create
+ * the object again; ost_world_failover (sim.h) does this for a world, on another backend.
  */
 #ifndef OSTEON_BACKEND_H
 #define OSTEON_BACKEND_H
@@ -86,7 +88,7 @@ OST_API void ost_backend_close(ost_backend *backend);
 /* Returns the name of a backend without options, for example "cpu". The string is static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
-/* Settings of an open backend, which follow from its options, the environment and the machine. */
+/* Settings of an open backend. Its options, the environment and the machine determine them. */
 typedef struct ost_backend_settings {
     /* instruction set in use, for example "avx2"; "" if the backend has no choice of instruction sets */
     const char *isa;
@@ -115,15 +117,12 @@ OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t c
 
 /* ---------------------------------------------------------------- import */
 
-/*
- * One line of a CT in text form (thesis, Alg. 2.2). The `line` member counts from the first line of the batch, so
- * that 32 bits are sufficient for a file of any length.
- */
+/* One line of a CT in text form (thesis, Alg. 2.2). */
 typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
     /* Density, which must fit int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
     int32_t density;
-    uint32_t line;   /* line number, counted from 0 at the batch's first line */
+    uint32_t line;   /* line number in the batch, from 0; relative to the batch, 32 bits suffice for any file */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */
@@ -140,7 +139,7 @@ typedef enum ost_duplicates {
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
-    uint64_t duplicates;         /* number of samples whose voxel already had an equal or a different density */
+    uint64_t duplicates;         /* number of samples whose voxel already had a density */
     uint64_t off_lattice;        /* number of samples that are more than 1/8 of a voxel off the lattice */
     /* maximum distance of a sample from the lattice, in millionths of a voxel, rounded down */
     uint64_t worst_offset_ppm;
@@ -149,7 +148,7 @@ typedef struct ost_scatter_report {
     int64_t rejected_line;
     /* line of the first sample whose voxel already has a different density (only with OST_DUPLICATES_ERROR) */
     int64_t conflict_line;
-    /* For the sample on conflict_line: density that the voxel already had, and density of the sample. */
+    /* density that the voxel already had, and density of the sample on conflict_line */
     int16_t conflict_had, conflict_has;
 } ost_scatter_report;
 
@@ -175,10 +174,10 @@ typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAM
 OST_API const char *ost_resample_name(ost_resample rule);
 
 /*
- * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. With c =
- * cubic and s the spacing of rect, the cubic grid has dims = ceil(dims * s / c) and origin = rect origin + (c - s)
- * / 2, rounded half to even, on each axis (AR-CUB-1). Returns OST_ERR_RANGE if `cubic` is not within 0.001 to 100 mm
- * or if the cubic grid has more than OST_DIM_MAX voxels along an axis. The caller frees *out.
+ * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. On each axis,
+ * let c be the edge length and s the spacing of rect. The cubic grid then has ceil(rect dims * s / c) voxels, and its
+ * origin is rect origin + (c - s) / 2, rounded half to even (AR-CUB-1). Returns OST_ERR_RANGE if `cubic` is not within
+ * 0.001 to 100 mm or if the cubic grid has more than OST_DIM_MAX voxels along an axis. The caller frees *out.
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);
@@ -233,25 +232,26 @@ OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t c
 /*
  * Reads the densities of `count` single voxels. Voxel i has the indices at[0][i], at[1][i] and at[2][i] along x, y
  * and z. If a voxel is not active or is outside the grid, its density is 0. The function allocates no memory and does
- * not block, so it may be called in a tick. If the bone is on a device, there are two exceptions: the first call after
- * the bone was made or uploaded allocates host memory and copies all voxels to it, and the first call after a removal
- * blocks until the occupancy of the changed chunks has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read
- * only slices, like `plugin`.
+ * not block, so it may be called in a tick. There are two exceptions for a bone on a device. The first call after the
+ * bone was made or uploaded allocates host memory and copies all voxels to it. The first call after a removal blocks
+ * until the occupancy of the changed chunks has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read only
+ * slices, as the backend `plugin` does.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
 /*
  * Reads the occupancy of `count` chunks. `chunks` contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
- * cz). `words` has n^3 / 32 elements for each chunk of n^3 voxels: voxel (x, y, z) has the number v = x + n (y + n z)
- * and is bit v % 32 of word v / 32. The function allocates no memory, so it may be called in a tick. If the bone is
- * on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE if a chunk number is out of range,
- * and OST_ERR_UNAVAILABLE if the backend can read only slices, like the backend `plugin`.
+ * cz). `words` has n^3 / 32 elements for each chunk of n^3 voxels. Voxel (x, y, z) of a chunk has the number v = x + n
+ * (y + n z); its bit is bit v % 32 of the chunk's element v / 32. The function allocates no memory, so it may be called
+ * in a tick. If the bone is on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE if a
+ * chunk number is out of range, and OST_ERR_UNAVAILABLE if the backend can read only slices, as the backend `plugin`
+ * does.
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
 /*
- * Computes the digest of a bone and the digests of its leaves, in x-fastest order.  ost_leaf_dims gives the number of
- * leaves along each axis.  `leaves` may be NULL.
+ * Computes the digest of a bone. If `leaves` is not NULL, also stores the digests of the leaves, in x-fastest order.
+ * ost_leaf_dims returns the number of leaves along each axis.
  */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 
@@ -296,20 +296,20 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
 /* ---------------------------------------------------------------- events */
 
 /*
- * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM): its
- * density becomes 0 and its occupancy bit is cleared. ost_bone_collide reports the same voxels without removing
- * them. *report is cleared first, and is undefined after an error. The event's maps must have been computed for this
- * bone and this tool. Returns OST_ERR_RANGE if the tool has more than OST_TOOL_DIM_REMOVE_MAX voxels along an axis.
+ * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM). To remove a
+ * voxel, sets its density to 0 and clears its occupancy bit. *report is cleared first, and is undefined after an error.
+ * The event's maps must have been computed for this bone and this tool. Returns OST_ERR_RANGE if the tool has more than
+ * OST_TOOL_DIM_REMOVE_MAX voxels along an axis.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
-/* Writes the same report and returns the same errors as ost_bone_remove, without changing the bone. */
+/* Writes the same report and returns the same errors as ost_bone_remove, but does not change the bone. */
 OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                     ost_removal_report *report, ost_error *err);
 
 /*
- * Blocks until all previous calls are complete. If the work of a previous call failed after the call had returned,
- * returns the error of this work.
+ * Blocks until the work of all previous calls is complete. Returns the error of work that failed after its call had
+ * returned.
  */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 

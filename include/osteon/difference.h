@@ -2,7 +2,7 @@
 /*
  * Classifies the difference between two grids.
  *
- *   two grids, and the bone before an event if known --> patterns that hold --> class: the first pattern
+ *   two grids and, optionally, the bone before an event --> patterns that hold --> class of the first pattern
  *
  * Every pattern is a statement that is checked on all voxels to which it applies, so a pattern that holds is certain.
  * The cause of the difference is not certain; the class indicates where to search first. `osteon diff` and
@@ -34,7 +34,7 @@ enum { OST_DIFFERENCE_TEXT = 200, OST_DIFFERENCE_PATTERNS_MAX = 16 };
 /* A pattern that holds. */
 typedef struct ost_difference_pattern {
     const char *name;               /* static, for example "boundary-layer" */
-    char text[OST_DIFFERENCE_TEXT]; /* the evidence, as one sentence about A and B */
+    char text[OST_DIFFERENCE_TEXT]; /* the evidence: a sentence in which the grids are named A and B */
 } ost_difference_pattern;
 
 /* The difference between two grids. */

@@ -35,11 +35,10 @@ typedef struct ost_int128 {
 enum { OST_SWEEP_MAX = 4096 };
 
 /*
- * Computes the number of poses n of a sweep (AR-SWEEP-2): the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2. Here, d
- * is the displacement of a corner of the tool's box from pose a to pose b, and s is the edge length of a bone
- * voxel. Both positions of a corner are rounded half to even to picometres, and the maximum is over all corners.
- * Returns OST_ERR_RANGE if n would exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is
- * invalid.
+ * Computes the number n of poses in a sweep (AR-SWEEP-2): the least n >= 1 with 4 * max|d|^2 <= n^2 * s^2. Here, s is
+ * the edge length of a bone voxel, and d is the displacement of a corner of the tool's box from pose a to pose b. The
+ * maximum is over all corners, whose positions are rounded half to even to picometres. Returns OST_ERR_RANGE if n would
+ * exceed OST_SWEEP_MAX, if the rotation exceeds 90 degrees, or if a pose is invalid.
  */
 OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geometry *tool,
                                    ost_pm bone_voxel, int *count, ost_error *err);
@@ -61,13 +60,13 @@ enum { OST_MAP_FRACTION = 20, OST_MAP_BLOCK = 16, OST_MAP_RATIO_MAX = 16 };
 /*
  * Tool coordinate of the centre of bone voxel (i, j, k) along axis a, times 2^20:
  *
- *   exactly  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
- *   used     base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
+ *   exact  (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
+ *   used   base[a] + di step[0][a] + dj step[1][a] + dk step[2][a]
  *
- * Here, (di, dj, dk) is the position of the voxel in its block, 0 to 15 on each axis, base is RHE(exact) at the first
- * voxel of the block, and step is RHE(column / divisor). RHE rounds half to even. The coordinate that is used differs
- * from the exact coordinate by at most 23 / 2^20 of a tool voxel. Ranges: |origin| < 2^126, divisor < 2^98,
- * |step| <= 2^24. The edge of a bone voxel is at most OST_MAP_RATIO_MAX tool voxels long.
+ * Here, (di, dj, dk) is the position of the voxel in its block, 0 to 15 on each axis. RHE rounds half to even: base is
+ * RHE(exact) at the first voxel of the block, and step is RHE(column / divisor). The used coordinate differs from the
+ * exact coordinate by at most 23 / 2^20 of a tool voxel. Ranges: |origin| < 2^126, divisor < 2^98, |step| <= 2^24. The
+ * edge of a bone voxel is at most OST_MAP_RATIO_MAX tool voxels long.
  */
 typedef struct ost_map {
     ost_int128 origin[3];
@@ -137,7 +136,7 @@ typedef struct ost_removal_event {
 typedef struct ost_chunk_report {
     int32_t chunk; /* number of the chunk: cx + chunk_dims.x * (cy + chunk_dims.y * cz) */
     uint32_t voxels[OST_CLASS_MAX];
-    int64_t density[OST_CLASS_MAX]; /* for each class, the sum of the removed voxels' densities before the removal */
+    int64_t density[OST_CLASS_MAX]; /* for each class, the sum of the densities that the removed voxels had */
 } ost_chunk_report;
 
 /*
@@ -150,7 +149,7 @@ typedef struct ost_removal_report {
     uint64_t voxels[OST_CLASS_MAX];
     int64_t density[OST_CLASS_MAX];
     uint64_t total_voxels;
-    uint64_t touched_voxels; /* number of active voxels that only non-cutting voxels cover; these are not removed */
+    uint64_t touched_voxels; /* number of active voxels covered by non-cutting voxels only; they are not removed */
 } ost_removal_report;
 
 /* Clears the content of a report. Its memory is kept for reuse. */

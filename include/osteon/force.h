@@ -39,7 +39,8 @@ typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mo
 /* Parameters of the force, in SI units. docs/reference/force.md lists the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    /* Ratio of hand force to contact force. A device limited to 3.3 N cannot render the 40 N of a reamer. */
+    /* Ratio of hand force to contact force. It is below 1, because a device with a limit of 3.3 N, for example, cannot
+     * render the 40 N of a reamer. */
     double scale;
     double stiffness;          /* stiffness of the coupling for the hand force, in N/m */
     double damping;            /* damping of the coupling for the hand force, in N s/m */
@@ -50,18 +51,18 @@ typedef struct ost_force_params {
     double density_at_0;       /* density at 0 HU in g/cm^3 */
     double density_per_hu;     /* increase of density per HU in g/cm^3 */
     double layer;              /* thickness of the compressed layer in m; only for OST_FORCE_INSTANT */
-    /* Force per area and per depth of the layer in N/m^3, for bone of the reference density; only for
+    /* Stiffness of the layer in N/m^3, which is force per area and depth, for bone of the reference density; only for
      * OST_FORCE_INSTANT. */
     double layer_stiffness;
     /* Angular stiffness of the coupling for the hand torque, in N m/rad. With 0, the tool always has the device's
      * orientation. */
     double turn_stiffness;
     double turn_damping;       /* angular damping of the coupling, in N m s/rad */
-    /* Amplitude of the force at the tooth-passing frequency, as a ratio to shaking_n; 0 means no vibration. */
+    /* Amplitude of the force at the tooth-passing frequency, relative to shaking_n; 0 means no vibration. */
     double vibration;
     /*
-     * Amplitude of the force perpendicular to the axis at the frequency of rotation, as a ratio to shaking_n; 0 means
-     * no runout.
+     * Amplitude of the force perpendicular to the axis at the frequency of rotation, relative to shaking_n; 0 means no
+     * runout.
      */
     double runout;
     double teeth;              /* number of teeth that pass a fixed point during one revolution */
@@ -145,7 +146,7 @@ OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose
 /*
  * If the bone is on a device, reads the voxels that removals have changed since the last step. Without this call, the
  * next ost_force_step reads these voxels and waits for the device. A program calls this function after it has written
- * the force to the haptic device. No result depends on the call. Returns the error of the bone's backend.
+ * the force to the haptic device. The call does not affect any result. Returns the error of the bone's backend.
  */
 OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*
@@ -165,8 +166,8 @@ OST_API void ost_force_set_pose(ost_force *force, int tool, const ost_pose *pose
  * their sources.
  */
 typedef struct ost_safety_params {
-    /* Maximum force in N and maximum torque in N m. Every value is reduced to less than its maximum; a value far below
-       its maximum hardly changes. */
+    /* Maximum force in N and maximum torque in N m. A saturation function reduces every value to less than its maximum;
+       it hardly changes a value far below the maximum. */
     double max_force_n, max_torque_nm;
     double slew_n;              /* maximum change of the force in one tick, in N */
     double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */
@@ -199,7 +200,7 @@ typedef struct ost_force_key {
 OST_API int ost_force_key_count(void);
 /* Returns the description of parameter number `index`, or NULL if index is out of range. The description is static. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Reads the value of parameter number `index` from *force or *safety, and returns the value. */
+/* Returns the value of parameter number `index`, which is a member of *force or of *safety. */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value to text in the format of a parameter file. Returns text. */

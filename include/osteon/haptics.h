@@ -36,8 +36,8 @@ enum {
 };
 
 /*
- * The action of a button. The buttons of each device have default actions. `osteon devices` lists them, and the
- * option --buttons of `osteon sim` changes them.
+ * The action of a button. Each device has default actions for its buttons. `osteon devices` lists these actions, and
+ * the option --buttons of `osteon sim` changes them.
  */
 typedef enum ost_action {
     OST_ACTION_NONE,
@@ -45,7 +45,7 @@ typedef enum ost_action {
     OST_ACTION_SWITCH,       /* each press switches the motor on or off */
     OST_ACTION_TOOL,         /* each press selects the next tool, which starts at the device's pose */
     OST_ACTION_CLUTCH,       /* while the button is held, the tool does not move and the device moves freely */
-    OST_ACTION_HOME,         /* moves the tool to its first pose, clear of the bone, without cutting on the way */
+    OST_ACTION_HOME,         /* returns the tool, without cutting, to its first pose, which is clear of the bone */
     OST_ACTION_COUNT
 } ost_action;
 /* Returns the name of an action, for example "none", "motor" or "home"; static. */
@@ -70,9 +70,9 @@ typedef struct ost_haptic_info {
 } ost_haptic_info;
 
 /*
- * Writes the actions of a device's buttons to out. These are the default actions, changed as `text` specifies, for
- * instance "stylus1=next-tool,2=none". In `text`, a button is identified by its name or by its number, counted from
- * 1; `text` may be NULL. Returns OST_ERR_USAGE, with the unknown name in err, for an unknown button or action.
+ * Writes the action of each button of a device to out. A button has its default action unless `text` assigns a
+ * different one, as in "stylus1=next-tool,2=none". `text` identifies a button by its name or by its number, counted
+ * from 1, and may be NULL. Returns OST_ERR_USAGE, with the unknown name in err, for an unknown button or action.
  */
 OST_API ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_action out[OST_BUTTONS_MAX],
                                      ost_error *err);
@@ -84,7 +84,7 @@ OST_API ost_status ost_haptic_describe(int index, ost_haptic_info *out, ost_erro
 
 typedef struct ost_haptic ost_haptic;
 typedef struct ost_mouse_input ost_mouse_input;
-/* The input of the `openxr` device. It is created by the osteon command; other programs pass NULL. */
+/* The input of the `openxr` device. The osteon command creates it; other programs pass NULL. */
 typedef struct ost_hand_input ost_hand_input;
 
 /* The data that is needed to open a device. The pointers are borrowed until ost_haptic_open returns. */
@@ -265,7 +265,7 @@ typedef struct ost_servo_sample {
     /* True if tracking is lost. `state` is then the last state; its quaternion is zero if tracking was lost from
      * the start. */
     bool tracking_lost;
-    uint32_t wake_ns;     /* delay of the tick's start after its due time */
+    uint32_t wake_ns;     /* delay from the due time of the tick to its start */
     uint32_t missed;      /* number of ticks skipped before this tick */
 } ost_servo_sample;
 
@@ -319,8 +319,8 @@ typedef struct ost_servo_report {
     ost_servo_end end;
     uint64_t ticks;
     /*
-     * Number of missed deadlines. A tick misses its deadline if it ends after the next tick was due. Each tick that is
-     * skipped for this reason also counts as a missed deadline.
+     * Number of missed deadlines: ticks that ended after the next tick was due, and ticks that were skipped for this
+     * reason.
      */
     uint64_t missed;
     /*

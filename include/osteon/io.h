@@ -7,8 +7,8 @@
  * of the file. An output file appears under its name only when it is complete. Until then, it is an unnamed or
  * temporary file in the same folder; it gets its name after it has been synced.
  *
- * If the content of a file has a signature, the signature determines the kind of the file. If not, the name does. Text
- * is read in the C locale, regardless of the program's locale.
+ * The signature in a file's content or, without a signature, the file's name determines the kind of the file. Text is
+ * read in the C locale, regardless of the program's locale.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
@@ -35,10 +35,10 @@ typedef enum ost_file_kind {
 } ost_file_kind;
 
 /*
- * Determines the kind of a file by its content. If the content has no signature, the name determines the kind. A
- * folder is a stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, and its
- * files are not examined further. Returns OST_ERR_INPUT for a format that osteon does not read, for example a
- * compressed file; the message names a program that converts the file.
+ * Determines the kind of a file by the signature in its content or, without a signature, by its name. A folder is a
+ * stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, and its files are not
+ * examined further. Returns OST_ERR_INPUT for a format that osteon does not read, for example a compressed file; the
+ * message names a program that converts the file.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
@@ -157,8 +157,8 @@ typedef struct ost_write_options {
     bool compress;        /* true to compress .nrrd by gzip; .nii.gz is always compressed */
     int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects the smallest number that represents all
                            * positions exactly */
-    /* for .txt: true to omit voxels of density 0; the grid read from the file is then the bounding box of the other
-     * voxels */
+    /* for .txt: true to omit voxels of density 0; if the file is read, its grid is then the bounding box of the
+     * remaining voxels */
     bool omit_empty;
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
     void *progress_user;
@@ -276,9 +276,9 @@ OST_API ost_status ost_landmarks_write(const char *path, const ost_landmarks *la
 OST_API void ost_landmarks_free(ost_landmarks *landmarks);
 
 /*
- * Replaces the header facts in the file of a volume. For an NRRD file, these are the osteon_ lines of the header;
- * for a NIfTI file written by osteon, they are in a comment. The voxels do not change. On failure, the file is
- * unchanged. Returns OST_ERR_INPUT for all other files.
+ * Replaces the header facts in the file of a volume. In an NRRD file, the facts are the osteon_ lines of the header; in
+ * a NIfTI file written by osteon, they are in a comment. Returns OST_ERR_INPUT for all other files. The voxels do not
+ * change. On failure, the file is unchanged.
  */
 OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_error *err);
 
@@ -286,9 +286,8 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 enum { OST_MASK_LABELS_MAX = 128 };
 /*
- * Makes a label map of a CT, for example by ost_segment_volume. threshold is the threshold of the import. The
- * function initialises *labels, whose grid is the grid of the CT; ost_import frees *labels. The facts in the meta
- * of *labels are added to the facts of the bone.
+ * Makes a label map of a CT, for example with ost_segment_volume. threshold is the threshold of the import. Initialises
+ * *labels with the CT's grid; ost_import frees *labels. The facts in labels->meta are added to the facts of the bone.
  */
 typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                                      ost_error *err);
@@ -328,7 +327,8 @@ typedef struct ost_import_options {
     bool mask_fill;           /* true to set selected voxels below the threshold to the threshold */
     /*
      * Function that is called after the mask was applied, or NULL. The bone consists of the voxels to which the
-     * function assigns a label, as with a mask of all labels and mask_fill. Not supported for CTs given as text.
+     * function assigns a label, as if its labels were a mask with all labels selected and with mask_fill. Not supported
+     * for CTs given as text.
      */
     ost_import_labels *labels;
     void *labels_user;

@@ -68,10 +68,10 @@ OST_API const char *ost_decimal_read(const char *text, const char *end, ost_deci
 
 /*
  * Computes value * factor, rounded half to even, for factor >= 1. The rounding is correct for decimals of up to 36
- * significant digits. It is correct for any number of digits if the factor is a product of powers of 2 and 10 and every
- * tie, that is, every value for which the product is exactly between two integers, has at most 36 digits. Returns
- * false if the result does not fit int64. If exact is not NULL, sets *exact to true if nothing was rounded, and to
- * false otherwise.
+ * significant digits. It is correct for any number of digits if the factor is a product of powers of 2 and 10 and no
+ * tie has more than 36 digits. A tie is a value for which the product is exactly between two integers. Returns false if
+ * the result does not fit int64. If exact is not NULL, sets *exact to true if nothing was rounded, and to false
+ * otherwise.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);
 

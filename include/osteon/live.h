@@ -66,8 +66,8 @@ OST_API void ost_live_free(ost_live_channel *live);
 /* Queues the chunks that are listed in the report of an event. `report` may be NULL for a tick without an event. */
 OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *report);
 /*
- * Publishes the state, and about 8 kB of queued chunks, which are two chunks of 32^3 voxels. If the backend returns
- * an error, the chunks remain queued.
+ * Publishes the state and about 8 kB of queued chunks (two chunks of 32^3 voxels). If the backend returns an error, the
+ * chunks remain queued.
  */
 OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
 /* Publishes all chunks that are still queued. Called at the end of an operation or during a pause. */

@@ -3,8 +3,8 @@
  * The metrics of an operation on a glenoid. They compare the bone before and after the operation with a plan. The
  * values are floating-point numbers and are used only in reports.
  *
- *   outward  ^        before            frame of the plan: w along its inward axis,
- *            |   ___________            from the centre of the face; u and v across
+ *   outward  ^        before            frame of the plan: w along its inward axis, from the
+ *            |   ___________            centre of the face; u and v perpendicular to w
  *      ------+--'-. dish .-'--
  *            |     '.___.'   <- floor: the exposed bone; a sphere is fitted to it
  *          w v       | |     <- peg hole: where a drill removed bone
@@ -30,7 +30,7 @@ typedef struct ost_metrics_plan {
     double axis[3];  /* inward direction, of any length except 0 */
     bool left;
     double depth_mm; /* planned depth of reaming at the centre of the face */
-    /* Landmarks of the scapula, used to measure angles in the scapula's own frame. */
+    /* true if the following landmarks are set; angles are then measured in the scapula's own frame */
     bool landmarks;
     /*
      * The trigonum is the point at which the scapular spine meets the medial border. The inferior angle is the
@@ -61,9 +61,9 @@ typedef struct ost_metrics_tool {
  * Determines the properties of a tool from its cutting voxels. A tool that is at least OST_METRICS_REAMER_MM wide is
  * a reamer. A narrower tool that is at least twice as long as wide is a drill. All other tools, and tools without
  * cutting voxels, have the kind OST_METRICS_OTHER. The length is measured along z, and the width is the larger of the
- * sizes along x and y. The tool's axis is the z axis of its frame if this axis passes through the cutting part;
- * otherwise, it passes through the middle of the cutting part. The tip is the lowest point of the cutting part on this
- * axis. Returns an error if the tool cannot be copied to host memory.
+ * sizes along x and y. The tool's axis is the z axis of its frame or, if the z axis misses the cutting part, a parallel
+ * line through the middle of the cutting part. The tip is the lowest point of the cutting part on this axis. Returns an
+ * error if the tool cannot be copied to host memory.
  */
 OST_API ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, ost_error *err);
 /*
@@ -141,8 +141,8 @@ typedef struct ost_metrics {
     /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
     double width_before_mm, width_after_mm, height_before_mm, height_after_mm;
     bool hole;                          /* true if a drill removed bone below the plan's centre */
-    double hole_depth_mm;               /* deepest position of the drill's tip, measured like `reach_mm` */
-    /* Angle and entry point of the drill, measured like `tilt_deg` and `entry_mm`. */
+    double hole_depth_mm;               /* the value of reach_mm for the drill instead of the reamer */
+    /* the values of tilt_deg and entry_mm for the drill instead of the reamer */
     double hole_angle_deg, hole_entry_mm;
     /* Diameter, computed from the mean area of the hole's slices; NAN if no slice is complete. */
     double hole_diameter_mm;
@@ -152,7 +152,7 @@ typedef struct ost_metrics {
      */
     double hole_wall_mm;
     bool hole_breach;    /* true if the hole perforates the wall at a depth of at least 6 mm below the face */
-    /* Maps of the positions, along w, of the surfaces before and after the operation; NAN where there is no bone. */
+    /* maps of the w coordinates of the surfaces before and after the operation; NAN where there is no bone */
     float before_mm[OST_METRICS_MAP * OST_METRICS_MAP], after_mm[OST_METRICS_MAP * OST_METRICS_MAP];
     float depth_mm[OST_METRICS_MAP * OST_METRICS_MAP]; /* map of the depth below the native face; NAN where no bone
                                                         * was exposed */
@@ -160,7 +160,7 @@ typedef struct ost_metrics {
     bool drilled[OST_METRICS_MAP * OST_METRICS_MAP];
 } ost_metrics;
 
-/* Maximum gap, in um, that counts as contact. A gap of up to 0.6 bone voxels also counts. */
+/* An implant has contact where its gap to the floor is at most 500 um or at most 0.6 bone voxels. */
 enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*

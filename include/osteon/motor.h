@@ -49,8 +49,8 @@ OST_API double ost_motor_angle(const ost_motor *motor);
 OST_API void ost_motor_turn(ost_motor *motor, ost_tick *tick, int32_t rpm);
 
 /*
- * Maximum number of ticks into which a row of a path is divided. A row is divided if the motor rotates by more than 1/8
- * turn since the previous row.
+ * Maximum number of ticks into which a row of a path is divided. A row is divided if the motor has rotated by more than
+ * 1/8 turn since the previous row.
  */
 enum { OST_MOTOR_PARTS_MAX = 4096 };
 

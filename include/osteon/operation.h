@@ -91,8 +91,8 @@ OST_API void ost_operation_free(ost_operation *operation);
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /*
- * Sets the actions whose keys are held. `active` is a bit mask with the bit 1 << action for each ost_action whose
- * key is held. One thread other than the servo thread may call this function at any time.
+ * Sets the actions whose keys are held: `active` has the bit 1 << action for each of these actions. One thread other
+ * than the servo thread may call this function at any time.
  */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t active);
 /*

@@ -30,8 +30,8 @@ OST_API ost_status ost_picture_write_png(const char *path, const ost_picture *pi
 OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err);
 
 /*
- * Options of ost_picture_slices. This function draws the axial, coronal and sagittal slices through a voxel, with
- * isotropic pixels and in the radiological convention.
+ * Options of ost_picture_slices, which draws the axial, coronal and sagittal slices through a voxel, with isotropic
+ * pixels and in the radiological convention.
  */
 typedef struct ost_slices_options {
     /* Indices of the voxel through which the slices pass. -1 selects the middle of the removed voxels or, if

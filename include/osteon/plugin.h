@@ -32,13 +32,13 @@
  * create, and frees each object by its free slot before it calls close.
  *
  * Errors.  A slot returns an ost_plugin_status and, unless this is OST_PLUGIN_OK,
- * writes one line of text for the user to error->text.  A slot that fails must not
- * have changed an object.  If the slot may have changed an object, the slot returns
+ * writes one line of text for the user to error->text.  A slot that fails must
+ * leave all objects unchanged.  If it may have changed an object, it returns
  * OST_PLUGIN_LOST, and the host does not use the object again.  No exception and
- * no longjmp may leave a slot.  The host checks statuses, NULL objects, chunk
- * numbers and reports, and reports violations.  A plugin that writes beyond the
- * bounds of its arguments can crash the process, so `osteon validate` runs each
- * backend in a process of its own.
+ * no longjmp may leave a slot.  The host checks the statuses, objects, chunk
+ * numbers and reports that it receives; an invalid one is an error.  A plugin that
+ * writes beyond the bounds of its arguments can crash the process, so `osteon
+ * validate` runs each backend in a process of its own.
  */
 #ifndef OSTEON_PLUGIN_H
 #define OSTEON_PLUGIN_H
@@ -158,15 +158,16 @@ typedef struct ost_plugin_int128 {
  *   exact     (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *             in units of 2^-20 tool voxel
  *   integer   the base from the host's block_base, and step; these integers define the result
- *   affine    affine[a][0..2] (i, j, k) + affine[a][3] in tool voxels: the doubles
- *             nearest to the exact map, for plugins that compute in floating point
+ *   affine    affine[a][0] i + affine[a][1] j + affine[a][2] k + affine[a][3] in tool
+ *             voxels; the doubles nearest to the exact map, for plugins that compute
+ *             in floating point
  */
 typedef struct ost_plugin_map {
     uint32_t size;
     int32_t step[3][3]; /* [bone axis][tool axis] */
     ost_plugin_int128 origin[3], column[3][3], divisor;
     double affine[3][4];
-    int32_t box_lo[3], box_hi[3]; /* at this pose, no voxel outside [box_lo, box_hi) can be inside the tool's grid */
+    int32_t box_lo[3], box_hi[3]; /* no bone voxel outside [box_lo, box_hi) is inside the tool's grid at this pose */
 } ost_plugin_map;
 
 /* An event: the maps of its poses and the density classes (AR-REM). */
@@ -213,9 +214,9 @@ typedef struct ost_plugin_pose {
 } ost_plugin_pose;
 
 /*
- * The input of the `steps` slot. The plugin passes maps to the function `add`, which reads only the members
- * `divisor`, `origin`, `column` and `step` of a map. From these members, the host's function block_base computes
- * the base of a block.
+ * The input of the `steps` slot. In the maps that the slot passes to the function `add`, only the members `divisor`,
+ * `origin`, `column` and `step` must be set. From these members, the host's function block_base computes the base of a
+ * block.
  */
 typedef struct ost_plugin_steps {
     uint32_t size;
@@ -245,7 +246,7 @@ typedef struct ost_plugin_report {
      * sums. If the function does not return OST_PLUGIN_OK, the slot stops and returns the function's value.
      */
     int32_t (*add)(void *sink, int32_t chunk, const uint32_t *voxels, const int64_t *density);
-    uint64_t touched_voxels; /* number of active voxels that only non-cutting tool voxels cover */
+    uint64_t touched_voxels; /* number of active voxels covered by non-cutting tool voxels only */
 } ost_plugin_report;
 
 /* The counts of a bone; see ost_bone_info in backend.h. */
@@ -306,8 +307,8 @@ typedef struct ost_plugin {
                     ost_plugin_error *error);
     void (*close)(ost_plugin_instance *self);
     /*
-     * Waits until all work is complete. If work failed after the slot that started it had returned, returns the error
-     * of this work.
+     * Waits until the work of all previous calls is complete. Returns the error of work that failed after its slot had
+     * returned.
      */
     int32_t (*finish)(ost_plugin_instance *self, ost_plugin_error *error);
 
@@ -357,7 +358,7 @@ typedef struct ost_plugin {
     void (*tool_free)(ost_plugin_tool *tool);
 
     /*
-     * Executes an event (AR-REM; Algs. 2.8 to 2.10). `collide` makes the same report as `remove` without changing
+     * Executes an event (AR-REM; Algs. 2.8 to 2.10). `collide` produces the same report as `remove` but does not change
      * the bone.
      */
     int32_t (*remove)(ost_plugin_bone *bone, const ost_plugin_tool *tool, const ost_plugin_event *event,

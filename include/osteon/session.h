@@ -8,8 +8,8 @@
  *   the same ticks, on any backend  <------- ost_session_next <------'
  *
  * A session contains inputs, not voxels: bone and tools are identified by their digests, and
- * executing the same ticks by ost_world_step produces the same grids.  Each tick contains a digest
- * of the results of its step, so that a replay can find the first tick that differs.
+ * ost_world_step produces the same grids from the same ticks.  Each tick contains a digest of the
+ * results of its step, so that a replay can find the first tick that differs.
  *
  * Data is only appended to the file.  If the process is killed or the power fails, at
  * most the last 100 ms are lost.  If the file is damaged, only the affected blocks are
@@ -50,8 +50,8 @@ OST_API const char *ost_session_header_get(const ost_session_header *header, con
 /* Returns the number of keys of a header. */
 OST_API int ost_session_header_count(const ost_session_header *header);
 /*
- * Writes key and value number `index`, counted in the order in which they were set, to *key and *value. The strings
- * are valid until the header is changed or freed.
+ * Stores a key and its value in *key and *value. `index` is the number of the key, from 0, in the order in which the
+ * keys were set. The strings are valid until the header is changed or freed.
  */
 OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key,
                                       const char **value);
@@ -81,7 +81,7 @@ typedef struct ost_session_tick {
     /* The following members are set only in a live operation; otherwise, they are zero. */
     int32_t force_un[3];     /* force in micronewtons, in the bone's frame */
     int32_t torque_unm[3];   /* torque in micronewton metres about the tool's origin */
-    uint32_t wake_ns, exec_ns; /* delay of the tick's start after its due time, and duration of the tick */
+    uint32_t wake_ns, exec_ns; /* delay from the due time of the tick to its start, and duration of the tick */
     uint32_t missed;         /* number of ticks that were skipped before this tick */
 } ost_session_tick;
 
@@ -192,7 +192,7 @@ typedef struct ost_recorder_options {
 } ost_recorder_options;
 
 typedef struct ost_recorder_state {
-    uint64_t put, written, lost; /* numbers of records; `put` does not include lost records */
+    uint64_t put, written, lost; /* numbers of records: put into the ring, written to the file, and lost */
     uint64_t written_bytes;
     bool failing;                /* true if the last attempt to write failed; the write will be repeated */
     char reason[160];            /* the reason for the failure, if `failing` is true */

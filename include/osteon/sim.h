@@ -68,7 +68,7 @@ typedef struct ost_step_result {
     /* true if the oriented boxes of bone and tool intersect in at least one pose of the sweep */
     bool boxes_meet;
     int pose_count;             /* number of poses of the sweep; 0 if the tick was not an event */
-    /* First chunk of the half-open range of chunks that the event can change. If the boxes do not intersect, the
+    /* The event can change only chunks in the range chunk_lo <= chunk < chunk_hi. If the boxes do not intersect, the
      * range is empty. */
     int32_t chunk_lo[3];
     int32_t chunk_hi[3];
@@ -83,8 +83,8 @@ typedef struct ost_step_result {
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
- * Reads the same data as a step with the tool at this pose, without changing the bone or the state of the world. When
- * the tick is due, the caches then contain its code, tables and bone. Invalidates the report of the last step.
+ * Reads the data that a step with the tool at this pose would read, so that the caches contain this data when the tick
+ * is due. Changes neither the bone nor the state of the world. Invalidates the report of the last step.
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
@@ -104,8 +104,8 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  *
  * Requires saved_ticks > 0.  The world then stores in host memory the complete grid of the bone (2 bytes per voxel),
  * the grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world
- * is created, and again before a tick whenever saved_ticks ticks are stored; the previous copy is freed only after the
- * new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
+ * is created, and again before a tick if saved_ticks ticks are already stored; the previous copy is freed only after
+ * the new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
  *
  * The caller owns *bone and the tools, which must outlive the world.  `tools` is an array of OST_WORLD_TOOLS_MAX
  * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
@@ -139,8 +139,8 @@ struct ost_glenoid;
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
                                      double reach_mm, int64_t *voxels, ost_error *err);
 /*
- * Computes the percentage of bone in two cylinders around the axis. Their radius is 4 mm. One cylinder extends from
- * 1 to 11 mm inward of the centre, the other from 1 to 11 mm outward.
+ * Computes the percentage of bone in two cylinders around the axis. One cylinder extends from 1 to 11 mm inward of the
+ * centre, the other from 1 to 11 mm outward. Both have a radius of 4 mm.
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
