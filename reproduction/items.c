@@ -58,7 +58,7 @@ const reproduction_absent reproduction_missing[] = {
 
 /* -------------------------------------------------------------------- names */
 
-/* Converts "Table 3.3" and "fig 3.3" to "table-3.3" and "figure-3.3". */
+/* Converts a name to an id, for example "Table 3.3" to "table-3.3" and "fig 3.3" to "figure-3.3". */
 static void normalise(const char *name, char out[RESULT_KEY])
 {
     size_t at = 0;

@@ -26,7 +26,7 @@ void plot_text(FILE *to, const char *text)
 
 /* ------------------------------------------------------------------- axis */
 
-/* Returns the smallest number of the form 1, 2 or 5 times a power of ten that is at least `least`. */
+/* Rounds a positive number up to 1, 2 or 5 times a power of ten. */
 static double round_step(double least)
 {
     const double power = pow(10, floor(log10(least)));
@@ -47,8 +47,8 @@ static plot_axis linear_axis(double least, double most, bool zero)
     return axis;
 }
 
-/* Rounds a value to a tick of a logarithmic axis: up if `up` is set, down if not. Ticks are powers of ten and, on a
-   fine axis, also 2 and 5 times powers of ten. */
+/* Rounds a value up or down to a tick of a logarithmic axis. Ticks are powers of ten and, on a fine axis, also 2 and 5
+   times powers of ten. */
 static double log_tick(double value, bool fine, bool up)
 {
     static const double mantissa[] = {1, 2, 5, 10};

@@ -45,7 +45,7 @@ void plot_write(FILE *to, const plot *p);
  */
 void plot_text(FILE *to, const char *text);
 
-/* An axis from `least` to `most`, and the values of its ticks. */
+/* A linear or logarithmic axis, and the values of its ticks. */
 typedef struct plot_axis {
     bool log;
     double least, most; /* ends of the axis, least < most */
@@ -54,9 +54,9 @@ typedef struct plot_axis {
 } plot_axis;
 
 /*
- * Selects the ends and the ticks of an axis that shows all values from `least` to `most`. A linear axis has ticks at
- * multiples of 1, 2 or 5 times a power of ten, and begins at 0 if `zero` is set and no value is negative. A logarithmic
- * axis has ticks at powers of ten or, if it spans less than two decades, at 1, 2 and 5 times powers of ten.
+ * Selects the ends and the ticks of an axis for the range of values from `least` to `most`. A linear axis has ticks at
+ * multiples of 1, 2 or 5 times a power of ten. It begins at 0 if the flag `zero` is set and no value is negative. A
+ * logarithmic axis has ticks at powers of ten or, if it spans less than two decades, at 1, 2 and 5 times powers of ten.
  */
 plot_axis plot_axis_make(double least, double most, bool log, bool zero);
 /* Returns the position of a value on the axis: 0 at its beginning and 1 at its end. */

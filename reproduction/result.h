@@ -90,8 +90,8 @@ typedef struct result_remark {
 typedef enum result_plot_kind { RESULT_PLOT_LINES, RESULT_PLOT_BARS } result_plot_kind;
 
 /*
- * Selects columns for a plot. Each column in `value` gives one series for each machine and for each distinct text in
- * the column `group`. The values that the thesis states form additional series.
+ * Selects columns for a plot. Each column in `value` results in one series for every combination of a machine and a
+ * text in the column `group`. The values that the thesis states form additional series.
  */
 typedef struct result_plot {
     result_plot_kind kind;
@@ -157,8 +157,8 @@ ost_status result_merge(result *into, const result *from, ost_error *err);
 ost_status result_check(const result *r, ost_error *err);
 
 /*
- * Compares two times of one run. Returns 0 if they differ by at most the share `tolerance` of the shorter time. If they
- * differ by more, returns -1 if a is shorter and 1 if b is shorter.
+ * Compares two times of one run. Returns 0 if they differ by at most `tolerance` times the shorter time. Otherwise,
+ * returns -1 if `a` is shorter and 1 if `b` is shorter.
  */
 int result_order(double a, double b, double tolerance);
 

@@ -16,7 +16,7 @@ enum { VIEW_WIDTH = 1200, VIEW_HEIGHT = 800 };
 
 typedef struct view_scene {
     const ost_volume *bone;      /* cubic voxels */
-    /* the uncut bone, if the cut surface is to be coloured by depth; NULL for the colour of bone */
+    /* the uncut bone, to colour the cut surface by its depth below the uncut surface; NULL for the colour of bone */
     const ost_volume *before;
     const ost_tool_volume *tool; /* NULL if no tool is drawn */
     ost_pose pose;
@@ -24,9 +24,9 @@ typedef struct view_scene {
     ost_view_name view;
     /* angles in radians that are added to the azimuth and to the elevation of the view */
     double turn, lift;
-    /* height of the picture in mm, at the distance of the point at its centre; 0 selects the view's default */
+    /* height of the view in mm, in the plane through its centre; 0 selects the view's default */
     double extent_mm;
-    unsigned overlays;           /* bit number o is set if the overlay o of ost_overlay is drawn */
+    unsigned overlays;           /* the bit 1 << o is set for each ost_overlay o that is drawn */
     ost_style style;
     bool unoriented;             /* true if the letters for the patient's directions are omitted */
     int threads;

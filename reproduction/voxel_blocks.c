@@ -125,8 +125,8 @@ ost_status voxel_blocks_draw(const ost_volume *volume, const ost_voxel_box *box,
     for (int a = 0; a < 3; a++)
         p.sign[a] = inward[a] > 0 ? -1 : 1;
     p.sign[2] = 1; /* the viewer is above the bone, so z points up in the picture */
-    /* Towards the viewer, one of the axes x and y leads to the lower left and the other to the lower right. The choice
-       avoids a mirrored picture. */
+    /* In the picture, one of the axes x and y runs towards the viewer to the lower left, and the other to the lower
+       right. `side` is chosen so that the picture is not mirrored. */
     const int side = p.sign[0] * p.sign[1];
     p.axis[0][0] = -cosine * p.sign[0] * side;
     p.axis[0][1] = sine * p.sign[0];

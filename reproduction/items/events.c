@@ -16,7 +16,7 @@
 #include "reproduction/item.h"
 #include "reproduction/stated.h"
 
-/* Two times count as equal if they differ by at most this fraction of the shorter one. */
+/* Two times are treated as equal if they differ by at most this fraction of the shorter time. */
 #define TOLERANCE 0.05
 
 enum { SIZE, CHUNKS, VOXELS, EVENT, LEAST, STEADY, LOOP, LOOP_LEAST, LOOP_CHUNK, RATIO, REMOVED };

@@ -200,7 +200,7 @@ ost_status item_import(reproduction *r, result *out, ost_error *err)
         reproduction_show(r, stated_models[id].name, (double)id / MODELS);
         status = measure(r, out, (model_id)id, folder, &why);
         if (status == OST_ERR_IO || status == OST_ERR_MEMORY) {
-            /* If there is not enough space for a model's text, skips this model, reports the reason and continues. */
+            /* A model is skipped, with the reason as a remark, if there is not enough space for its text. */
             result_add_remark(out, "%s was not measured: %.300s.", stated_models[id].name, why.text);
             status = OST_OK;
         } else if (status != OST_OK) {

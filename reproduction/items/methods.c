@@ -283,8 +283,8 @@ static void describe_crossing(const reproduction *r, char text[64], int n)
         snprintf(text, 64, "for up to %d chunk%s", n, n == 1 ? "" : "s");
 }
 
-/* Judges the thesis' statements about the crossing: the number of chunks up to which the chunk system is at least as
-   fast as the method `base`. Uses the lowest and the highest measured resolution. */
+/* Judges the thesis' statements about the crossing. This is the greatest number of chunks for which the chunk system is
+   at least as fast as the method that the string `base` selects. Compares the lowest with the highest resolution. */
 static void judge_crossing(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *highest = NULL, *lowest = NULL;

@@ -86,8 +86,8 @@ ost_status item_samples(reproduction *r, result *out, ost_error *err)
             status = model_cubic(m, &j.bone, err);
         snprintf(caption, sizeof caption, "%s %s", letters[id], m->name);
         /*
-         * The extent is measured at the centre of the core. It is increased because perspective enlarges the core's
-         * near edge.
+         * The extent of the view applies to the centre of the core. It is 1.6 times the core's height, because the near
+         * edge of the core appears larger.
          */
         if (status == OST_OK)
             status = add_view(&j,

@@ -14,8 +14,8 @@
 
 enum { REPEAT_FRAMES = 5, REPEAT_FRAMES_QUICK = 1, REPEAT_MESH = 9, CUT_FRAMES = 40, CUT_FRAMES_QUICK = 4 };
 /*
- * Upper limits for the number of chunks drawn. With software OpenGL, a frame of the thesis' points takes milliseconds
- * per chunk.
+ * Upper limits for the number of chunks drawn. They limit the time of a measurement: with software OpenGL, a frame of
+ * the thesis' points takes milliseconds per chunk.
  */
 enum { CHUNKS_MOST = 512, CHUNKS_MOST_QUICK = 64 };
 
@@ -248,8 +248,8 @@ static ost_status all_models(reproduction *r, result *out, bench_voxel_method me
 }
 
 /*
- * Judges the times of idle frames by comparing the mesh with the thesis' points, at the greatest number of chunks of
- * each model.
+ * Judges the times of idle frames. For each model, compares the mesh with the thesis' points at the greatest number of
+ * chunks.
  */
 static void judge_idle(const reproduction *r, result *out)
 {

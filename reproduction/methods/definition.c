@@ -68,8 +68,8 @@ void method_define_tool_to_bone(method_set *set, const method_points *points, co
 }
 
 /* Returns true if the voxel's position is so close to a border of tool voxels that floats may give a different result.
-   Four products and three sums are rounded, each by at most 2^-24 of the sum of all magnitudes, and the factors are
-   rounded once more. The position computed according to AR-MAP is itself exact to 23 units (AR-MAP-6). */
+   A float computation rounds the factors, four products and three sums, so its error is at most 8 * 2^-24 of the sum of
+   all magnitudes. The error of the position according to AR-MAP is at most 23 units (AR-MAP-6). */
 static bool near_border(const bench_scene *event, const int32_t v[3])
 {
     const double scale = (double)ost_i128_of(event->map.divisor) * (1 << OST_MAP_FRACTION);

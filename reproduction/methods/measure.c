@@ -147,7 +147,7 @@ static ost_status make_demands(demands *d, const methods_scene *scene, methods_p
 }
 
 /*
- * Runs the event once and compares the result with the required set. Also measures one event, to choose the number of
+ * Runs the event once and compares the result with the required set. The time of this event determines the number of
  * repetitions.
  */
 static ost_status verify(entrant *e, const demands *d, const methods_scene *scene, ost_error *err)

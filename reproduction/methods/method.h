@@ -42,7 +42,7 @@ ost_status methods_scene_static(methods_scene *scene, ost_tool_kind tool, ost_pm
  */
 ost_status methods_scene_middle(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t bone_side,
                                 int chunk_size, int chunk_count, ost_error *err);
-/* Makes the event of methods_scene_middle with a bone of 128^3 voxels of 0.47 mm, without the bone's densities. */
+/* Makes the event of methods_scene_middle for a bone of 128^3 voxels of 0.47 mm, but not the voxels of this bone. */
 ost_status methods_middle_event(bench_scene *event, ost_tool_kind tool, ost_pm tool_voxel, ost_error *err);
 /* Computes scene->region. The caller has already set the event and the voxels. */
 void methods_scene_set_region(methods_scene *scene);
@@ -50,8 +50,8 @@ void methods_scene_set_region(methods_scene *scene);
 void methods_scene_free(methods_scene *scene);
 /* Counts the chunks of the event that contain an active voxel. */
 int methods_scene_active_chunks(const methods_scene *scene, int chunk_size);
-/* Computes the memory in bytes for the densities of all chunks of the bone that contain an active voxel, and for a
-   table with one pointer per chunk. */
+/* Computes two sizes in bytes: *voxels for the densities of all chunks that contain an active voxel, and *table for a
+   table with one pointer per chunk of the bone. */
 void methods_scene_chunk_memory(const methods_scene *scene, int chunk_size, int64_t *voxels, int64_t *table);
 
 /* --------------------------------------------------------------------- sets */
@@ -77,8 +77,8 @@ typedef struct method_difference {
 } method_difference;
 
 void method_set_compare(const method_set *expected, const method_set *set, method_difference *out);
-/* Adds the removed voxels, which are active in the scene and have the density 0 in `voxels`. `voxels` contains the
-   densities of the scene's region, which must be the set's box. */
+/* Adds the removed voxels to the set. They are active in the scene, but have the density 0 in `voxels`. This array
+   contains the densities of the scene's region, which must be the set's box. */
 void method_set_add_removed(method_set *set, const methods_scene *scene, const int16_t *voxels);
 /* Returns true if the voxel at this index and its six neighbours all belong to the set. */
 bool method_set_inside(const method_set *set, size_t index);
@@ -97,9 +97,8 @@ void method_define_bone_to_tool(method_set *set, const bench_scene *event, const
 void method_define_tool_to_bone(method_set *set, const struct method_points *points, const struct points_map *map,
                                 ost_dims bone, const int16_t *voxels);
 /*
- * Counts the differences between `set` and `expected` that rounding to floats does not explain, because the voxel's
- * position in the tool's grid is not close enough to a border of tool voxels. `expected` must be the set of
- * method_define_bone_to_tool.
+ * Counts the differences between `set` and `expected`, the set of method_define_bone_to_tool. Ignores a difference that
+ * rounding to floats explains, because the voxel's position in the tool's grid is close to a border of tool voxels.
  */
 int64_t method_beyond_floats(const method_set *expected, const method_set *set, const bench_scene *event);
 

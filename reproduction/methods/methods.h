@@ -11,9 +11,9 @@
  *               methods_sampling_slice a picture of these holes
  *
  * All methods of a case process the same bone, tool and pose (bench/scene.h), and their repetitions alternate. Before a
- * method is timed, its set of removed voxels is compared with the set that its definition requires; `exact` is the
- * result. Sets of different definitions differ; `missed`, `missed_inside` and `extra` count the differences from
- * osteon's set.
+ * method is timed, its set of removed voxels is compared with the set that its definition requires. The member `exact`
+ * of the row is true if the sets are equal. Sets of different definitions differ; the members `missed`, `missed_inside`
+ * and `extra` count the differences from osteon's set.
  *
  * Threads: only one measurement may run at a time. It uses options->threads threads.
  */
@@ -27,7 +27,7 @@
 /* The definition of the set of active bone voxels that a method removes. */
 typedef enum methods_definition {
     METHODS_BONE_TO_TOOL,       /* osteon's set: the voxels whose centre is in a cutting tool voxel (AR-REM-1) */
-    METHODS_BONE_TO_TOOL_FLOAT, /* the thesis' set: as METHODS_BONE_TO_TOOL, but computed with a float matrix */
+    METHODS_BONE_TO_TOOL_FLOAT, /* the thesis' set: the same definition, but computed with a float matrix */
     METHODS_TOOL_TO_BONE        /* the voxels that contain a tool point, that is, the centre of a cutting tool voxel */
 } methods_definition;
 
@@ -88,10 +88,10 @@ typedef struct methods_row {
     int64_t visited;
     int64_t removed;
     int64_t expected;      /* number of voxels in osteon's set */
-    int64_t missed, extra; /* numbers of voxels that are only in osteon's set, and only in the method's set */
+    int64_t missed, extra; /* number of voxels only in osteon's set; number of voxels only in the method's set */
     int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
     bool exact; /* true if the method's set equals the set that its definition requires; false is an error */
-    /* memory in bytes: the bone's voxels; the chunk table, positions, nodes or masks; the tool */
+    /* memory in bytes for the bone's voxels; for the chunk table, positions, nodes or masks; for the tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;
 
@@ -146,7 +146,7 @@ typedef struct methods_sample {
     /* number of poses: 1 for a static event; otherwise the tool moves half a bone voxel along its axis per pose */
     int poses;
     int64_t tool_points;
-    int64_t expected;      /* number of voxels in osteon's set, the union over all poses */
+    int64_t expected;      /* number of voxels in osteon's set, which is the union over all poses */
     int64_t found;         /* number of voxels in both osteon's set and the set of the tool points */
     int64_t missed, extra; /* same meaning as in methods_row */
     int64_t missed_inside;
@@ -155,8 +155,8 @@ typedef struct methods_sample {
 } methods_sample;
 
 /*
- * Computes the sample of each ratio: samples[i] belongs to ratios[i], 0.125 <= ratio <= 4. The bone has
- * voxels of 0.47 mm, all of them active. 1 <= poses <= 1000. Errors: OST_ERR_RANGE, OST_ERR_MEMORY.
+ * Computes samples[i] for each ratios[i], which must be from 0.125 to 4. All voxels of the bone are active and have
+ * edges of 0.47 mm. The number of poses must be from 1 to 1000. Errors: OST_ERR_RANGE, OST_ERR_MEMORY.
  */
 ost_status methods_sampling(ost_tool_kind tool, methods_points points, int poses, const double *ratios, int count,
                             methods_sample *samples, ost_error *err);

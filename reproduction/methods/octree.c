@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * An octree of the bone (thesis, section 3.2.5). An event visits its nodes and compares them with the tool. According
- * to the thesis, the nodes are homogeneous in content (see below).
+ * An octree of the bone (thesis, section 3.2.5). An event visits nodes of the tree and compares them with the tool.
  *
  *   node    8 children; a child is void (0), a node, or at the lowest level a brick
  *   brick   4^3 voxels: a word with one bit per active voxel, and 64 densities. The word replaces the two lowest
  *           levels of the tree, whose nodes would be larger than their content
- *   tool    cells of 2^3, 4^3, ... tool voxels, each with two flags: the cell contains a cutting voxel; the cell
- *           contains only cutting voxels
+ *   tool    cells of 2^3, 4^3, ... tool voxels; one flag states whether the cell contains a cutting voxel, and one
+ *           flag states whether all its voxels are cutting
  *   event   the nodes of 16^3 voxels that overlap the event's box are divided among the threads; each of these
  *           nodes has one map (AR-MAP-4). The bounds of a node are mapped to the tool's grid, and the flags of the
  *           cells in these bounds are read:
@@ -15,8 +14,8 @@
  *                 mixed: its 8 children or, for a brick, its 64 voxels are tested
  *   refresh after each event, a node without children becomes void
  *
- * "Homogeneous" means void: densities of a CT differ from voxel to voxel, so nodes of equal densities are rare, and
- * the densities of a node that is not void must be stored. A void node needs no memory.
+ * In the thesis, nodes are homogeneous in content. Here, only a void node is homogeneous, and it needs no memory. The
+ * densities of all other nodes are stored, because densities of a CT differ from voxel to voxel.
  */
 #include "reproduction/methods/matrix.h"
 #include "reproduction/methods/pyramid.h"
@@ -26,8 +25,8 @@
 
 enum { BRICK = 4, TASK_LEVEL = 2, LEVEL_MIN = 3 };
 
-/* Child (x, y, z) has the number x + 2 (y + 2 z). A child is 0 if it is void. Otherwise, it is 1 + the index of a node
-   or, in a node of level 1, 1 + the index of a brick. */
+/* child[x + 2 (y + 2 z)] is 0 if child (x, y, z) is void. Otherwise, it is the child's index + 1. In a node of level 1,
+   this is the index of a brick; in all other nodes, it is the index of a node. */
 typedef struct node {
     int32_t child[8];
 } node;
@@ -48,7 +47,7 @@ typedef struct task {
 
 typedef struct octree {
     const methods_scene *scene;
-    tree full, live; /* events change `live`; its nodes have the same indices as in `full` */
+    tree full, live; /* the tree before the event, and the tree that events change; both use the same indices */
     int level;       /* level of the root, whose edge is 4 << level voxels */
     matrix_tool tool;
     pyramid cells;
@@ -174,7 +173,7 @@ static pyramid_found content_over(const octree *s, const int32_t u[3], int32_t e
     return pyramid_content(&s->cells, lo, hi, s->tool.dims);
 }
 
-/* Returns the hits in a brick as one word. A bit is set if a cutting tool voxel covers its voxel. */
+/* Returns a word with one bit per voxel of a brick. The bit is set if a cutting tool voxel covers the voxel. */
 static uint64_t hits_of(const octree *s, const int32_t u[3])
 {
     const int32_t nx = s->tool.dims[0], ny = s->tool.dims[1], nz = s->tool.dims[2];
@@ -285,9 +284,9 @@ static void run_task(octree *s, task *t)
     t->is_void = remove_from(s, t, t->node, TASK_LEVEL, none, m->base[block]);
 }
 
-/* Updates a node and its descendants down to the tasks, which are the nodes of 16^3 voxels, after an event: children
-   that became void are set to 0. `next` is the index of the next task in the order of list_tasks. Returns true if the
-   node is void. */
+/* Updates the tree after an event, from a node down to the tasks, which are nodes of 16^3 voxels: sets each child that
+   became void to 0. *next is the index of the next task in the order of list_tasks. Returns true if the given node is
+   void. */
 static bool refresh(octree *s, int32_t index, int level, const int32_t corner[3], size_t *next)
 {
     if (!overlaps(&s->scene->event.box, corner, BRICK << level))
@@ -373,8 +372,7 @@ static ost_status open_octree(const methods_scene *scene, const method_setup *se
     return status;
 }
 
-/* Copies the nodes and bricks that overlap the event's box. This is sufficient because the event changes no other
-   part of the tree and no index. */
+/* Copies the nodes and bricks that overlap the event's box. The event changes no others, and it changes no indices. */
 static void restore_node(octree *s, int32_t index, int level, const int32_t corner[3])
 {
     if (index == 0 || !overlaps(&s->scene->event.box, corner, BRICK << level))

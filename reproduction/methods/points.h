@@ -3,8 +3,9 @@
  * Tool points: the sparse buffer of a tool's voxels for the methods that process the tool's voxels and look up the
  * bone (tool-to-bone; thesis, section 3.2.3 and Fig. 3.4).
  *
- *   point    the centre of a cutting tool voxel (i, j, k), as e = 2 (i, j, k) + 1 - dims: its distance from the
- *            centre of the tool's grid in half tool voxels; on each axis, all e are odd or all e are even
+ *   point    e = 2 (i, j, k) + 1 - dims for a cutting tool voxel (i, j, k); e is the position of the voxel's centre
+ *            relative to the centre of the tool's grid, in half tool voxels; on each axis, all e are odd or all are
+ *            even
  *   map      u_b = base_b + sum_a e_a step[a][b]        in units of 2^-f of a bone voxel
  *   voxel    anchor_b + floor(u_b / 2^f) on axis b; if this voxel is not in the bone's grid, the point is outside
  *

@@ -71,8 +71,8 @@ pyramid_found pyramid_content(const pyramid *p, const int32_t lo[3], const int32
         span = to[a] - from[a] > span ? to[a] - from[a] : span;
     }
     /*
-     * On this level, cells are at least half as long as the box, so the box overlaps at most three cells along each
-     * axis.
+     * Level l is the lowest level whose cells are at least half as long as the box, so the box overlaps at most three
+     * cells along each axis.
      */
     int l = 0;
     while (l + 1 < p->levels && span >> (l + 1) > 1)

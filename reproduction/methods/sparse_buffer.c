@@ -25,7 +25,7 @@ typedef struct voxel_list {
 
 typedef struct sparse_buffer {
     const methods_scene *scene;
-    voxel_list full, live; /* `full` is the list before the event; `live` is modified by the event */
+    voxel_list full, live; /* the list before the event, and the list that the event modifies */
     matrix_tool tool;
     matrix_map map;
     size_t *kept; /* owned; number of voxels that remain in each part */

@@ -97,8 +97,8 @@ ost_status methods_chunk_counts(const methods_options *options, ost_tool_kind to
     return status;
 }
 
-/* Returns the size of the tool voxels for which the longest side of the tool has about `side` voxels. The tool's grid
-   is a little larger than the tool. */
+/* Returns the edge length of tool voxels for which the longest side of the tool's grid has about `side` voxels. The
+   grid is a few voxels larger than the tool. */
 static ost_pm tool_voxel_of(ost_tool_kind tool, int32_t side)
 {
     const ost_pm longest = tool == OST_TOOL_REAMER ? 36 * OST_PM_PER_MM : 30 * OST_PM_PER_MM;

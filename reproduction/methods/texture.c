@@ -153,8 +153,8 @@ static void region_of(const methods_scene *scene, size_t origin[3], size_t size[
 
 static ost_status run_event(texture *s, bool clear, ost_error *err);
 
-/* A blocking write may return before the data is on the device. The kernel that marks voxels waits for the data and
-   reads the event's part of the image, but removes nothing. */
+/* Restores the bone's image. A blocking write may return before the data is on the device, so the kernel that marks
+   voxels is then run. It waits for the data and reads the event's part of the image, but removes nothing. */
 static ost_status restore(void *state, ost_error *err)
 {
     texture *s = state;
@@ -194,7 +194,7 @@ static ost_status set_arguments(texture *s, ost_error *err)
     return method_device_check(code, "clSetKernelArg", err);
 }
 
-/* Runs the kernel that marks voxels and, if `clear`, the kernel that removes them. */
+/* Runs the kernel that marks voxels and, if `clear` is true, the kernel that removes the marked voxels. */
 static ost_status run_event(texture *s, bool clear, ost_error *err)
 {
     const bench_scene *event = &s->scene->event;

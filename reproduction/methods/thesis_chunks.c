@@ -42,7 +42,8 @@ static bool copy_chunk(int16_t *out, const methods_scene *scene, const int32_t c
     return any;
 }
 
-/* Replaces the full bone of the benchmark's scene by the voxels of this scene, and removes empty chunks (Alg. 2.10). */
+/* Replaces the full bone of the benchmark's scene with the voxels of this scene, and removes empty chunks
+   (Alg. 2.10). */
 static void take_voxels(bench_thesis *t, const methods_scene *scene)
 {
     const int32_t n = t->event.chunk_size;

@@ -6,7 +6,7 @@
  *   the bone's box, mapped to the tool's grid --> the slices of points that it contains
  *   for each point of these slices: map it to a bone voxel; if the voxel is in the intersection box, remove it
  *
- * The points are sorted by slices of the tool's grid, so the points outside the box are skipped without reading them.
+ * The points are sorted by slices of the tool's grid, so the points of all other slices are skipped without being read.
  * The removed set is the same as in yau.c, because the box contains every bone voxel that a point can hit.
  */
 #include "reproduction/methods/points_cl.h"
