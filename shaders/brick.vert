@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws a brick of 4^3 voxels as one point. `brick` contains the position of the brick in its block, the set of its
- * voxels with an exposed face (two words), and the index of the first shade of these voxels.
+ * Draws a brick of 4^3 voxels as one point. The words of `brick` contain the position of the brick in its block, the
+ * set of its voxels with an exposed face (two words), and the index of the shade of the first of these voxels.
  */
 uniform isamplerBuffer pages;
 in uvec4 brick;

@@ -8,7 +8,7 @@
  */
 layout(std140) uniform Eye {
     vec4 eye_at;      /* w is the focal length in pixels */
-    /* w of eye_right, eye_up and eye_forward is half the width of a voxel along the vector */
+    /* in the following three vectors, w is half the width of a voxel along the vector */
     vec4 eye_right;
     vec4 eye_up;
     vec4 eye_forward;

@@ -2,14 +2,15 @@
 /*
  * Computes the pixels that a cube may cover.
  *
- * rectangle_of: the bounding rectangle of the cube in whole pixels, clipped to the frame, computed from the slopes of
- * its corners (derived in splat_scalar.c). The point is placed at the centre of the clipped rectangle, because OpenGL
- * drops points whose centre is outside the frame.
+ * rectangle_of computes the bounding rectangle of the cube in whole pixels, clipped to the frame, from the slopes of
+ * the cube's corners (derived in splat_scalar.c). The point is placed at the centre of the clipped rectangle, because
+ * OpenGL drops points whose centre is outside the frame.
  *
- * square_of: the square around the cube's bounding sphere, as in the thesis (Sigg et al. 2006). The sphere has the
- * radius R and the centre c; m_x, m_y, m_w are the right, up and forward vectors. With t_i = (R m_i, m_i . c) and <a,
- * b> = a.xyz . b.xyz - a.w b.w, the plane through the eye with the slope X touches the sphere if <t_x - X t_w, t_x - X
- * t_w> = 0. This is a quadratic equation in X. The mean of its two solutions is <t_x, t_w> / <t_w, t_w>.
+ * square_of computes the square around the cube's bounding sphere, as in the thesis (Sigg et al. 2006). The sphere has
+ * the radius R and the centre c; m_x, m_y, m_w are the right, up and forward vectors. Let t_i = (R m_i, m_i . c), and
+ * let <a, b> = a.xyz . b.xyz - a.w b.w. The plane through the eye with the slope X touches the sphere if
+ * <t_x - X t_w, t_x - X t_w> = 0. This is a quadratic equation in X. The mean of its two solutions is
+ * <t_x, t_w> / <t_w, t_w>.
  */
 float spread(vec3 axis, float t)
 {

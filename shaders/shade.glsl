@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computes the colour of a fully lit voxel, 0xBBGGRR, with the same integer operations as points/light.c. */
-/* One entry for each octahedral cell (brightness in 256ths | gloss << 9), followed by the colour of each paint. */
+/* Entries 0 to 16383 belong to the octahedral cells (brightness in 256ths | gloss << 9). The colours of the paints
+   follow. */
 uniform usamplerBuffer palette;
 
 uint tint_of(uint shade)
