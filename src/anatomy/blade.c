@@ -93,7 +93,7 @@ static void to_frame(const frame *f, const double p[3], double out[3])
 
 /*
  * Makes the medial and the superior direction perpendicular to the normal. The medial direction is the one
- * closest to the inward axis; the superior direction points away from `inferior`.
+ * closest to the inward axis; the superior direction points away from the inferior angle.
  */
 static void align(frame *f, const double inward[3], const double inferior[3])
 {
@@ -138,9 +138,9 @@ static bool fit_blade(const anatomy_cells *cells, const double inward[3], const 
 }
 
 /*
- * Finds the extreme point of the bone in the direction `way`. Computes the mean position of all cells whose coordinate
- * along `way` is at most `within` mm below the greatest coordinate, and moves this position along `way` to the greatest
- * coordinate.
+ * Finds the extreme point of the bone in the direction of the unit vector `way`. Computes the mean position of the
+ * cells in the last `within` mm along this direction, and moves the mean along `way` to the coordinate of the extreme
+ * cell.
  */
 static void extreme(const anatomy_cells *cells, const double way[3], double within, double out[3])
 {
@@ -166,8 +166,8 @@ static void extreme(const anatomy_cells *cells, const double way[3], double with
 
 /*
  * Heights of one side of the blade, in bins along the medial direction and rows along the superior direction.
- * On each side of a position, the lowest height within VALLEY_MM is a valley. The prominence of the position is
- * its height above the higher of the two valleys.
+ * Within a bin, each position has two valleys, which are the lowest heights within VALLEY_MM above and below it. The
+ * prominence of the position is its height over the higher valley.
  */
 typedef struct relief {
     double height[BINS][ROWS]; /* height of the highest cell above the blade's plane; NONE if there is no bone */
@@ -357,7 +357,7 @@ ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3]
     follow_crest(&sides[posterior], &spine);
     if (!find_trigonum(cells, &f, &spine, out->trigonum))
         return ost_fail(err, OST_ERR_INPUT, "the spine does not reach the medial border: the scapula is not complete");
-    /* On a right scapula, lateral x superior points in the posterior direction. */
+    /* On a right scapula, the cross product of lateral and superior points in the posterior direction. */
     double lateral[3], across[3];
     for (int a = 0; a < 3; a++)
         lateral[a] = -f.medial[a];
