@@ -79,8 +79,8 @@ void bench_table_free(bench_table *table);
 
 /* Returns true if options->filter selects the row with this name. In this case, calls options->show first. */
 bool bench_wanted(const bench_options *options, const char *name);
-/* Appends a row with this name, with `equal` set and without figures. The pointer is valid until the next call. Returns
-   NULL if memory is exhausted. */
+/* Appends a row that has this name and no figures, with `equal` set to true. The pointer is valid until the next call.
+   Returns NULL if memory is exhausted. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
  * If `status` is OST_OK, OST_ERR_CANCELLED or OST_ERR_INTERNAL (a defect in osteon), returns it and adds no row. For

@@ -85,8 +85,8 @@ void bench_thesis_free(bench_thesis *thesis);
 int64_t bench_thesis_differs(const bench_thesis *thesis, const bench_scene *scene, const int16_t *voxels);
 
 
-/* The rows and bricks that every method must write in an event. They are counted in the chunks that the thesis' kernel
-   has modified. */
+/* Counts of the rows and bricks that every method must write in an event, and a list of these rows. They are found in
+   the chunks that the thesis' kernel has modified. */
 typedef struct bench_work {
     /* number of changed rows of 32 densities (one cache line); 0 unless chunks have 32^3 voxels */
     int64_t changed_rows;

@@ -27,7 +27,7 @@ enum { FRAMES = 200, QUICK = 6, WIDTH = 1280, HEIGHT = 720, TICKS = 16, CHUNK = 
 typedef struct view {
     const char *name;
     ost_view_name from;
-    double distance_mm; /* distance of the camera; 0 selects the distance of the view `from` */
+    double distance_mm; /* distance of the camera; 0 selects the default distance of the named view */
 } view;
 
 /* The views of the rows. In the view `close`, the reamer fills the frame. */

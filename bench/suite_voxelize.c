@@ -235,7 +235,7 @@ static ost_status cube(const bench_options *options, bench_table *table, const c
     char name_of_cube[BENCH_NAME];
     ost_mesh mesh = {0};
     const ost_tool_geometry grid = {.dims = {side, side, side}, .voxel = CUBE_VOXEL};
-    /* the total size of two volumes on the host and one grid on a backend, which exist at the same time */
+    /* the total size of two volumes on the host and one grid on a backend, all of which exist at the same time */
     const double bytes = 3.0 * (double)side * (double)side * (double)side + 2e8;
     snprintf(name_of_cube, sizeof name_of_cube, "%s/%d", name, side);
     const row_names names = names_of(name_of_cube);

@@ -137,8 +137,8 @@ typedef struct bench_voxel_cut {
     /* milliseconds per frame, including the update of the surface, meshing, drawing and glFinish */
     bench_figures ms;
     bench_figures idle_ms;   /* milliseconds per frame if a frame is drawn again without a change */
-    double changed_chunks;   /* mean per frame: number of chunks from which voxels were removed */
-    double meshed_chunks;    /* mean number of chunks per frame that were meshed again; 0 for GL_POINTs */
+    double changed_chunks;   /* mean number of chunks from which voxels are removed in a frame */
+    double meshed_chunks;    /* mean number of chunks that are meshed again in a frame; 0 for GL_POINTs */
     double mesh_ms, copy_ms; /* mean times in ms per frame for meshing and for copying the meshes to OpenGL */
     /* mean time in ms per frame for updating the lists and the appearance of surface voxels, which all methods need */
     double update_ms;
