@@ -176,7 +176,7 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
 
 /* ---------------------------------------------------------- Algs. 2.8 to 2.10 */
 
-/* Computes the range of chunks that enclose the tool's corners, which are clamped to the bone's box. */
+/* Computes the range of chunks that encloses the tool's corners after they are clamped to the bone's box. */
 FUNCTION thesis_boxes thesis_share(thesis_boxes x)
 {
     const float n = (float)x.chunk_size;
