@@ -34,7 +34,7 @@ typedef struct ost_anatomy_bone {
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
     bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
-    /* limits of the radius, within 5 to 100 mm; if both are 0: 17 to 32 mm, or 20 to 45 mm for concave spheres */
+    /* limits of the radius, within 5 to 100 mm; two zeros select 17 to 32 mm, or 20 to 45 mm for concave spheres */
     ost_pm radius_min, radius_max;
     bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;

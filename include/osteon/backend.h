@@ -122,7 +122,7 @@ typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
     /* Density, which must fit int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
     int32_t density;
-    uint32_t line;   /* line number in the batch, from 0; relative to the batch, 32 bits suffice for any file */
+    uint32_t line;   /* line number within the batch, from 0, so that 32 bits suffice for a file of any length */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */

@@ -39,8 +39,8 @@ typedef enum ost_force_mode { OST_FORCE_ENERGY, OST_FORCE_INSTANT } ost_force_mo
 /* Parameters of the force, in SI units. docs/reference/force.md lists the source of each default. */
 typedef struct ost_force_params {
     ost_force_mode mode;
-    /* Ratio of hand force to contact force. It is below 1, because a device with a limit of 3.3 N, for example, cannot
-     * render the 40 N of a reamer. */
+    /* Ratio of hand force to contact force. The default is below 1, because a device with a limit of 3.3 N, for
+     * example, cannot render the 40 N of a reamer. */
     double scale;
     double stiffness;          /* stiffness of the coupling for the hand force, in N/m */
     double damping;            /* damping of the coupling for the hand force, in N s/m */

@@ -36,9 +36,9 @@
  * leave all objects unchanged.  If it may have changed an object, it returns
  * OST_PLUGIN_LOST, and the host does not use the object again.  No exception and
  * no longjmp may leave a slot.  The host checks the statuses, objects, chunk
- * numbers and reports that it receives; an invalid one is an error.  A plugin that
- * writes beyond the bounds of its arguments can crash the process, so `osteon
- * validate` runs each backend in a process of its own.
+ * numbers and reports that it receives, and treats an invalid one as an error.  A
+ * plugin that writes beyond the bounds of its arguments can crash the process, so
+ * `osteon validate` runs each backend in a process of its own.
  */
 #ifndef OSTEON_PLUGIN_H
 #define OSTEON_PLUGIN_H
