@@ -3,8 +3,8 @@
  * Writes a result as files, and reads it again.
  *
  *   result --> ID.json       everything, for programs and for --merge
- *          --> ID.csv        the rows: the machine, and the value of this run in every column; a column KEY with values
- *                            that the thesis states is followed by a column KEY_thesis with these values
+ *          --> ID.csv        one line per row: the machine, and the value of this run in every column; if the thesis
+ *                            states values for a column KEY, a column KEY_thesis follows that contains them
  *          --> ID.svg ...    the plots; ID-2.svg for the second plot of an item
  *          --> pictures      under their own names
  *

@@ -7,9 +7,9 @@
  *   removed:  the voxels that an event with the tool's grid removes
  *   inside:   the voxels whose centre is inside the exact solid at the same pose
  *
- *   A   volume of the voxels that are only in one of these two sets       error of the tool's grid alone
- *   B   volume between the removed voxels, as cubes, and the solid        total error
- *   C   volume between the voxels inside, as cubes, and the solid         error of the bone's grid alone
+ *   A   volume of the voxels that are only in one of these two sets          error of the tool's grid alone
+ *   B   volume in which the removed voxels, as cubes, and the solid differ   total error
+ *   C   volume in which the voxels inside, as cubes, and the solid differ    error of the bone's grid alone
  *
  * An error is a volume divided by the area of the solid's surface, that is, the mean distance between the cut surface
  * and the exact surface. Volumes within a voxel are computed from SUB^3 points. The tools' meshes have SEGMENTS

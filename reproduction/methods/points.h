@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tool points: the sparse buffer of a tool's voxels for the methods that process the tool's voxels and look up the
- * bone (tool-to-bone; thesis, section 3.2.3 and Fig. 3.4).
+ * Tool points are the sparse buffer of tool voxels that the tool-to-bone methods process (thesis, section 3.2.3 and
+ * Fig. 3.4). These methods map each point to the bone voxel that contains it.
  *
  *   point    e = 2 (i, j, k) + 1 - dims for a cutting tool voxel (i, j, k); e is the position of the voxel's centre
  *            relative to the centre of the tool's grid, in half tool voxels; on each axis, all e are odd or all are
