@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Follows a ray through the cells of a brick, one for each voxel, to the first voxel with an exposed face (Amanatides
- * and Woo 1987). In a regular grid, every ray meets the bricks in the order of the distances from the eye to their
- * centres; the same applies to voxels.
+ * and Woo 1987). In a regular grid, a ray from the eye meets bricks in ascending order of the distance from the eye to
+ * the brick's centre. The same applies to voxels.
  *
  * point.frag draws each voxel slightly wider than a cell, so a ray that passes close to an edge of a cell can hit a
  * voxel whose cell it does not enter. For such a ray, the shader therefore tests every voxel of the brick as point.frag

@@ -4,8 +4,8 @@
  * contains the position of the block's first voxel, and the difference between the index of the face's look and the
  * number of the quad.
  *
- * A corner's position is exact until the eye is subtracted, so faces that share a corner agree on its position and
- * leave no gap. The depth of a corner is that of the voxel's centre, as for points (point.vert).
+ * A corner's position is exact until the eye is subtracted. Faces that share a corner therefore draw it at the same
+ * position and leave no gap. The depth of a corner is the depth of the voxel's centre, as for points (point.vert).
  */
 uniform isamplerBuffer pages;
 uniform usamplerBuffer shades;
