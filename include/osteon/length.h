@@ -41,12 +41,14 @@ OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
  *
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
- * mantissa contains the sign and the first 18 significant digits, tail the next 18. `inexact` is true if the tail
- * or a later digit is not 0; `more` is true if a digit after the tail is not 0. 36 digits suffice for every
- * rounding here: if value * 10^9 or value * 2^30 is exactly between two integers, value has at most 31 digits after
- * the point, so further digits can only make the value greater than the tie (AR-LEN-2). `places` is the number of
- * digits written after the point minus the written exponent, so the last digit has the unit 10^-places. For
- * example, places is 2 for 1.250e1, and -3 for 12e3.
+ * `mantissa` contains the sign and the first 18 significant digits, and `tail` contains the next 18. `inexact` is true
+ * if the tail or a later digit is not 0; `more` is true if a digit after the tail is not 0. `places` is the number of
+ * digits written after the point minus the written exponent, so the last digit has the unit 10^-places. For example,
+ * places is 2 for 1.250e1, and -3 for 12e3.
+ *
+ * 36 digits suffice for every rounding here (AR-LEN-2). A tie is a value for which value * 10^9 or value * 2^30 is
+ * exactly between two integers. It has at most 31 digits after the point, so digits beyond the 36th can only make a
+ * value greater than the tie.
  */
 typedef struct ost_decimal {
     int64_t mantissa; /* |mantissa| < 10^18 */

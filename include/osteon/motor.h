@@ -56,9 +56,9 @@ enum { OST_MOTOR_PARTS_MAX = 4096 };
 
 /*
  * Converts a path of a hand to the ticks of a tool that a motor rotates at rpm (AR-MOTOR-7). Only rows that are poses
- * of a hand (OST_RPM_OF_DEVICE) are converted; all other rows remain unchanged. *motor is the state of the motor:
- * before the path on entry, and after the path on return. Returns OST_ERR_RANGE if a row is too far from the previous
- * row, and OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
+ * of a hand (OST_RPM_OF_DEVICE) are converted; all other rows remain unchanged. On entry, *motor is the state of the
+ * motor before the path; on return, it is the state after the path. Returns OST_ERR_RANGE if a row is too far from the
+ * previous row, and OST_ERR_USAGE if rpm is not within 0 to OST_RPM_MAX; the path is then unchanged.
  */
 OST_API ost_status ost_motor_path(ost_path *path, int32_t rpm, ost_motor *motor, ost_error *err);
 
