@@ -46,7 +46,7 @@ static ost_status place(bench_scene *scene, const ost_pose *middle, int n, int p
     return bench_scene_set_pose(scene, &pose, err);
 }
 
-/* Extends `box` so that it contains the event's box, enlarged by one voxel on each side and limited to the bone. */
+/* Enlarges the event's box by one voxel on each side and limits it to the bone. Extends `box` to contain the result. */
 static void include(ost_voxel_box *box, const bench_scene *scene)
 {
     const int32_t dims[3] = {scene->bone.dims.x, scene->bone.dims.y, scene->bone.dims.z};
