@@ -184,8 +184,8 @@ static bool has_label(const result *r, const char *label)
 }
 
 /*
- * Appends the machines of `from`. If a label already occurs in the result, a number is added to it, so that rows remain
- * distinguishable.
+ * Appends the machines of `from`. If the result already contains a label, a number is added to the new label, so that
+ * rows remain distinguishable.
  */
 static ost_status merge_machines(result *into, const result *from, ost_error *err)
 {

@@ -22,8 +22,7 @@
  * functions with the tie rule of AR-VOX-2, in floats. The thesis also does not
  * define how round() rounds a tie: this file rounds it to even in Alg. 2.1, as in
  * Table 3.5, and away from zero in Alg. 2.3. A voxel's position is its centre, and
- * chunk ranges are half-open.
- * docs/design/thesis-notes.md states the reasons.
+ * chunk ranges are half-open. docs/design/thesis-notes.md states the reasons.
  */
 #ifdef __OPENCL_VERSION__
 #ifdef THESIS_CONTRACT_OFF
