@@ -12,9 +12,8 @@
  *               \  fossa     .'
  *                '-- IA ----'
  *
- *   inferior angle  the extreme point of the bone in the direction 20 degrees medial of inferior; this point lies
- *                   between the medial and the lateral border; the first estimate is the point farthest from the
- *                   glenoid
+ *   inferior angle  the bone's farthest point in the direction 20 degrees medial of inferior; the inferior direction
+ *                   is first estimated from the point that is farthest from the glenoid
  *   posterior       the side of the blade's plane on which the spine rises
  *   trigonum        the point of the medial border on the line of the spine's crest
  */

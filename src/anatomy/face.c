@@ -9,17 +9,17 @@
 #include "core/vector.h"
 
 enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
-#define FRONT_MM (-12.0) /* start of a ray along the axis, relative to the centre; BACK_MM is its end */
+#define FRONT_MM (-12.0) /* rays start at FRONT_MM and end at BACK_MM, measured inward from the centre along the axis */
 #define BACK_MM 20.0
 #define RAY_MM 0.5
-#define NEAREST_MM 4.0   /* minimum distance between the rim and the axis; FARTHEST_MM is the maximum */
+#define NEAREST_MM 4.0   /* the rim is searched for between NEAREST_MM and FARTHEST_MM from the axis */
 #define FARTHEST_MM 30.0
 #define STEP_MM 0.25
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
 #define CLIMB_MM 8.0 /* maximum height above the centre; higher positions are on the coracoid or the acromion */
-/* maximum difference between the distance of a rim position from the axis and the median of the distances in the
- * neighbouring directions */
+/* maximum difference between the rim's distance from the axis in one direction and the median over five adjacent
+ * directions */
 #define OUTLIER_MM 4.0
 /* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
 #define OFF_PLANE_MM 3.0
@@ -96,9 +96,9 @@ static double median5(double v[5])
 }
 
 /*
- * Finds the rim. In each direction, the rim is accepted only if its distance is close to the median of the
- * distances in the neighbouring directions. In a direction in which the surface climbs to another part of the bone,
- * such as the root of the coracoid, the permitted difference is only half as great.
+ * Finds the rim. In each direction, the rim is accepted only if its distance from the axis is close to the median over
+ * five adjacent directions (OUTLIER_MM). The tolerance is halved if the surface climbs to another part of the bone in
+ * this direction, such as the root of the coracoid.
  */
 void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {
@@ -278,7 +278,7 @@ bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, 
         *width = extent[1];
         if (face->seen_share < 0.5 || !mean_chord(face, way[0], chord[0]) || !mean_chord(face, way[1], chord[1]))
             return false;
-        /* way[0] x way[1] equals superior x (superior x inward), which is -inward. */
+        /* The chords are close to way[0] and way[1], and way[1] x way[0] = inward. */
         ost_vector_cross(chord[1], chord[0], face->inward);
         (void)ost_vector_unit(face->inward, 0);
         const double from[3] = {face->centre[0], face->centre[1], face->centre[2]};

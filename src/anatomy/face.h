@@ -15,8 +15,8 @@
 #include "anatomy/field.h"
 
 /*
- * The parameters of a measurement. `level` is the share of bone on the surface. If `every` is greater than 1, only
- * each `every`-th direction of the rim is used, beginning with direction `first`.
+ * The parameters of a measurement. `level` is the share of bone on the surface. Only the directions k of the
+ * rim with k % every == first are used.
  */
 typedef struct anatomy_variant {
     double level;
@@ -42,9 +42,9 @@ bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *varian
 /* Finds the rim around face->centre, a position on the face. Does not change face->centre and face->inward. */
 void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /*
- * Moves the centre to the middle of the rim's extents along and across the direction `superior`, and returns
- * these extents as height and width. Then makes the axis perpendicular to two mean chords of the rim. The chord
- * along `superior` determines the inclination, and the chord across `superior` determines the version.
+ * Moves the centre to the middle of the rim's extents along and across the direction `superior`, and stores these
+ * extents in *height and *width. Makes the axis perpendicular to two mean chords of the rim. The chord along `superior`
+ * determines the inclination, and the chord across `superior` determines the version.
  *
  * Returns false if the rim is not found on both sides, or if the axis meets no bone.
  */

@@ -4,7 +4,7 @@
  *
  *   coarse field, filled --> cells, surface --concave spheres--> candidates for the glenoid
  *   candidate --checks: bone behind it, free space in front of it, rim, blade--> face, trigonum, inferior angle
- *   the same computation with a moved surface, half of the rim, or a coarser grid --> spreads (<osteon/anatomy.h>)
+ *   repeated with another surface level, half of the rim, or a coarser field --> spreads (<osteon/anatomy.h>)
  */
 #include "core/conditions.h"
 
@@ -16,13 +16,15 @@
 #include "anatomy/spheres.h"
 #include "core/vector.h"
 
-#define STEP_MM 1.5     /* cell width of the coarse field; COARSER_MM is the cell width of a second field, which is
-                         * used only to compute the spreads */
-#define COARSER_MM 2.0
+#define STEP_MM 1.5     /* cell width of the coarse field */
+#define COARSER_MM 2.0  /* cell width of a second coarse field, which is used only to compute the spreads */
 #define FINE_MM 0.7     /* cell width of the fine field around the face */
 #define ROUND_MM 36.0   /* half width of the fine field */
 #define HEAD_MM 15.0 /* maximum distance between the humeral head's centre and the centre of the glenoid's curvature */
-/* numbers of positions, 1 mm apart, that are checked for bone behind the face and for free space in front of it */
+/*
+ * numbers of positions, 1 mm apart: VAULT_MM positions behind the face are checked for bone, and FREE_MM positions in
+ * front of it for free space
+ */
 #define VAULT_MM 11
 #define FREE_MM 15
 

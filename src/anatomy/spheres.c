@@ -5,9 +5,9 @@
  *   point, normal --a vote every millimetre of radius along the normal--> votes per cell of 2 mm
  *   maxima of the votes --radius with the most points--> sphere --least squares, repeated--> sphere
  *
- * The centre of a convex sphere lies inward along the normals of its points, and the centre of a concave sphere
- * lies outward. The inner surface of a cortical shell has the opposite normals and gives no votes to the centre
- * of the outer surface.
+ * The normals point out of the bone. The centre of a concave sphere lies in the direction of its points' normals, and
+ * the centre of a convex sphere lies in the opposite direction. The inner surface of a cortical shell has the opposite
+ * normals, so its points do not vote for the centre of the outer surface.
  */
 #include "core/conditions.h"
 
@@ -29,8 +29,8 @@ enum {
 #define STEP_MM 1.5         /* cell width of the field */
 #define VOTE_MM 2.0         /* cell width of the vote grid */
 #define APART_MM 10.0       /* minimum distance between the centres of two spheres */
-#define COARSE_MM 3.0       /* maximum distance of a point from the sphere in the first fit; FINE_MM applies in the
-                             * last fit */
+#define COARSE_MM 3.0       /* maximum distance of a point from the sphere: COARSE_MM in the first fit, decreasing to
+                             * FINE_MM in the last */
 #define FINE_MM 1.2
 /* minimum cosine of the angle between a point's normal and the normal of the sphere at this point */
 #define ALIGNED 0.85
@@ -40,7 +40,7 @@ enum {
 typedef struct search {
     const anatomy_surface *surface;
     const ost_sphere_options *options;
-    double sign;            /* direction of the centre along the normals: -1 is inward, 1 is outward */
+    double sign;            /* direction from a point to the centre: 1 along the point's normal, -1 against it */
     double least, most;     /* limits of the radius in mm */
     double lo[3], cell;     /* corner of the vote grid, and cell width */
     int32_t n[3];
@@ -64,7 +64,8 @@ static ost_status votes_init(search *s, ost_error *err)
             s->lo[a] = v < s->lo[a] ? v : s->lo[a];
             hi[a] = v > hi[a] ? v : hi[a];
         }
-        /* A convex sphere's centre lies inside the bounding box of the bone. */
+        /* The centre of a convex sphere lies inside the bone's bounding box. The centre of a concave sphere may lie
+         * outside the box, but at most by the largest radius. */
         s->lo[a] -= s->options->concave ? s->most : VOTE_MM;
         hi[a] += s->options->concave ? s->most : VOTE_MM;
     }
@@ -181,8 +182,8 @@ static bool seen_from(const search *s, const double centre[3], const anatomy_poi
 }
 
 /*
- * Returns the radius in mm, a multiple of 0.5, at which the points within COARSE_MM / 2 of the sphere cover the
- * greatest share of the sphere.
+ * Tries all permitted radii in steps of 0.5 mm. Returns the radius in mm for which the points within COARSE_MM / 2 of
+ * the sphere cover the greatest share of it.
  */
 static double best_radius(const search *s, const double centre[3])
 {
@@ -206,7 +207,7 @@ static double best_radius(const search *s, const double centre[3])
     return radius;
 }
 
-/* Returns the number of the bin in which a direction meets a face of the cube. */
+/* Returns the index of the bin that contains a direction (FACE_BINS). */
 static int bin_of(const double v[3])
 {
     int axis = 0;

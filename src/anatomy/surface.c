@@ -28,10 +28,10 @@ static ost_status add(anatomy_surface *s, const anatomy_point *point, ost_error 
 }
 
 /*
- * Each crossing receives an area such that the sum of all areas is the area of the surface. On a surface with
- * the unit normal n, the number of crossings along axis a per unit of area is |n_a| / A, where A is the area of
- * a cell's face across axis a. A crossing along axis a therefore receives the area A |n_a|: the sum over the
- * three axes is then n_x^2 + n_y^2 + n_z^2 = 1 per unit of area.
+ * Each surface point receives an area, and the sum of all areas is the area of the surface. Where the surface has the
+ * unit normal n, one unit of its area contains |n_a| / A points along axis a. A is the area of a cell's face across
+ * axis a. A point along axis a therefore receives the area A |n_a|. Per unit of area, the sum over the three axes is
+ * then n_x^2 + n_y^2 + n_z^2 = 1.
  */
 ost_status anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, ost_error *err)
 {
