@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Opens the backend that --backend and --threads select. Without --backend, this is the backend "cpu", which
- * by default uses the best instruction set and all cores. --threads N is short for the backend option threads=N. The
- * reference accepts any N but always uses one thread.
+ * Opens the backend that --backend and --threads select. The default is the backend "cpu" with the best instruction set
+ * and all cores. --threads N is short for the backend option threads=N. The reference accepts any N but always uses one
+ * thread.
  */
 #ifndef OST_APP_COMMON_BACKEND_CHOICE_H
 #define OST_APP_COMMON_BACKEND_CHOICE_H

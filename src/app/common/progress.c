@@ -17,8 +17,8 @@
  */
 enum { QUIET_MS = 1000, PERIOD_MS = 100, HOLD_MS = 300 };
 /*
- * The remaining time is printed only when LEFT_MS milliseconds have elapsed and the share LEFT_SHARE of the stage is
- * complete, because earlier estimates vary too much.
+ * The remaining time is printed only after LEFT_MS milliseconds and at a completed share of at least LEFT_SHARE,
+ * because earlier estimates vary too much.
  */
 static const double LEFT_MS = 300, LEFT_SHARE = 0.001;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Writes the debrief after an operation. The debrief consists of metrics, on standard output and in the JSON object,
- * and a self-contained page with pictures.
+ * Writes the debrief after an operation. The metrics are printed on standard output and stored in the JSON object. A
+ * self-contained page shows them with pictures.
  *
  *   debrief_begin: copies the bone --> ... the operation ... --> debrief_end: metrics, page
  */

@@ -170,8 +170,8 @@ static void profile(html_page *p, const debrief *d, const ost_metrics *m, bool u
                (low + 7) * 10.5, low + 7, id, low + 7, low + 7, id);
     surface_line(p, m->before_mm, upward, "stroke=\"var(--old)\" stroke-width=\".3\"");
     if (m->sphere) {
-        /* The sphere that was fitted to the floor is drawn at its planned position, that is, centred on the axis and
-         * at the planned depth. */
+        /* The sphere that was fitted to the floor is drawn at its planned position: centred on the axis, with its
+         * deepest point at the planned depth. */
         html_text(p, "<path fill=\"none\" d=\"");
         for (int k = 0; k <= 40; k++) {
             const double x = k - 20.0, under = m->sphere_mm * m->sphere_mm - x * x;

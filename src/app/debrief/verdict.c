@@ -13,8 +13,8 @@
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
 /*
- * A figure counts as far off the plan if it exceeds its aim by this factor. A perforated wall always counts as far off
- * the plan.
+ * The operation is graded "Far off the plan" if a figure exceeds its aim by more than this factor, or if a wall is
+ * perforated.
  */
 #define FAR_TIMES 8.0
 

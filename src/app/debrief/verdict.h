@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares each figure of a debrief with its aim and summarizes the results in one line: the grade,
- * the figure farthest beyond its aim, and the outcome of the operation.
+ * Compares each figure of a debrief with its aim and summarizes the results in one line: the grade, the figure that
+ * exceeds its aim by the largest factor, and the outcome of the operation.
  */
 #ifndef OST_APP_DEBRIEF_VERDICT_H
 #define OST_APP_DEBRIEF_VERDICT_H

@@ -114,8 +114,8 @@ static ost_pm magnitude(ost_pm v)
 }
 
 /*
- * Returns the maximum distance between a voxel centre and the coordinate 0 on one axis. This is the distance of either
- * the first or the last centre.
+ * Returns the largest absolute coordinate of a voxel centre on one axis. The first or the last centre has this
+ * coordinate.
  */
 static ost_pm farthest(ost_pm origin, ost_pm spacing, int32_t n)
 {

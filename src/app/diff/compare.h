@@ -4,7 +4,7 @@
  *
  *   verdict   equal or not
  *   geometry  dims, spacing, origin
- *   chunks    which blocks differ, and how much
+ *   chunks    which chunks differ, and in how many voxels
  *   kinds     each voxel that differs is removed, added, changed, or below the threshold in both grids
  *   patterns  the shape of all differences together (pattern.c)
  *   voxels    the first voxels that differ, with both values
@@ -83,14 +83,14 @@ bool diff_is_folder(const char *path);
 ost_status diff_bundles(const app_state *app, const char *a, const char *b, int64_t limit, ost_error *err);
 
 /*
- * For each axis, draws the slice with the index in `busiest`. The differences are drawn in colour over the densities of
- * A (picture.c).
+ * Draws, for each axis, the slice with the most differing voxels. The differences are coloured over the densities of A
+ * (picture.c).
  */
 ost_status diff_picture(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                         ost_error *err);
 /*
- * Draws the surface of B around the voxel `busiest`. If B's file contains the glenoid's axis, the view is along this
- * axis. Otherwise, the view is toward the bone's middle. diff_has_view must be true.
+ * Draws the surface of B around the voxel at result->busiest. If B's file contains the glenoid's axis, the view is
+ * along this axis. Otherwise, the view is toward the bone's middle. diff_has_view must be true.
  */
 ost_status diff_view(const loaded_volume *a, const loaded_volume *b, const diff_result *result, ost_picture *out,
                      ost_error *err);

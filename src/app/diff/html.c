@@ -45,8 +45,8 @@ static void figure(html_page *p, const ost_picture *picture, const char *caption
 }
 
 /*
- * Draws slices of a grid. The voxels of a tool have the values 0, 1 and 2, which a grey-scale window of width 3
- * around 1 makes visible.
+ * Draws slices of a grid. The voxels of a tool have the values 0, 1 and 2, so a tool is drawn with a grey-scale window
+ * of width 3 around 1.
  */
 static void slices(html_page *p, const loaded_volume *in, const diff_result *r, const char *caption)
 {

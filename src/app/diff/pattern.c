@@ -6,7 +6,7 @@
  *   geometry        dims, spacing or origin differ
  *   only-removed    voxels were only removed, as by reaming
  *   only-added      voxels were only added
- *   ...             the patterns of pattern.h, in its order; the first that applies is the class
+ *   ...             the patterns of pattern.h, in that order; the class is the first pattern that applies
  */
 #include "app/diff/compare.h"
 

@@ -317,8 +317,8 @@ static void fit(const film_file *f, const uint32_t *pixels, int width, int heigh
 }
 
 /*
- * Converts RGB to BT.709 with the range 16 to 235. The constants 4224 and 32896 contain one half, in units of 1/256,
- * so that the shift rounds to nearest.
+ * Converts RGB to BT.709 with the range 16 to 235. The constants 4224 and 32896 are 256 times the offsets 16.5 and
+ * 128.5. The added half rounds the shifted value to nearest.
  */
 static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb, uint8_t *cr)
 {

@@ -38,7 +38,7 @@ struct film {
     job job[QUEUE_CAPACITY]; /* ring buffer */
     int first, count;
     bool end;
-    /* begin_ns is the time of the first frame; `last` is the index of the latest frame that a caller passed */
+    /* time of the first frame, and index of the latest frame that a caller passed */
     int64_t begin_ns, last;
     bool begun;
     uint64_t dropped;

@@ -7,8 +7,8 @@
  *                            '-- queue full: dropped,       ffmpeg --> FILE.mp4, .mkv, .mov, .webm
  *                                and counted                sh -c COMMAND, which reads a .y4m from its standard input
  *
- * The caller passes the time of each frame. In the video, the previous frame replaces each dropped frame, and is
- * repeated while nothing changes. The video has the size of the first frame; frames of other sizes are scaled to fit.
+ * The caller passes the time of each frame. In the video, the previous frame is repeated for each dropped frame and
+ * while nothing changes. The video has the size of the first frame; frames of other sizes are scaled to fit.
  *
  * No file is overwritten: a picture gets the next free name. A video file gets its name only when
  * it is complete.
@@ -56,8 +56,8 @@ ost_status film_open(const film_options *options, film **out, ost_error *err);
  * pixels; the functions copy these values.
  */
 /*
- * Returns true if the video has no frame for the time t_ns yet. The times must be in ascending order. The first time is
- * the beginning of the video.
+ * Returns true if the video has no frame for the time t_ns yet. Times must not decrease from call to call. The first
+ * time is the beginning of the video.
  */
 bool film_is_due(const film *f, int64_t t_ns);
 void film_frame(film *f, int64_t t_ns, const uint32_t *pixels, int stride, int width, int height);

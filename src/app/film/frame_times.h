@@ -16,8 +16,8 @@ typedef struct frame_times {
 
 void frame_times_add(frame_times *times, int64_t ns);
 /*
- * Returns the quantile `share` (0 to 1) of the times, in ms. The result is the middle of a bin, limited to the maximum.
- * Returns 0 if the histogram is empty.
+ * Returns a quantile of the times in ms; `share` is from 0 to 1. The result is the middle of a bin, limited to the
+ * maximum. Returns 0 if the histogram is empty.
  */
 double frame_times_ms(const frame_times *times, double share);
 
