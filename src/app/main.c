@@ -98,8 +98,8 @@ static void open_standard_streams(void)
 {
     for (int fd = 0; fd < 3; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF) {
-            /* The descriptor gets the access mode opposite to the stream's mode, so that any use of the closed stream
-               still fails. */
+            /* A closed input is opened for writing and a closed output for reading, so that any use of the stream still
+               fails. */
             if (open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY) != fd)
                 _exit(2);
         }

@@ -43,7 +43,7 @@ typedef struct glenoid_plan_options {
 
 /*
  * Finds the plan. `header` is the header of the session named `session`, or NULL. If no source contains the glenoid's
- * position, *known becomes false. If `needed` is true or another part of the plan is given, a missing position is an
+ * position, sets *known to false. If `needed` is true or another part of the plan is given, a missing position is an
  * error. The values are rounded to values that a session can store.
  */
 ost_status glenoid_plan_find(const app_state *app, const glenoid_plan_options *options, const char *session,

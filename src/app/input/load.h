@@ -131,8 +131,8 @@ void load_warn_import(const app_state *app, const char *name, const ost_import_r
 
 enum { LOAD_UNITS_TEXT = 200 };
 /*
- * Suggests other units for a mesh whose size is `mm` millimetres. Writes ": it would be ..." with each unit in which
- * the size is from 20 to 600 mm. Writes "" if there is no such unit. Returns `out`.
+ * Suggests other units for a mesh whose size is `mm` millimetres. Writes ": it would be ..." with each unit for which
+ * the size would be from 20 to 600 mm. Writes "" if there is no such unit. Returns `out`.
  */
 char *load_other_units(char out[LOAD_UNITS_TEXT], double mm);
 

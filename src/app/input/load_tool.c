@@ -57,7 +57,7 @@ char *load_other_units(char out[LOAD_UNITS_TEXT], double mm)
 }
 
 /*
- * Warns about a mesh of less than 5 mm whose unit is not given. Such a mesh may be a burr, but bones and reamers are
+ * Warns if a mesh whose unit is not given is smaller than 5 mm. Burrs may be this small, but bones and reamers are
  * larger.
  */
 static void warn_mesh_size(const app_state *app, const char *name, const ost_mesh_report *r)

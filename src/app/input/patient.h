@@ -3,7 +3,7 @@
  * Stores facts about the patient in the header of a bone or CT: the glenoid's position, the axis into the bone, the
  * side, and the scapula's landmarks.
  *
- *   --landmarks FILE --.                   (FILE is auto: proposed for the bone, proposal.h)
+ *   --landmarks FILE --.                   (--landmarks auto: landmarks are proposed for the bone, proposal.h)
  *   --at --axis ...  ---+--> meta, checked --> header (import)
  *   --set KEY=VALUE  --'                  '--> header, rewritten (info)
  *
@@ -72,14 +72,17 @@ typedef struct patient_options {
 ost_status patient_check(app_state *app, const patient_options *options, ost_error *err);
 
 /*
- * Adds to *meta the facts from the options and from the landmarks file that the options name, and checks all facts,
- * including those from the file. Reports unknown labels in the landmarks file. If the options request proposed
- * landmarks, they are found on `bone`. `name` is the name of the volume, for messages.
+ * Adds facts from the options and from the landmarks file to *meta, and then checks all facts in *meta. Reports unknown
+ * labels in the landmarks file. With --landmarks auto, landmarks are proposed for `bone`. `name` is the name of the
+ * volume, for messages.
  */
 ost_status patient_take(const app_state *app, const patient_options *options, const ost_bone *bone, const char *name,
                         const ost_geometry *geometry, ost_meta *meta, ost_error *err);
 
-/* Stores the facts of all options --set KEY=VALUE in meta, in their order. An empty VALUE removes the fact. */
+/*
+ * Stores the facts of all options --set KEY=VALUE in meta, in the order of the options. An empty VALUE removes the
+ * fact.
+ */
 ost_status patient_set(const app_state *app, const option_list *sets, const char *name, const ost_geometry *geometry,
                        ost_meta *meta, ost_error *err);
 

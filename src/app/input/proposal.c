@@ -14,10 +14,7 @@
 
 enum { POINTS = 4, AXIS_MM = 20 };
 
-/*
- * Converts landmarks to the form in which a file contains them. The axis is represented by a point AXIS_MM below the
- * face.
- */
+/* Converts landmarks to the form of a landmarks file, which represents the axis by a point AXIS_MM below the face. */
 static ost_status to_landmarks(const ost_scapula_landmarks *l, ost_landmarks *out, ost_error *err)
 {
     const ost_pm3 g = l->glenoid;

@@ -79,7 +79,7 @@ static ost_status builtin_path(const app_state *app, const char *name, const tar
                        near ? near : names[0]);
 }
 
-/* Reads a file of ticks. If all ticks refer to tool 0, they are changed to move tool `index` (AR-PATH-6). */
+/* Reads a file of ticks. If all ticks refer to tool 0, changes them to refer to tool number `index` (AR-PATH-6). */
 static ost_status file_path(const app_state *app, const char *name, int32_t index, int tool_count,
                             const ost_path_options *gaps, ost_path *out, ream_gaps *counted, ost_error *err)
 {
@@ -108,8 +108,8 @@ static ost_status file_path(const app_state *app, const char *name, int32_t inde
 }
 
 /*
- * Appends a path to another path. The appended path begins GAP_NS after the last tick, and its first tick is lifted
- * (AR-PATH-6).
+ * Appends the path `part` to the path `all`. The first appended tick is GAP_NS after the last tick of `all` and is
+ * lifted (AR-PATH-6).
  */
 static ost_status join(ost_path *all, const ost_path *part, ost_error *err)
 {
@@ -162,8 +162,8 @@ ost_status ream_path_make(const app_state *app, const option_list *paths, const 
 }
 
 /*
- * Computes the period of a rate in hertz, rounded down to a nanosecond. The computation uses only integers, because
- * the period determines which ticks remove bone.
+ * Converts a rate in hertz to a period in nanoseconds, rounded down. The computation uses only integers, because the
+ * period determines which ticks remove bone.
  */
 ost_status ream_period(const app_state *app, const option_decimal *rate, int64_t *period_ns, ost_error *err)
 {

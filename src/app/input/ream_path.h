@@ -47,10 +47,7 @@ ost_status target_find(const app_state *app, const target_options *options, cons
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
-/*
- * Counts of gaps. `gaps` is the number of gaps in the paths; at each gap, a tool is lifted. lost_rows is the number of
- * rows without a pose.
- */
+/* Numbers of gaps in the paths (a tool is lifted at each gap) and of rows without a pose. */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;

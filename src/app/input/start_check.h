@@ -17,8 +17,8 @@ typedef struct start_checked {
     ost_glenoid glenoid;
     bool known;         /* true if the position of the glenoid is known, so that voxels can be counted */
     /*
-     * The number of voxels on the near side of the face before the operation. start_check_end replaces the value with
-     * the number of these voxels that were removed.
+     * Number of voxels on the near side of the face before the operation; after start_check_end, the number of these
+     * voxels that were removed.
      */
     int64_t near_side;
 } start_checked;

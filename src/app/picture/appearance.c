@@ -183,7 +183,7 @@ static ost_status set_ghost(appearance *a, ost_error *err)
     axis_frame(a->subject, inward, right, above);
     for (int i = 0; i < 3; i++)
         back[i] = -inward[i];
-    ost_vector_cross(above, back, right);  /* x, y and z are the axes of a right-handed frame */
+    ost_vector_cross(above, back, right);  /* right, above and back are the x, y and z axes of a right-handed frame */
     const double columns[3][3] = {
         {right[0], right[1], right[2]}, {above[0], above[1], above[2]}, {back[0], back[1], back[2]}};
     ost_quaternion_of_columns(columns, q);

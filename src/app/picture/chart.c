@@ -76,8 +76,8 @@ void chart_text(chart *p, int x, int y, const char *text)
 }
 
 /*
- * Returns the number of bytes of the text that fit into the width. The line contains as many words as possible; if
- * the first word is too long, the word is divided after at least one character.
+ * Returns the number of bytes of the text that fit into the width. The line contains as many words as possible. If the
+ * first word is too long, the word is divided after at least one character.
  */
 static size_t line_length(const ost_lettering *letters, const char *text, int width)
 {

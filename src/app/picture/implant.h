@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Generates the glenoid component that is drawn as the planned implant: an oval with a domed back, a shallow dish in
- * front, and one peg. The back fits the surface that the built-in reamer leaves. The shape is our own design and not
- * the shape of a product. Its frame is defined as for a tool: the lowest point of the back is the origin, the bone lies
- * toward -z, and y is up.
+ * front, and one peg. The back fits the surface that the built-in reamer leaves. The shape is not that of a product.
+ * The frame is defined as for a tool: the lowest point of the back is the origin, the bone lies toward -z, and y is up.
  *
  *        z ^   ____________
  *          |  '-.________.-'   dish

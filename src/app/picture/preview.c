@@ -17,7 +17,7 @@
 enum { MARGIN = CHART_MARGIN, TOP = 56, PLANES_HIGH = 500, CAPTION = 26, TABLE_GAP = 28 };
 #define MARKS 1.25 /* size of the marks in the surface view, in pixels per unit */
 enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* limits of the width of the surface view, in pixels */
-/* The planes show the CT up to this distance from the parts, in mm. */
+/* distance in mm around the parts up to which the planes show the CT */
 enum { AROUND_MM = 25 };
 enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
 /* values for voxels that belong to no part; the labels of parts start at 1 */
@@ -40,9 +40,9 @@ static bool is_part(const preview_input *in, int16_t value)
 }
 
 /*
- * Finds the bounds of the parts. On each axis, also finds the slice with the most voxels of the first part. If two
- * slices have the same number of such voxels, the slice with the lower index is used. If the input contains labels, the
- * first part is the largest part. The caller frees *slices, an array of counts.
+ * Finds the bounds of the parts and, on each axis, the slice with the most voxels of the parts; in a tie, the slice
+ * with the lowest index. If the input contains labels, only the largest part, label 1, is counted. The caller frees
+ * *slices, an array of counts.
  */
 static ost_status count_slices(const preview_input *in, extent *e, uint64_t **slices, ost_error *err)
 {
@@ -115,7 +115,7 @@ static int16_t voxel_of(const ost_volume *volume, const int32_t v[3])
 }
 
 /*
- * Returns the density of the CT at the centre of a voxel of the parts' grid. Returns the density of air outside the
+ * Returns the CT's density at the centre of a voxel of the parts, or the density of air if the centre is outside the
  * CT.
  */
 static double density_at(const preview_input *in, const int32_t v[3])
@@ -171,7 +171,7 @@ static int level_of(const preview_input *in)
 
 static void colour_of(const void *user, size_t index, double rgb[3])
 {
-    /* strength of the tint of dense voxels outside all parts, and of voxels of parts */
+    /* strengths of the tint: for dense voxels outside all parts, and for voxels of parts */
     static const double strength[2] = {0.55, 0.25};
     const planes *p = user;
     int32_t v[3];
@@ -227,8 +227,8 @@ static ost_status draw_planes(const preview_input *in, const extent *e, ost_pict
 /* ----------------------------------------------------------------- surface */
 
 /*
- * Makes the volume that ost_view_draw draws. It consists of cubes with the label of the nearest voxel. A cube is as
- * wide as a voxel along x, or wider if there would be too many cubes.
+ * Makes the volume that ost_view_draw draws. Each of its voxels is a cube with the label of the nearest voxel of the
+ * input. A cube is as wide as an input voxel along x, or wider if there would be too many cubes.
  */
 static ost_status make_surface(const preview_input *in, const extent *e, ost_volume *out, ost_error *err)
 {
