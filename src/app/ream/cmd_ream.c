@@ -91,10 +91,7 @@ static bool has_device_speed(const ost_path *path)
     return false;
 }
 
-/*
- * Converts the poses of the path to poses of the tool. The poses of the path are poses of the hand; the motor rotates
- * the tool.
- */
+/* Converts the path, which contains poses of the hand, to poses of the tool, which is rotated by the motor. */
 static ost_status motor_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err)
 {
     ost_motor motor = {0};

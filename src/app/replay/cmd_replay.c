@@ -4,8 +4,8 @@
  *
  * The digest of every tick is compared with the recorded digest. At the end, the counts and the bone's digest are
  * compared as well. With --verify, a difference is also located: the same ticks are run on a second backend, the
- * reference, up to the first tick that differs. A comparison of the two bones then yields the chunk and the voxel. Of
- * the recorded and the replayed result, the one that agrees with the reference is correct.
+ * reference, up to the first tick that differs. A comparison of the two bones then yields the chunk and the voxel. The
+ * result, recorded or replayed, that agrees with the reference is the correct one.
  */
 #include <string.h>
 
@@ -100,7 +100,7 @@ static ost_status differ_after(const app_state *app, const replay *model, uint64
 }
 
 /*
- * Finds by bisection the first tick after which the bones of two backends differ. Called if the bones differ although
+ * Finds the first tick after which the bones of two backends differ, by bisection. Called if the bones differ although
  * the digests of all ticks are equal.
  */
 static ost_status find_by_halving(const app_state *app, const replay *here, uint64_t *tick,

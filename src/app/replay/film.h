@@ -35,8 +35,8 @@ typedef struct replay_film replay_film;
 
 ost_status replay_film_check(const app_state *app, replay_film_options *options, ost_error *err);
 /*
- * Begins the video. From then on, the ticks that `r` replays are drawn. Does nothing if no video is requested. `plan`
- * is NULL if there is none.
+ * Begins the video. After this call, the ticks that `r` replays are drawn. Does nothing if no video is requested.
+ * `plan` is NULL if there is none.
  */
 ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r,
                              const ost_metrics_plan *plan, replay_film **out, ost_error *err);

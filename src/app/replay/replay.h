@@ -41,7 +41,7 @@ ost_status replay_open(const app_state *app, ost_session *session, const char *n
 void replay_close(replay *r);
 
 /*
- * Replays at most `count` ticks from the first tick on. If `compare` is true, stops after the first tick whose result
+ * Replays at most the first `count` ticks of the session. If `compare` is true, stops after the first tick whose result
  * differs from the recorded result.
  */
 ost_status replay_run(replay *r, uint64_t count, bool compare, ost_error *err);

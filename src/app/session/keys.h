@@ -36,7 +36,10 @@ ost_status session_keys_make(const session_setup *setup, ost_backend *backend, c
  */
 ost_status session_keys_read(const char *session, const ost_session_header *header, session_setup *out, ost_error *err);
 
-/* If a digest of the bone or of a tool differs from its digest in the header, returns OST_ERR_INPUT. */
+/*
+ * Compares the digests of the bone and the tools with those in the header. Returns OST_ERR_INPUT if one of them
+ * differs.
+ */
 ost_status session_keys_check(const char *session, const ost_session_header *header, const session_setup *setup,
                               const ost_bone *bone, ost_tool *const *tools, ost_error *err);
 

@@ -11,8 +11,8 @@ typedef struct session_key {
 
 /*
  * Begins a session in the file `name`. Its header contains the keys made from `setup` and `device`, and the keys in
- * `more`, an array that ends with a NULL key. Must be called immediately before the first tick: if an earlier step
- * fails, an existing session with this name remains unchanged. `more` and `options` may be NULL.
+ * `more`, an array that ends with a NULL key. Must be called immediately before the first tick, so that an existing
+ * session with this name remains unchanged if an earlier step fails. `more` and `options` may be NULL.
  */
 ost_status session_record(const char *name, const session_setup *setup, ost_backend *backend, const ost_bone *bone,
                           ost_tool *const *tools, const char *device, const session_key *more,

@@ -12,8 +12,8 @@ const char *const sim_renderer_names[] = {"none", "null", "auto", "points", "gl"
 enum { PRESS_TICKS_MAX = 600000 }; /* after ten minutes, the simulated operator keeps still */
 
 /*
- * Checks the options for the motor and the buttons. If a button can switch the motor on, the motor is initially off. If
- * no button can, the motor is on from the first tick.
+ * Checks the options for the motor and the buttons. If a button can switch the motor on, the motor is initially off.
+ * Otherwise, the motor is on from the first tick.
  */
 static ost_status check_motor(const app_state *app, sim_args *args, ost_error *err)
 {

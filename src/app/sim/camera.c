@@ -19,8 +19,8 @@ sim_camera sim_camera_at(ost_view_name view, const ost_view_subject *subject, do
 }
 
 /*
- * Limits the camera's target and its distance. Without this limit, a drag in a window of a few pixels would move the
- * camera very far.
+ * Limits the distance of the camera from its target, and of the target from the subject. Otherwise, a drag in a window
+ * of a few pixels would move the camera very far.
  */
 static void clamp(sim_camera *camera)
 {

@@ -33,8 +33,8 @@ ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *
  */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);
 /*
- * Implements depth_of of an operation (operation.h). Returns the depth of the tool's tip below the plan's centre,
- * along the plan's axis, in mm. Returns 0 without a plan. `user` is a sim_scene.
+ * Implements the callback depth_of (operation.h). Returns the depth of the tool's tip below the plan's centre, along
+ * the plan's axis, in mm. Returns 0 without a plan. `user` is a sim_scene.
  */
 double sim_scene_depth(void *user, int32_t tool, const ost_pose *pose);
 

@@ -75,7 +75,7 @@ static void take_hand(void *user, const ost_headset_hand *hand)
                    "the buttons have the same bits");
     sim_headset *h = user;
     ost_hand_sample sample = {.tracked = hand->tracked, .buttons = hand->buttons};
-    /* A controller that is too far from the bone counts as not tracked. */
+    /* A controller that is too far from the bone is treated as not tracked. */
     sample.tracked = hand->tracked && ost_room_pose(&h->room, hand->at, hand->q, &sample.pose, NULL) == OST_OK;
     ost_hand_input_put(h->hand, &sample);
     h->eyes = 0;
@@ -92,7 +92,8 @@ static void *work(void *user)
         if (ost_headset_counts_get(h->headset).drawn == drawn)
             continue;
         drawn++;
-        /* The time to draw begins at the update for the first eye, so it excludes the runtime's wait for the frame. */
+        /* The drawing time is measured from the update for the first eye. It therefore excludes the runtime's wait for
+         * the frame. */
         const int64_t now = ost_clock_ns();
         frame_times_add(&h->show->drawn, now - h->show->updated_ns);
         if (h->last_ns)

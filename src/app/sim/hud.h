@@ -66,7 +66,7 @@ typedef struct sim_hud sim_hud;
 /* Creates a HUD for frames of the given size on a display with the given scale; scale 1 means 96 dpi. */
 ost_status sim_hud_create(int width, int height, double scale, sim_hud **out, ost_error *err);
 void sim_hud_free(sim_hud *hud); /* hud may be NULL */
-/* Returns true if the HUD is also suitable for frames of the given size on a display with the given scale. */
+/* Returns true if the HUD is suitable for frames of the given size on a display with the given scale. */
 bool sim_hud_suits(const sim_hud *hud, int width, int height, double scale);
 /* Computes the positions of all parts of the HUD. The parts lie within the frame and do not overlap. */
 sim_hud_layout sim_hud_arrange(const sim_hud *hud, int width, int height, const sim_hud_facts *facts);

@@ -15,8 +15,8 @@ static void print_problem(void *user, bundle_problem_kind kind, const char *file
 }
 
 /*
- * Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon verify` rejects must
- * not be signed. The line that states this is printed here, because OST_ERR_DIFFER prints no message.
+ * Checks the bundle and its existing signatures as `osteon verify` does. A bundle that `osteon verify` rejects must not
+ * be signed. The error is printed here, because OST_ERR_DIFFER prints no message.
  */
 static ost_status check_first(app_state *app, const char *folder, json_t **summary, ost_error *err)
 {

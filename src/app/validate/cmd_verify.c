@@ -153,7 +153,7 @@ static const char *about_signatures(const app_state *app, const signature_args *
 
 /*
  * Reports the counts of the test suite. A bundle may be valid although tests failed. Failures are therefore printed,
- * but do not count as problems of the bundle.
+ * but are not treated as problems of the bundle.
  */
 static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
 {

@@ -84,7 +84,10 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
     return OST_OK;
 }
 
-/* Makes {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}} with times in seconds. */
+/*
+ * Makes the object {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}}; times are in
+ * seconds.
+ */
 static json_t *times_of(const campaign *c)
 {
     json_t *times = json_object(), *seconds = json_object(), *cases = json_object();

@@ -460,7 +460,7 @@ static void describe_needed(const json_t *files, char text[96])
     }
 }
 
-/* Finds the given file whose size and digest equal the size and digest in the record. */
+/* Finds the given file whose size and digest equal those in the record. */
 static ost_status find_file(const option_list *given, const char *kind, const json_t *file, const char **out,
                             ost_error *err)
 {

@@ -4,9 +4,8 @@
  *
  *   FILE of --json --> rows by name --> ratio then / ratio now --> slower than allowed: exit status 1
  *
- * The runs are compared by a ratio instead of by times: the shortest time of the baseline divided by the shortest time
- * of osteon. Both times are measured alternately on the same machine, so the ratio depends little on the machine and on
- * background load.
+ * The runs are compared by a ratio: the baseline's shortest time divided by osteon's shortest time. The two are
+ * measured alternately on the same machine, so the ratio depends little on the machine and on background load.
  */
 #ifndef OST_APP_VERBS_BENCH_AGAINST_H
 #define OST_APP_VERBS_BENCH_AGAINST_H

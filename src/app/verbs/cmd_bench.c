@@ -160,8 +160,8 @@ static void print_row(const app_state *app, const bench_row *row)
     print_deadlines(app, row);
 }
 
-/* Prints a warning if other programs disturbed the measurement of rows. If they interrupted the baseline, the ratio of
-   the row is too high. */
+/* Prints a warning if other programs disturbed the measurement of rows. If they interrupted a row's baseline, the ratio
+   of this row is too high. */
 static void print_disturbed(const app_state *app, const bench_table *table)
 {
     size_t disturbed = 0;
