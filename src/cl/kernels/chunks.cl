@@ -8,7 +8,7 @@
  *   chunk 1  0  -->  1  density ... | words ...            n = 32  a row
  *   chunk 2  1                                             n = 64  half a row
  *
- * Ranges: n <= 64, so a plane of a chunk has at most 2^12 voxels, and a chunk 2^18.
+ * Ranges: n <= 64, so a plane of a chunk has at most 2^12 voxels, and a chunk has at most 2^18.
  * dims <= 2^14 and n >= 16, so there are at most 2^30 chunks.  slot * n^3 needs 64 bits.
  */
 
@@ -24,7 +24,7 @@ static ulong ost_slab_at(__global const ost_cl_bone *bone, int x, int y, int sli
 }
 
 /*
- * Returns the index of the slice of the slab from which slice k of the grid is computed. shared.h describes the
+ * Returns the index in the slab of the slice from which slice k of the grid is computed. shared.h describes the
  * parameters layers, first and z0.
  */
 static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
@@ -32,8 +32,8 @@ static int ost_slab_slice(__global const int *layers, int first, int k, int z0)
     return first < 0 ? k - z0 : layers[first + k - z0];
 }
 
-/* Returns the weight that the next slice of the slab has in slice k of the grid. The next slice is the one after the
-   slice that ost_slab_slice returns. */
+/* Slice k of the grid is the weighted mean of slice ost_slab_slice(...) of the slab and the next slice of the slab.
+   Returns the weight of the next slice in units of 2^-15. */
 static int ost_slab_weight(__global const int *layers, int weights, int k, int z0)
 {
     return weights < 0 ? 0 : layers[weights + k - z0];
@@ -41,8 +41,8 @@ static int ost_slab_weight(__global const int *layers, int weights, int k, int z
 
 #if OST_FOR & 1
 /*
- * Returns the voxel *from of a slab or, if weight > 0, the weighted mean of *from and the same voxel of the next plane.
- * The two weights sum to 2^15.
+ * Returns the voxel *from of a slab or, if weight > 0, the weighted mean of *from and the corresponding voxel of the
+ * next slice. The two weights sum to 2^15.
  */
 static short ost_slab_read(__global const short *from, ulong plane, int weight)
 {

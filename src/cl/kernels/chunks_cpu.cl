@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The kernels for CPUs that scan, store and load slices. The results are the same as those of ost_chunk_scan,
- * ost_chunk_store and ost_chunk_load (shared.h). Work items process rows. An item that scans or stores processes the
- * slices of a layer of chunks one after the other, so that equal slices are scanned only once. No two items process the
- * same chunk, so no atomics are needed.
+ * ost_chunk_store and ost_chunk_load (shared.h). An item of ost_chunk_scan_layers processes a row of chunks, and scans
+ * equal slices only once. An item of ost_chunk_store_layers processes one chunk. No two items count or store the same
+ * chunk, so no atomics are needed.
  */
 #if OST_FOR & 2
 
@@ -16,8 +16,9 @@ static uint ost_count16(__global const short *from, short threshold)
     return count;
 }
 
-/* Returns how many of 16 weighted means of the voxels of two slices are at least the threshold. A mean is never greater
-   than the greater of its voxels. Therefore no mean is computed if all 32 voxels are below the threshold. */
+/* Computes 16 weighted means of corresponding voxels of two slices, and returns how many are at least the threshold. A
+   mean is never greater than the greater voxel. Therefore no mean is computed if all 32 voxels are below the
+   threshold. */
 static uint ost_count16_between(__global const short *a, __global const short *b, int weight, short threshold)
 {
     short count = 0, any = 0;

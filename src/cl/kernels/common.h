@@ -20,9 +20,8 @@
 #endif
 
 /*
- * With the option -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work
- * of item (i + s) mod n if s is even, and of item (n - 1 - i + s) mod n if s is odd.  No result
- * may depend on the permutation.
+ * With the option -DOST_ORDER=s, s > 0, work items are permuted: item i of n does the work of item (i + s) mod n if s
+ * is even, and of item (n - 1 - i + s) mod n if s is odd.  The permutation must not change any result.
  */
 #ifdef OST_ORDER
 static inline size_t ost_item(uint dimension)
@@ -47,8 +46,8 @@ static inline long ost_ceil_div(long n, long d)
 }
 
 /*
- * Returns RHE(n / d) (AR-INT-2) for d > 0. Let r = n - floor(n / d) d, 0 <= r < d. The floor is rounded up if r > d -
- * r, or if r = d - r and the floor is odd.
+ * Returns RHE(n / d) (AR-INT-2) for d > 0. Let q = floor(n / d) and r = n - q d, so that 0 <= r < d. The result
+ * is q + 1 if r > d - r, or if r = d - r and q is odd; otherwise, it is q.
  */
 static inline long ost_rhe_div(long n, long d)
 {
@@ -60,10 +59,11 @@ static inline long ost_rhe_div(long n, long d)
 /*
  * ost_mean15 returns RHE(sum / 2^15) for |sum| <= 2^30, and ost_mean45 returns
  * RHE(sum / 2^45) for |sum| <= 2^60.  The result is a weighted mean of densities
- * (AR-CUB-2).  A unit is 2^15 or 2^45.  First, 2^15 units are added, which makes the sum
- * >= 0 and preserves the parity of its quotient.  Then half a unit minus 1 is added, and
- * 1 more if the floor of the quotient is odd.  The result is the floor of
- * (sum / unit), minus 2^15.
+ * (AR-CUB-2).  The unit is 2^15 or 2^45:
+ *
+ *   up     = sum + 2^15 unit                            up >= 0
+ *   odd    = floor(up / unit) mod 2                     1 if floor(sum / unit) is odd, as 2^15 is even
+ *   result = floor((up + unit / 2 - 1 + odd) / unit) - 2^15
  */
 static inline short ost_mean15(int sum)
 {

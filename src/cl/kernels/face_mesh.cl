@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Face meshes (core/face_mesh.h) in the five steps of thesis section 3.3.1. Each launch processes a batch of chunks;
- * the third dimension of the range is the chunk. This file is OpenCL C 1.2. It is a separate program, because it
+ * the third dimension of the range selects the chunk. This file is OpenCL C 1.2. It is a separate program, because it
  * computes no voxel.
  *
  *   ost_face_pad        words of a chunk and its neighbours -> 34^3 values of 16 bits  an item: one value
@@ -12,8 +12,8 @@
  *   ost_face_quads      -> four vertices for each visible face                         an item: one active voxel
  *
  * ost_face_rows and ost_face_slices are one step, the prefix sum. It has two levels: ost_face_slices sums the rows of a
- * slice, and ost_face_compact adds the sums of the preceding slices. Therefore no kernel needs a barrier, and no result
- * depends on the size of a work group.
+ * slice, and ost_face_compact adds the sums of the preceding slices. Therefore no kernel needs a barrier, and the size
+ * of a work group does not affect the results.
  */
 #define SIDE 32
 #define PADDED 34
@@ -102,8 +102,9 @@ __kernel void ost_face_slices(__global uint *rows, __global uint *slices)
 }
 
 /*
- * active: two words for each active voxel. The first word is its number | its visible faces << 15, and the second word
- * is the index of its first quad in the chunk. sums: the numbers of active voxels and of faces of each chunk.
+ * active: two words for each active voxel. The first word is the voxel number | visible faces << 15, and the second
+ * word is the index of the voxel's first quad in the chunk. sums: the numbers of active voxels and of faces of each
+ * chunk.
  */
 __kernel void ost_face_compact(__global const uchar *visible, __global const uint *rows, __global const uint *slices,
                                __global uint *active, __global uint *sums)

@@ -62,10 +62,10 @@ __kernel void ost_fingerprint(uint count, __global const ulong *in, __global ulo
 }
 
 /*
- * Measures how many iterations (turns) the loops of a work item may have. The end of the loop depends on the
- * computed value, so a compiler can neither derive the number of turns nor unroll the loop without a test in each turn.
- * Mesa's llvmpipe allows 65,535 turns for all loops of an item together, or of all items in the same vector. After
- * that, llvmpipe ends every loop after one turn and reports no error.
+ * Measures how many iterations (turns) the loops of a work item may have. The end of the loop depends on the computed
+ * value, so a compiler can neither derive the number of turns nor unroll the loop without a test in each turn. Mesa's
+ * llvmpipe allows 65,535 turns in total for all loops of an item, or of all items that share a vector. After that, it
+ * ends every loop after one turn and reports no error.
  */
 __kernel void ost_fingerprint_turns(uint end, __global uint *turns)
 {

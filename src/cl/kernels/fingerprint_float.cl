@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes results of the floating-point arithmetic of a device.  The results are recorded, and
- * show why no voxel may depend on floating-point arithmetic.  This is a separate program, built
- * without options.  No result is considered right or wrong.  The inputs and outputs are bit
- * patterns.
+ * Computes results of the floating-point arithmetic of a device.  The results are recorded, and show why no voxel may
+ * depend on floating-point arithmetic.  This is a separate program, built without options.  The results are not
+ * checked.  The inputs and outputs are bit patterns.
  */
 __kernel void ost_fingerprint_float(uint count, __global const uint *in, __global uint *out)
 {

@@ -216,9 +216,9 @@ __kernel void ost_cubic_sources(__global const ost_cl_cubic *cubic, __global int
 }
 
 /*
- * Copies a run of voxels from their sources. If the spacings along x are equal, voxel i has the source i or, beyond
- * the end of the rect grid, the last source. The index of the source then increases by 1 or 0 from one voxel to the
- * next. The sources of the run are therefore adjacent if the index increases by count - 1 in total.
+ * Copies a run of voxels from their sources. If the spacings along x are equal, voxel i has the source i or, beyond the
+ * end of the rect grid, the last source. From one voxel to the next, the source index then increases by 1 or 0. If it
+ * increases by count - 1 over the run, the sources are adjacent.
  */
 __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global const int *sources,
                                __global const short *rect, __global short *out)

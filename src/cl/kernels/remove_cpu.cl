@@ -35,7 +35,7 @@
 
 __constant uint ost_lane_x[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 __constant uint ost_lane_y[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-/* For each lane, the bit number of its voxel in plane 0, within the half of the brick's word that contains it. */
+/* For each lane, the index of its voxel's bit in plane 0, within one 32-bit half of the brick's word. */
 __constant uint ost_lane_bit[16] = {0, 1, 2, 3, 16, 17, 18, 19, 0, 1, 2, 3, 16, 17, 18, 19};
 __constant uint ost_part_x[8] = {0, 1, 0, 1, 0, 1, 0, 1};
 __constant uint ost_part_y[8] = {0, 0, 1, 1, 0, 0, 1, 1};
@@ -57,13 +57,14 @@ typedef struct ost_block_rows {
 } ost_block_rows;
 
 /*
- * The coordinates of a block for one pose: the coordinates of the block's first voxel in tool cells plus 2^30, and the
- * steps. All numbers are unsigned. AR-MAP-5 gives the ranges of their sums.
+ * The map of a block for one pose. `at` contains the coordinates of the block's first voxel in tool cells, plus 2^30.
+ * All numbers are unsigned. AR-MAP-5 gives the ranges of their sums.
  */
 typedef struct ost_view {
     /* offsets from a brick's first voxel to the 16 voxels of the brick's first slice, x fastest */
     uint16 along[3];
-    /* offsets to the middles of eight parts, in eighths[1] for a block and in eighths[0] for a cube of 8^3 voxels */
+    /* offsets from the first voxel to the middles of the eight parts: eighths[1] for a block, eighths[0] for a cube of
+     * 8^3 voxels */
     uint8 eighths[2][3];
     uint at[3], step[3][3];
     uint lowest[3]; /* offset from the first voxel of a brick to the least coordinate of the brick, on each axis */
@@ -186,7 +187,7 @@ static int ost_part_classes(const ost_view *view, __global const uchar *cells, u
 
 /* --------------------------------------------------------------- windows */
 
-/* Returns the index of the byte of the windows that contains tool voxel (x - 8, y - 8, z - 8). */
+/* Returns the index, in the windows of a class, of the byte that contains tool voxel (x - 8, y - 8, z - 8). */
 static int ost_window_index(const ost_view *view, int x, int y, int z)
 {
     return y + view->wide[1] * (z + view->wide[2] * (x >> 1)); /* < 2^30 */
@@ -311,11 +312,14 @@ static ulong ost_open_of(const ost_block_rows *rows, int x, int y, int z)
     return open;
 }
 
-/* A list of at most eight bricks whose class no cell determines, and the open voxels of these bricks. */
+/*
+ * At most eight bricks that are looked up in the windows, because no cell determines their class. `open` contains the
+ * open voxels of each brick.
+ */
 typedef struct ost_bricks {
     int count;
     int at[8][3];
-    uint u[8][3]; /* coordinates of the first voxel of each of eight bricks, plus 2^30 */
+    uint u[8][3]; /* coordinates of each brick's first voxel, plus 2^30 */
     ulong open[8];
     ost_window window[8];
 } ost_bricks;

@@ -21,8 +21,8 @@
  *     a barrier or local memory.
  *   - If an item writes an element without an atomic, no other item of the launch
  *     reads or writes this element.  All other writes are 32-bit atomics of commuting
- *     operations (add, min, max, or, and, xchg with one value), and no result depends
- *     on the old values that they return.
+ *     operations (add, min, max, or, and, xchg with one value), whose old values
+ *     do not affect any result.
  *   - Indices into buffers are 64 bits wide.  int is at least as wide as the
  *     ranges of docs/spec/arithmetic.md, section 18, require.
  *   - The build option -DOST_FOR=d selects the kernel sets: for devices that run
@@ -81,16 +81,16 @@ typedef uint64_t ost_cl_u64;
  *
  * ost_ct_claim: For every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the
  * sample's key. The sample that determines the voxel has the greatest key: the earliest sample (rules `error` and
- * `first`), the latest (`last`) or the densest (`max`). For exactly one sample of a voxel, the previous owner is 0.
- * This sample is not a duplicate if the voxel's bit of `seen` is 0; all other samples are duplicates. Which sample this
- * is may vary, but the number of duplicates does not vary.
+ * `first`), the latest (`last`) or the densest (`max`). Exactly one sample of each voxel finds the previous owner 0;
+ * which one may vary. This sample is a duplicate only if the voxel's bit of `seen` is 1. All other samples of the voxel
+ * are duplicates. The number of duplicates therefore does not vary.
  * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule `max`: several
  * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the voxel.
  * The kernel also finds the first line with the worst offset.
  * ost_ct_check: Updates `seen` and clears `owner`. With the rule `error`, a voxel that is set does not change again.
  * The kernel then also finds the lowest line whose sample differs in density from its voxel.
- * ost_ct_report_first_bad: Finds the first sample on this line whose density differs.
- * ost_ct_had: Reads the density of the voxel of this sample.
+ * ost_ct_report_first_bad: Finds the first sample whose density differs, on the line that ost_ct_check has found.
+ * ost_ct_had: Reads the density of this sample's voxel.
  *
  * The host combines the report of the batch with the reports of earlier batches. Counts are added. Of the two worst
  * offsets, the greater one is used; if they are equal and above 0, the lower line is used. Of the other line numbers,
@@ -160,15 +160,15 @@ typedef struct ost_cl_cubic {
  *   slab     short[(z1 - z0) dims.y dims.x]  slices z0 <= k < z1 of the grid without padding;
  *                                            z0 and z1 are int arguments
  *
- *   Slice k of the grid is slice layers[first + k - z0] of the slab or, if first < 0, slice k - z0.  Therefore a grid
- *   that was resampled only along z is read from the original grid, and equal slices are read only once.  If weights
- *   >= 0 (and first >= 0), slice k is the mean of slice layers[first + k - z0] and the next slice of the slab.  The
- *   weight of the next slice is layers[weights + k - z0] / 2^15.  If this weight is 0, the next slice may not exist.
+ *   Slice k of the grid has the index layers[first + k - z0] in the slab or, if first < 0, the index k - z0.  Therefore
+ *   a grid that was resampled only along z is read from the original grid, and equal slices are read only once.  If
+ *   weights >= 0 (and first >= 0), slice k is the weighted mean of the slice with this index and the next slice of the
+ *   slab.  The weight of the next slice is layers[weights + k - z0] / 2^15.  If it is 0, the next slice may not exist.
  *   The buffer `layers` has no further elements, and its slice numbers ascend.  The buffer is not used if first < 0.
  *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
- *       z1 - z0, chunk_dims.x * chunk_dims.y.  Adds to active[chunk] (uint[chunks], zeros at first) the number of the
- *       chunk's voxels in the slab that are at least the threshold.
+ *       z1 - z0, chunk_dims.x * chunk_dims.y.  Counts the chunk's voxels in the slab that are at least the threshold,
+ *       and adds the count to active[chunk] (uint[chunks], zeros at first).
  *   ost_chunk_scan_layers(...)
  *       ost_chunk_scan for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
@@ -240,9 +240,8 @@ typedef struct ost_cl_vox {
  *   steps    int[tiles * pass * height * (dims.x + 1)], marks ulong[tiles * pass * height * (dims.x / 64 + 1)]:
  *            scratch, any content
  *   classes  uchar[dims.x * dims.y * dims.z]   all classes are written; if `over` is 1, only those of the mesh's voxels
- *   counts   ulong[3 * tiles]                  for each tile, the numbers of solid voxels and of cutting voxels of all
- *                                              meshes so far, and of rows that leak; if `over` is 1, the rows that leak
- *                                              are added to those of the first mesh
+ *   counts   ulong[3 * tiles]                  for each tile, the numbers of solid voxels, of cutting voxels and of
+ *                                              rows that leak, for all meshes so far
  */
 typedef struct ost_cl_tiles {
     ost_cl_i32 dims[3];
@@ -316,7 +315,7 @@ typedef struct ost_cl_tool {
  * processes OST_ROWS rows of 16 voxels of a block.  Each row has 16 bits of occupancy and 16 densities that no other
  * item accesses.  The item adds its counts to the report of the block by atomic_add.  ost_remove_blocks is for
  * devices with few strong cores and vector instructions: an item processes an entire block and divides it until, for
- * each part, the reach of a tool voxel determines the class of the whole part.  For each entry of the block, the
+ * each part, the reach of a tool voxel determines the class of the entire part.  For each entry of the block, the
  * voxels that the tool hits or touches at the entry's pose are marked.  A voxel is hit if it is hit at one or more
  * poses, so the order of entries does not matter.  The counts of a block are at most 4096 voxels and its sums of
  * densities at most 2^12 * 2^15, so they fit 32 bits.

@@ -22,8 +22,8 @@ static long ost_centre(int i, int f)
     return ((2l * i + 1) * (1l << f)) / 2;
 }
 
-/* ost_first_centre returns the first centre that is not below m. ost_last_centre returns the last centre that is not
-   above m, which may be -1. 0 <= m <= dims 2^f. */
+/* ost_first_centre returns the index of the first centre that is not below m. ost_last_centre returns the index of the
+   last centre that is not above m, which may be -1. 0 <= m <= dims 2^f. */
 static int ost_first_centre(int m, int f)
 {
     return (int)(((uint)m + (1u << (f - 1)) - 1u) >> f);
@@ -40,10 +40,7 @@ static int ost_owns_edge(long dy, long dz)
     return dz < 0 || (dz == 0 && dy > 0);
 }
 
-/*
- * A triangle that is oriented so that its projection runs counter-clockwise, with the range of the centres in the
- * triangle's bounds.
- */
+/* A triangle that is oriented so that its projection runs counter-clockwise. */
 typedef struct ost_triangle {
     long a[3], b[3], c[3];
     /* ranges of the voxel centres within the triangle's bounds */
@@ -102,8 +99,8 @@ static int ost_triangle_load(ost_triangle *t, __global const int *vertices, __gl
 }
 
 /*
- * Returns the first centre that is not left of the triangle's crossing with row (j, k), at most dims[0]. Returns -1 if
- * the triangle does not own the row.
+ * Returns the index of the first centre that is not left of the triangle's crossing with row (j, k), at most dims[0].
+ * Returns -1 if the triangle does not own the row.
  */
 static int ost_triangle_crossing(const ost_triangle *t, int j, int k, int f)
 {

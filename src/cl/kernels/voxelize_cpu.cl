@@ -56,8 +56,8 @@ static inline long8 ost_shifted8(long8 v, int f)
 }
 
 /*
- * Returns for each lane 0 if the triangle owns its edge, and -1 otherwise. The caller adds the result to E. A point is
- * owned if and only if the sum is not negative.
+ * Returns, for each lane, 0 if the triangle owns the edge, and -1 otherwise. The caller adds the result to E. A point
+ * is owned if and only if the sum is not negative.
  */
 static inline long8 ost_edge_bias8(long8 dy, long8 dz)
 {
@@ -140,7 +140,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
                 residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    /* upper bound of q - 1 in all lanes: q is a position within the bounds along x */
+    /* upper bound of q - 1 in all lanes, because crossings lie within the bounds along x */
     const int furthest = ost_most_of8((most[0] - least[0]) & ~none);
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], row_at[8], step[8];
