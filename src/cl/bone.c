@@ -6,7 +6,7 @@
  * Slices are stored in two passes. If memory is insufficient, the operation therefore fails before it has changed
  * anything:
  *
- *   scan    counts the voxels of each chunk that the slices make active     only reads
+ *   scan    counts, for each chunk, the voxels that the slices make active  only reads
  *           slots are assigned to the chunks that need one; the pool grows if needed
  *   store   writes densities and occupancy to the slots                     changes the bone
  *           if the slices cover a layer of chunks only in part, the
@@ -190,13 +190,13 @@ static ost_status sync_slots(cl_bone *bone, ost_error *err)
 /* The slices to store in a bone. The source is either voxels on the host or a grid that is already on the device. */
 typedef struct slices {
     int32_t z0, z1;
-    /* voxels of slice z0 on the host; NULL if the source is a grid on the device (`slab` then begins with slice 0) */
+    /* voxels on the host, beginning with slice z0; NULL if `slab` is the store of a grid, which begins with slice 0 */
     const int16_t *voxels;
     cl_mem slab;           /* the slices to convert: a buffer of `step` slices, or the store of a grid */
-    /* slice k is slice layers[first + k - z0] of the slab or, if `first` is negative, slice k - z0 */
+    /* slice k has the index layers[first + k - z0] in the slab or, if `first` is negative, the index k - z0 */
     cl_mem layers;
-    /* If weights >= 0, slice k is the mean of slice layers[first + k - z0] and the next slice of the slab, and
-       layers[weights + k - z0] is the weight of the next slice. */
+    /* If weights >= 0, slice k is the weighted mean of the slice with this index and the next slice of the slab. The
+       weight of the next slice is layers[weights + k - z0]. */
     int32_t first, weights;
     int32_t step;
 } slices;
@@ -287,10 +287,7 @@ static ost_status count_slots(cl_bone *bone, uint32_t *count, ost_error *err)
     return status;
 }
 
-/*
- * Runs the first pass. For each chunk c, sets scanned[c] to the number of voxels of the chunk that the slices make
- * active.
- */
+/* Runs the first pass. Sets scanned[c] to the number of voxels in chunk c that the slices make active. */
 static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, ost_error *err)
 {
     cl_backend *b = backend_of(bone);
@@ -306,8 +303,8 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
 }
 
 /*
- * Assigns slots to the chunks that will have active voxels. Until the function store_slices ends, chunks without active
- * voxels may have slots too.
+ * Assigns slots to the chunks that will have active voxels. Chunks without active voxels may also have slots until
+ * store_slices ends.
  */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {

@@ -24,8 +24,8 @@ _Static_assert(sizeof(entry_head) == 80, "no padding");
 
 static const char magic[8] = {'O', 'S', 'T', 'C', 'L', 'B', '0', '1'};
 
-/* Maximum size of an entry in bytes. Programs are smaller. Without this limit, a damaged length could cause a huge
-   allocation. */
+/* Maximum size of an entry in bytes, far more than any program has. Without this limit, a damaged length could cause a
+   huge allocation. */
 enum { ENTRY_MAX = 1 << 28 };
 
 /* Finds the folder of the cache. Relative folders in environment variables are ignored, as the XDG base directory
@@ -92,8 +92,8 @@ static bool believable(const ost_cl_cache *cache, const entry_head *head, const 
 }
 
 /*
- * The number of zero bytes after the binary in memory. PoCL 3.1 reads a complete header before it checks the length of
- * the binary, and reads these bytes if the binary is shorter.
+ * Number of zero bytes that follow the binary in memory. PoCL 3.1 reads a complete header before it checks the binary's
+ * length. If the binary is shorter than a header, PoCL also reads these bytes.
  */
 enum { SLACK = 256 };
 

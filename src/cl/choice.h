@@ -8,7 +8,7 @@
  * The value of the `platform` or `device` option is a part of the name, regardless of case, or a
  * number: the index of the platform in the loader's order, or of the device within its platform.
  * Without these two options, the first device that passes all checks is used.
- * The other options affect the speed, but no result.
+ * The other options affect the speed, but not the results.
  */
 #ifndef OST_CL_CHOICE_H
 #define OST_CL_CHOICE_H

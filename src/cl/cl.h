@@ -161,7 +161,7 @@ ost_status ost_cl_layout_check(cl_backend *backend, ost_error *err);
 /* Checks the device. Returns OST_ERR_UNAVAILABLE, with a message that names the device and the error, if the device's
    integer operations differ from the host's or if the device ends loops too early. Sets backend->turns. */
 ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
-/* Describes the floating-point arithmetic of the device in one line. No result depends on this line. */
+/* Describes the floating-point arithmetic of the device in one line, for information only. */
 void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
 /* -------------------------------------------------------------- launch.c */

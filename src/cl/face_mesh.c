@@ -196,8 +196,7 @@ static void pack(const ost_face_cluster *cluster, uint32_t words[CLUSTER])
     }
 }
 
-/* Executes the steps up to the list of active voxels. Sets sums[] to the numbers of active voxels and of faces of each
-   chunk. */
+/* Finds the active voxels of a batch. Sets sums[] to the numbers of active voxels and of faces of each chunk. */
 static ost_status find_active(cl_backend *b, const ost_face_cluster *clusters, size_t chunks, ost_face_mesh *mesh,
                               uint32_t sums[2 * BATCH], int64_t *begin, ost_error *err)
 {

@@ -5,9 +5,9 @@
  *   integers  products, carries, shifts, quotients, bits and atomics, for all pairs
  *             of edge values and for random values: if a word differs from the
  *             host's, the device is refused
- *   turns     how many iterations a loop may have: if the device ends long loops,
- *             it gets the kernel set for GPUs; if the loops of that set are too long
- *             for the device, it is refused
+ *   turns     the number of iterations that a loop may have; a device that ends
+ *             long loops gets the kernel set for GPUs; a device that ends even the
+ *             loops of that set is refused
  *   floats    for information only: whether sums are fused, whether denormals are
  *             flushed, and so on
  */

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The expected results of kernels/fingerprint.cl, word by word. The host computes them by different methods than the
- * kernel: with 128-bit products, with 32-bit digits, or bit by bit. The indices of the words are the same as in the
- * kernel.
+ * The expected results of kernels/fingerprint.cl, word by word. The host's methods differ from the kernel's: the host
+ * uses 128-bit products, 32-bit digits, or single bits. The words have the same indices as in the kernel.
  */
 #ifndef OST_CL_FINGERPRINT_EXPECT_H
 #define OST_CL_FINGERPRINT_EXPECT_H

@@ -75,8 +75,8 @@ static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t 
 }
 
 /*
- * Sets a part of a buffer to zero. Uses the widest pattern of OpenCL, because drivers fill one pattern after the other,
- * and fills the unaligned ends of the part byte by byte.
+ * Sets a part of a buffer to zero. Uses the widest pattern of OpenCL, because drivers fill one pattern after the other.
+ * The unaligned ends of the part are filled byte by byte.
  */
 ost_status ost_cl_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, ost_error *err)
 {

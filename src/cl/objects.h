@@ -110,7 +110,7 @@ ost_status ost_cl_bone_download(const ost_bone *bone, int32_t z0, int32_t count,
 ost_status ost_cl_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                  ost_error *err);
 ost_status ost_cl_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
-/* Returns the slot of a chunk to the pool. active[chunk] must be 0, and the slot must contain only zeros. */
+/* Puts the slot of a chunk back into the pool. active[chunk] must be 0, and the slot must contain only zeros. */
 void ost_cl_bone_release(cl_bone *bone, size_t chunk);
 
 /* sample.c */
@@ -132,9 +132,9 @@ void ost_cl_tool_free(ost_tool *tool);
 /* Launches the kernels that compute the cells and windows of the tool, unless the tool already has them. */
 ost_status ost_cl_tool_prepare(cl_tool *tool, ost_error *err);
 /*
- * Must be called after the host has waited for the queue. `done` is true if the launched work has succeeded;
- * tool->made then becomes true. If both `done` and tool->made are false, the function releases the cells and windows,
- * because they may be incomplete.
+ * Ends the work that ost_cl_tool_prepare has launched. Must be called after the host has waited for the queue. If
+ * `done` is true, the work has succeeded, and tool->made becomes true. If `done` and tool->made are both false, the
+ * cells and windows may be incomplete and are released.
  */
 void ost_cl_tool_finish(cl_tool *tool, bool done);
 

@@ -27,8 +27,8 @@ static ost_status download(const cl_bone *bone, ost_chunk_grid *grid, ost_error 
     return status;
 }
 
-/* Removes the voxels that events have removed since the last update. If this fails, the list still contains the
-   chunks that were not updated. */
+/* Removes those voxels from the mirror that events have removed since the last update. If this fails, the list still
+   contains the chunks that were not updated. */
 static ost_status update(cl_bone *bone, ost_error *err)
 {
     cl_mirror *m = bone->mirror;

@@ -3,7 +3,7 @@
  * Voxelization (AR-VOX) on devices that are CPUs, by tiles. A tile consists of several
  * rows along y in several slices.
  *
- *   host    lists for each tile the triangles whose bounds overlap it (a counting sort)
+ *   host    finds, for each tile, the triangles whose bounds overlap it (a counting sort)
  *   queue   ost_vox_tiles for the noncutting mesh, then for the cutting mesh
  *   host    waits once, for the counts of the tiles
  *
@@ -42,11 +42,11 @@ typedef struct mesh_bins {
     uint32_t *number;
     centres *range;   /* for each triangle in `number`, the ranges of centres in its bounds */
     centres *vertex;
-    uint32_t *start;  /* for each list, the index in `list` at which it starts; lists + 1 elements */
+    uint32_t *start;  /* for each list, the index of its first entry in `list`; lists + 1 elements */
     uint32_t *list;
 } mesh_bins;
 
-/* Returns the number of tiles of 2^shift rows or slices along an axis of n rows or slices. */
+/* Returns the number of tiles along an axis with n rows or slices, if a tile has 2^shift of them. */
 static int32_t tiles_of(int32_t n, int shift)
 {
     return ((n - 1) >> shift) + 1;
@@ -101,8 +101,8 @@ static ost_status bins_start(mesh_bins *bins, int f, ost_error *err)
 }
 
 /*
- * Counts the entries of all lists. Returns false if the number of entries exceeds LISTED per triangle plus 2^20. If the
- * option staging= sets a limit below 2^20, this limit is used instead of 2^20.
+ * Counts the entries of all lists. Returns false if there are more than LISTED entries per triangle plus a constant.
+ * The constant is 2^20 or, if it is lower, the value of the option staging=.
  */
 static bool count_entries(const cl_backend *b, mesh_bins *bins, const tile_size *size)
 {
