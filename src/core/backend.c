@@ -410,7 +410,7 @@ static ost_status check_event(const ost_bone *bone, const ost_tool *tool, const 
     if (d.x > OST_TOOL_DIM_REMOVE_MAX || d.y > OST_TOOL_DIM_REMOVE_MAX || d.z > OST_TOOL_DIM_REMOVE_MAX)
         return ost_fail(err, OST_ERR_RANGE, "a tool of %d x %d x %d voxels; removal takes at most %d along an axis",
                         (int)d.x, (int)d.y, (int)d.z, OST_TOOL_DIM_REMOVE_MAX);
-    /* The borders must be ascending, because a backend may search them from either end for the class of a voxel. */
+    /* The borders must be ascending, because a backend may search the list for a voxel's class from either end. */
     return ost_density_classes_check(event->classes, err);
 }
 

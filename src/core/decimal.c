@@ -4,10 +4,9 @@
  *
  *   "-57.3400e1"  ->  mantissa -573400, tail 0, exponent -3, places 3
  *
- * The first 18 significant digits form the mantissa, and the next 18 digits the tail, in units of
- * 10^-18 of the mantissa's last digit; a tail that consists of the single digit 5 has the value 5 *
- * 10^17.  Any later digit that is not 0 sets `more`.  Leading zeros are not significant; trailing
- * zeros after the point are counted in `places`.
+ * The first 18 significant digits form the mantissa. The next 18 digits form the tail, whose unit is 10^-18 of the
+ * mantissa's last digit. A tail that consists of the single digit 5 has the value 5 * 10^17.  Any later digit that is
+ * not 0 sets `more`.  Leading zeros are not significant; trailing zeros after the point are counted in `places`.
  *
  * Scaling divides once, exactly, in 128 bits.  With e = -exponent >= 0:
  *

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the exact quotients of many numbers and one divisor with a single division, which
- * computes a reciprocal. Each quotient is estimated by a multiplication with the reciprocal. The
- * remainder shows whether the estimate must be corrected, by at most one.
+ * Divides many numbers exactly by the same divisor. The only division computes the divisor's reciprocal. Each quotient
+ * is estimated by a multiplication with the reciprocal. The remainder shows whether the estimate must be corrected, by
+ * at most one.
  *
  * Let D be the divisor. Let s be the integer for which d = floor(D / 2^s) is in [2^61, 2^62); for s < 0, d = D 2^-s.
  * Let I = floor(2^124 / (d + 1)), which is in [2^62, 2^63). Then

@@ -6,9 +6,9 @@
  *       --prefix sum, compact--> active voxels, first quad of each voxel --quads--> four vertices per face
  *       --copy--> mesh
  *
- * A face is visible if the neighbour at this face is not active. In the lists of the stages, an active voxel is a voxel
- * with at least one visible face. If a neighbouring chunk does not exist, the shared empty chunk, which has no active
- * voxels, is used instead.
+ * A face is visible if the neighbour at this face is not active. In the lists of the stages, "active voxel" means a
+ * voxel with at least one visible face. If a neighbouring chunk does not exist, the shared empty chunk, which has no
+ * active voxels, is used instead.
  *
  * The quads of a chunk are in ascending order of the voxel number x + 32 (y + 32 z), and the quads of a voxel are in
  * the order of ost_face. A vertex is one word:
@@ -85,9 +85,9 @@ ost_status ost_backend_face_mesh(ost_backend *backend, const ost_face_cluster *c
                                  ost_face_mesh *mesh, ost_error *err);
 
 /*
- * Returns the word for corner i of a face, relative to the voxel: the sum of this word and ost_face_voxel is the
- * vertex. On a face in the positive direction of its axis, the corners are (0, 0), (1, 0), (1, 1), (0, 1) along the
- * face's two axes; on a face in the negative direction, their order is reversed.
+ * Returns the word for corner i of a face, relative to the voxel. The vertex is the sum of this word and
+ * ost_face_voxel. On a face in the positive direction of its axis, the corners are (0, 0), (1, 0), (1, 1), (0, 1) along
+ * the face's two axes; on a face in the negative direction, their order is reversed.
  */
 static inline uint32_t ost_face_corner(unsigned face, unsigned i)
 {

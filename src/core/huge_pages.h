@@ -10,8 +10,8 @@
 
 /*
  * Requests huge pages for the memory of a large block, before it is first written. A page fault then provides 2 MB
- * instead of 4 kB. Only pages that lie entirely in the block are affected; `memory` may be NULL. The request affects
- * only the speed, so errors are ignored. May be called on any thread.
+ * instead of 4 kB. Only pages that lie entirely in the block are affected. The request affects only the speed, so
+ * errors are ignored. May be called on any thread. `memory` may be NULL.
  */
 void ost_request_huge_pages(void *memory, size_t bytes);
 

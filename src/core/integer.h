@@ -32,8 +32,8 @@ static inline ost_i128 ost_floor_div128(ost_i128 n, ost_i128 d)
 }
 
 /*
- * Returns RHE(n / d). With r = n - floor * d, 0 <= r < d, the floor is rounded up if r > d - r, or if
- * r = d - r and the floor is odd. r is compared with d - r because 2 r could overflow.
+ * Returns RHE(n / d). Let q = floor(n / d) and r = n - q d, so that 0 <= r < d. The result is q + 1 if r > d - r, or if
+ * r = d - r and q is odd; otherwise, it is q. r is compared with d - r because 2 r could overflow.
  */
 static inline int64_t ost_rhe_div(int64_t n, int64_t d)
 {

@@ -40,7 +40,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true if a component fits int32. The components of valid poses, which are at most 1.001 * 2^30, fit. */
+/* Returns true if a component fits int32. Every component of a valid pose fits, because it is at most 1.001 * 2^30. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Converts rows of voxels into bricks, two bricks at a time.  Eight voxels of a row are
- * two words of four voxels each.  The first words of two rows are an eighth of one
- * brick, and the second words are an eighth of the other brick.
+ * Converts rows of voxels into bricks, two bricks at a time.  A row contains four voxels of one
+ * brick and the next four voxels of the other.  Two rows therefore contain an eighth
+ * of each brick.
  *
- * `stream` is ignored, because the intrinsics have no stores that bypass the
- * caches. Therefore the kernel `drain` needs no NEON variant.
+ * The parameter `stream` is ignored, because the intrinsics have no stores that bypass the caches. Therefore the kernel
+ * `drain` needs no NEON variant.
  */
 #include "core/conditions.h"
 #include "core/neon.h"

@@ -2,8 +2,8 @@
 /*
  * The kernels of removal for NEON. The steps are the same as on x86, except for these differences:
  *
- *   split   the eight parts of a cube are in two registers; a table of moves packs the registers
- *   match   the high bytes of coordinates in 16-bit lanes are used; the 64 bytes of a
+ *   split   the eight parts of a cube are in two registers, which are packed by byte moves from a table
+ *   match   coordinates are the high bytes of 16-bit lanes; the 64 bytes of a
  *           window are one table for the instruction TBL
  *   take    a register contains eight densities; masks are vectors
  */
@@ -40,7 +40,7 @@ static inline void pack(int32_t *to, int32x4_t v, uint8x16_t moves)
 void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                     ost_cubes *mixed, ost_numbers *inside)
 {
-    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
+    /* Cell values are within +-64, so the limit of 127, the maximum of int8, changes no result. */
     const int least = split->least < 127 ? split->least : 127;
     const int8x8_t high = vdup_n_s8((int8_t)least), low = vdup_n_s8((int8_t)-least);
     const int8_t *const table = cells->value;
@@ -87,9 +87,8 @@ void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cu
 enum { LOW = OST_MAP_FRACTION - OST_TIE_BITS, PIECE = 128, SIXTEENS = 4 };
 
 /*
- * For each of the at most PIECE bricks that are processed together, its position in its window. c is the least
- * coordinate of a brick, relative to the first voxel of the brick's window. `tied` lists the bricks that are ties
- * (remove.h, "Sixteen bits per lane").
+ * The positions of at most PIECE bricks in their windows. c is the least coordinate of a brick, relative to the first
+ * voxel of its window. `tied` lists the bricks that are ties (remove.h, "Sixteen bits per lane").
  */
 typedef struct places {
     uint16_t high[3][PIECE]; /* c >> 7 */
@@ -108,8 +107,8 @@ static inline int32x4_t windows_of(int32x4_t voxel, int32_t step)
     return vreinterpretq_s32_u32(vshrq_n_u32(vmulq_n_u32(vreinterpretq_u32_s32(voxel), inverse), 16));
 }
 
-/* Computes the positions of the bricks `from` to from + 3. If the list has fewer bricks, the values of the remaining
-   lanes are not used. */
+/* Computes the positions of four bricks, beginning with brick number `from`. If the list has fewer bricks, the values
+   of the remaining lanes are not used. */
 static inline void place_four(const ost_match *match, const ost_cubes *bricks, size_t from, places *out, size_t to)
 {
     const ost_windows *w = &match->shape->windows;
@@ -165,7 +164,7 @@ static inline uint8x16_t coordinate(const uint16_t *offsets, uint16x8_t c)
     return high_bytes(vaddq_u16(vld1q_u16(offsets), c), vaddq_u16(vld1q_u16(offsets + 8), c));
 }
 
-/* Computes the same coordinates as `coordinate`, but exactly: the carries of the low bits are included. */
+/* Computes the same coordinates as the function `coordinate`, but exactly: the carries of the low bits are included. */
 static inline uint8x16_t coordinate_tied(const uint16_t *offsets, uint16x8_t c, const uint16_t *low_offsets,
                                          uint16x8_t low)
 {
