@@ -47,10 +47,10 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
                                int16_t *to);
 
 /*
- * Computes the sums of a row along x:
+ * Computes weighted sums of neighbours in a row:
  *   to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for 0 <= i < width (1 to 64).
- * `minus` contains the weights negated, so that the full range, -2^15 to 0, fits 16 bits. The two
- * weights of a pair sum to -2^15. The elements of `at` are >= 0 and ascending; neighbours may be equal. Every element
+ * `minus` contains pairs of negated weights; each pair sums to -2^15. The weights are negated, because the
+ * range -2^15 to 0 fits 16 bits. The elements of `at` are >= 0 and ascending; neighbours may be equal. Every element
  * of `from` with an index from at[0] to at[width - 1] + 1 may be read. Let n be width rounded up to a multiple of 16.
  * `at` and `to` have a capacity of n elements, and `minus` has a capacity of n pairs. The elements beyond width may be
  * read, and those of `to` may be overwritten.
@@ -106,11 +106,11 @@ typedef void ost_drain_fn(void);
 /* --------------------------------------------------- removal (cpu/remove/remove.h) */
 
 /*
- * Selects the blocks with from <= block < to whose base (ost_block_base) is in the range `reach`.
- * The range of blocks must not be empty. It must lie within the range for which `bases` was computed,
- * and within first <= block < first + 2. Overwrites *blocks with the selected blocks in ascending
- * order of their numbers, and sets blocks->count. In *blocks, the `u` of block first + (x, y, z) is the
- * block's base, and its `number` is x + 2y + 4z. Up to eight elements may be written.
+ * Selects the blocks with from <= block < to whose base (ost_block_base) is within *reach. On each axis,
+ * first <= from < to <= first + 2, and the blocks must be among those for which `bases` was computed.
+ * Overwrites *blocks with the selected blocks in ascending order of their numbers, and sets blocks->count.
+ * In *blocks, the `u` of block first + (x, y, z) is the block's base, and its `number` is x + 2y + 4z.
+ * Up to eight elements may be written.
  */
 typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *reach, const int32_t first[3],
                            const int32_t from[3], const int32_t to[3], ost_cubes *blocks);
@@ -141,7 +141,7 @@ typedef void ost_match_tables_fn(ost_match *match);
 /*
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
  * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows or match->wide is
- * set, the `split` kernel must have classified every brick as mixed with the cells of match->shape (remove.h, "Match").
+ * set, the `split` kernel must have used the cells of match->shape and found every brick mixed (remove.h, "Match").
  * u + offset of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are
  * bricks, and these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and
  * can have any value.
@@ -150,9 +150,10 @@ typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint6
 
 /*
  * Processes the bricks at density + 64 * number[i] for each i < count. Adds the voxels whose bits are set in hits[i] to
- * the tally and, if take->apply is true, sets them to 0. No hits[i] is 0. The array `density` is 64-byte aligned. The
- * densities of voxels that are hit are 1..take->highest; other densities can have any value. The numbers are distinct.
- * Only voxels that are hit change, and only the elements 0 to take->borders of the tally change.
+ * the tally and, if take->apply is true, sets them to 0. Every hits[i] has at least one bit set. The numbers are
+ * distinct. The array `density` is 64-byte aligned. The densities of voxels that are hit are 1..take->highest; other
+ * densities can have any value. The kernel changes only the voxels that are hit and the tally's elements 0 to
+ * take->borders.
  */
 typedef void ost_take_fn(const ost_take *take, int16_t *density, const int32_t *number, const uint64_t *hits,
                          size_t count, ost_tally *tally);
@@ -165,8 +166,8 @@ typedef struct ost_vox_plan ost_vox_plan;
 /*
  * Marks the crossings of count triangles with the rows of a tile in the tile's planes and spill. `list` contains the
  * triangles' numbers; if `list` is NULL, the numbers are 0 to count - 1. A triangle that is listed several times is
- * counted that many times. Planes and spill may contain earlier crossings. If several crossings of the same sign have
- * the same centre, any of them may be the one that sets the bit in the plane, because they are equivalent.
+ * counted that many times. Planes and spill may contain earlier crossings. Crossings of the same sign at the same
+ * centre are equivalent: any one of them may set the bit in the plane.
  */
 typedef void ost_vox_mark_fn(ost_vox_tile *tile, const uint32_t *list, size_t count);
 
@@ -180,7 +181,7 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
                              uint32_t *keys);
 
 /*
- * Fills the proven rows of a tile and returns the number of bits that it has set in them.  In a
+ * Fills the proven rows of a tile and returns the number of bits that are set in these rows.  In a
  * proven row, crossings that enter the mesh and crossings that leave the mesh alternate, and the
  * first and the last crossing are of opposite sign (fill.c).
  *
@@ -188,16 +189,16 @@ typedef void ost_vox_keys_fn(const ost_vox_plan *plan, const ost_snapped_mesh *m
  * the tile. The array `bits` is 64-byte aligned and is written in complete blocks. Planes have no bits after a row's
  * last voxel.
  *
- * For the other rows, sets OST_VOX_UNPROVEN and the tile's `any_unproven`; the bits of these rows
- * are undefined.  All rows of a block may be marked unproven if one of them is unproven, or if the
- * first crossing enters the mesh in some of them and leaves it in others.  The other flags of
- * row_state do not change.  If any_unproven was set before the call (spilled crossings set it too),
- * the planes do not change.  Otherwise the planes of the proven rows are cleared.
+ * All other rows are unproven: the kernel sets their flag OST_VOX_UNPROVEN and the tile's `any_unproven`,
+ * and their bits are undefined.  A kernel may mark all rows of a block unproven in two cases: one of the
+ * rows is unproven, or the first crossing enters the mesh in some rows and leaves it in others.  The other
+ * flags of row_state do not change.  If any_unproven was set before the call (spilled crossings set it
+ * too), the planes do not change.  Otherwise the planes of the proven rows are cleared.
  */
 typedef uint64_t ost_vox_fill_fn(ost_vox_tile *tile, size_t first_row, size_t rows, uint64_t *bits);
 
 /*
- * Expands the bits of `rows` rows to rows * nx classes, one byte each. A row of the inputs has `words` =
+ * Expands the bits of rows of nx voxels to classes, one byte per voxel. A row of the inputs has `words` =
  * ost_vox_words(nx) words. No voxel is set in both inputs; bits after a row's last voxel can have any value. The array
  * `noncutting` may be NULL. Reads rows * words words of each input and writes rows * nx bytes, at any alignment. If
  * `stream` is true, stores bypass the caches where the dimensions allow it; the function orders these stores before it

@@ -97,13 +97,12 @@ static void draw_order(ost_cpu_sharing *sharing, ost_team *team)
 }
 
 /*
- * Waits for a time that depends on the seed, and returns the block of this turn. The calling member yields its core,
- * continues immediately, or waits until all members have begun as many blocks as this member. This wait makes all
- * members run at the same time.
+ * Depending on the seed, the calling member yields its core, continues immediately, or waits until all members have
+ * begun as many blocks as this member. The wait makes all members run at the same time.
  */
 int64_t ost_team_block(ost_team *team, const ost_member *me, int64_t turn)
 {
-    enum { TRIES = 20000 }; /* maximum number of polls; this number of polls takes tens of microseconds */
+    enum { TRIES = 20000 }; /* maximum number of polls, which take tens of microseconds in total */
     const int64_t blocks = (team->count + team->block - 1) / team->block, round = turn / me->stride;
     const uint64_t drawn = mixed(team->order + (uint64_t)turn);
     const int64_t all = (round + 1) * me->stride;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thresholds for the size of work.  If the size of work is at least a threshold, the CPU backend
- * divides the work among threads, uses stores that bypass the caches, or splits the work into parts.
- * Each of these choices is a code path with a counter.
+ * Thresholds for the size of work.  For large work, the CPU backend enters code paths that divide the
+ * work among threads, use stores that bypass the caches, or split the work into parts.  Each path has
+ * a threshold and a counter.
  *
  *   path, size of the work --ost_cpu_enters--> true and counted if size >= the path's threshold
  *
@@ -20,9 +20,9 @@
  * threads in turn, one at a time, so that each thread of a team processes items even if it starts
  * late.
  *
- * With the option order=N, the seed N determines the order in which blocks are assigned, and the
- * points at which members pause between blocks.  This option is used to find data races: a race that
- * does not show in one schedule may show in another.  The option does not change any result.
+ * With the option order=N, the seed N determines the order in which blocks are assigned, and between
+ * which blocks a thread pauses.  This option is used to find data races: a race that does not show in
+ * one schedule may show in another.  The option does not change any result.
  *
  * ost_backend_paths (core/paths.h) reports the counters.
  */
@@ -65,10 +65,7 @@ typedef struct ost_cpu_sharing {
     bool dealt;
     /* value of the `order` option, the seed of the random order; 0 if the option was not given */
     uint64_t order;
-    /*
-     * number of teams that have been started, counted only if the option `order` is given; the order of a team's blocks
-     * depends on this number
-     */
+    /* number of teams started with the option `order`; each team's random order depends on this number */
     uint64_t teams;
     /* number of times each path was entered; ost_team_end counts the paths that divide work */
     uint64_t entered[OST_CPU_PATHS];
@@ -95,7 +92,7 @@ typedef struct ost_team {
     ost_cpu_path path;
     /* true if block b is processed by member b mod members; false if it is processed by the next free member */
     bool dealt;
-    /* number of items in total, and per block */
+    /* number of all items, and number of items per block */
     int64_t count, block;
     /* the next block if `dealt` is false; with a random order, the number of blocks that members have begun */
     _Atomic int64_t next;

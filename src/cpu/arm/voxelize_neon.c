@@ -2,8 +2,8 @@
 /*
  * The kernels of the voxelizer for NEON. They process two triangles or sixteen classes at once.
  *
- * vox_fill has no NEON variant, because it is a subtraction with borrows. NEON has no instruction
- * for subtraction with borrow, and the scalar loop subtracts 64 voxels at once.
+ * vox_fill has no NEON variant. It subtracts with borrow, for which NEON has no instruction, and the
+ * scalar loop already subtracts 64 voxels at once.
  */
 #include "core/neon.h"
 #include "cpu/kernels.h"
@@ -43,8 +43,8 @@ typedef int32x2_t vi;
 #define vi_from_vd(a) vmovn_s64(vcvtq_s64_f64(a))
 #define vd_from_vi(a) vcvtq_f64_s64(vmovl_s32(a))
 
-/* Loads one corner of each triangle. Loads exactly twelve bytes per vertex, because nothing may be read after the last
-   vertex. */
+/* Loads one corner of each triangle. Reads only the twelve bytes of each vertex, because memory after the last vertex
+   may not be readable. */
 static inline void vi_vertices(const ost_snapped_mesh *mesh, const uint32_t *const *v, int corner, vi *xyz)
 {
     const int32_t *p = mesh->vertices[v[0][corner]], *q = mesh->vertices[v[1][corner]];
@@ -99,7 +99,7 @@ static inline vi greatest(vi a, vi b, vi c)
 static inline vi keys_lanes(const ost_vox_plan *plan, vi ay, vi by, vi cy, vi az, vi bz, vi cz)
 {
     const vi h = vdup_n_s32(1 << (plan->f - 1)), h1 = vdup_n_s32((1 << (plan->f - 1)) - 1);
-    /* The counts are negated, because NEON shifts to the right by negative counts. */
+    /* The shift counts are negative, because NEON has no other shift to the right by a variable count. */
     const vi f = vdup_n_s32(-plan->f), sy = vdup_n_s32(-plan->shift_y), sz = vdup_n_s32(-plan->shift_z);
     const vi j0 = vshl_s32(vadd_s32(least(ay, by, cy), h1), f), k0 = vshl_s32(vadd_s32(least(az, bz, cz), h1), f);
     const vi j1 = vshl_s32(vsub_s32(greatest(ay, by, cy), h), f), k1 = vshl_s32(vsub_s32(greatest(az, bz, cz), h), f);

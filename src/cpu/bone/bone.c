@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Uploads and downloads slices of a bone whose voxels are stored as bricks. A layer of
- * bricks is four slices high. The uploaded slices (a slab) may contain only a part of a
- * layer. Therefore all rows of the layer are assembled first; rows outside the grid are
- * zero, and rows outside the slab come from the bone. One kernel then converts sixteen
- * rows into a row of bricks:
+ * bricks is four slices high, but the uploaded slices (a slab) may contain only some of
+ * these four. Rows of the layer that are not in the slab are therefore read from the bone,
+ * or are zero if they lie outside the grid. One kernel then converts sixteen rows into a
+ * row of bricks:
  *
  *     rows (y, z), y and z in 0..3          bricks of the row
  *     ----- ----- ----- -----               [ 0 ][ 1 ][ 2 ] ...
@@ -310,8 +310,8 @@ ost_status ost_cpu_bone_download(const ost_bone *base, int32_t z0, int32_t count
 
 /*
  * Reads the 32^3 voxels of a leaf. Voxels outside the grid are zero. Returns false and leaves `voxels` unchanged if no
- * chunk in the leaf has memory. For chunks of n <= 32 voxels per side, a leaf consists of (32/n)^3 complete chunks; for
- * n = 64, a leaf is an eighth of a chunk. In both cases the leaf is read in parts of min(n, 32) voxels per side.
+ * chunk in the leaf has memory. The leaf is read in parts: complete chunks of 16 or 32 voxels per side, or an eighth of
+ * a chunk of 64 voxels per side.
  */
 static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 {
@@ -346,9 +346,10 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
  * 4 (y + 4 z) to 4 (y + 4 z) + 3 are row (y, z). These four bits become the bits 4b to 4b + 3 of row (y, z).
  * Neighbouring nibbles are merged to bytes, bytes to 16-bit halves, and halves to words of 32 bits:
  *
- *   pair[p][odd]     byte k: rows 2k + odd of bricks 2p, 2p + 1
- *   four[p][odd][l]  half k: rows 4k + 2l + odd of bricks 4p ...
- *   low, high        word k: rows 8k + 4h + 2l + odd of all
+ *   byte k of pair[p][odd]       row 2k + odd of the bricks 2p and 2p + 1
+ *   half k of four[p][odd][l]    row 4k + 2l + odd of the bricks 4p to 4p + 3
+ *   word k of low                row 8k + 2l + odd of all bricks
+ *   word k of high               row 8k + 4 + 2l + odd of all bricks
  */
 static void rows_of_bricks(const uint64_t brick[8], uint32_t row[16])
 {

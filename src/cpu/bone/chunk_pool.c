@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A pool of memory blocks (chunk_pool.h). The number of blocks on the stack is an atomic variable. ost_chunk_pool_take
- * decrements the number, and ost_chunk_pool_give increments it. Each change of the number yields the index of one stack
- * element, and only the thread that made the change accesses this element. Because calls of ost_chunk_pool_take and
+ * A pool of memory blocks (chunk_pool.h). The stack contains the blocks that are not in use, and their number is an
+ * atomic variable. ost_chunk_pool_take decrements this number, and ost_chunk_pool_give increments it. Each call thus
+ * gets the index of a stack element that no other thread accesses. Because calls of ost_chunk_pool_take and
  * ost_chunk_pool_give do not overlap, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
@@ -30,7 +30,7 @@ struct ost_chunk_pool {
     extent extents[EXTENTS_MAX];
     int extent_count;
     int64_t total;
-    /* number of blocks that have never been taken; they are the lowest elements of the stack */
+    /* number of blocks that have never been taken, which are stack[0] to stack[fresh - 1] */
     atomic_llong fresh;
     int64_t trimmed;    /* value of `fresh` at the last call of ost_chunk_pool_trim */
     void **stack;       /* owned array with `total` elements */
@@ -153,8 +153,8 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
     if (fresh == 0)
         return;
     /*
-     * The first block that was never taken begins where the last used block ends. The system may have allocated memory
-     * for the rest of the huge page that contains this position; this memory is released.
+     * The last used block ends where the block stack[fresh - 1] begins. The system may have allocated a huge page that
+     * contains this position. The memory of this huge page after the last used block is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

@@ -9,8 +9,8 @@
  * Blocks are reserved for all chunks of a grid, because every chunk may become active.  Reserved
  * blocks use address space but no memory: the system allocates pages when a block is first written,
  * and uses huge pages if it supports them.  ost_chunk_pool_trim releases the part of a huge page
- * after the last used block.  Returned blocks are reused first, so that a second bone on the same
- * backend causes no page faults.
+ * after the last used block.  Returned blocks are taken before fresh blocks (those that were never
+ * taken), so that a second bone on the same backend causes no page faults.
  *
  * Threads: several threads may call ost_chunk_pool_take at the same time, and several threads may call
  * ost_chunk_pool_give at the same time.  Calls of ost_chunk_pool_take must not overlap calls of ost_chunk_pool_give.
@@ -46,7 +46,7 @@ size_t ost_chunk_pool_overhead(const ost_chunk_pool *pool);
  * Returns NULL if no reserved block is available.
  */
 void *ost_chunk_pool_take(ost_chunk_pool *pool);
-/* Returns a block that ost_chunk_pool_take returned. */
+/* Puts a block from ost_chunk_pool_take back into the pool. */
 void ost_chunk_pool_give(ost_chunk_pool *pool, void *block);
 /*
  * Releases pages that no block uses: the pages after the last used block, or all pages if no block is in

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the densities of single voxels. A tick calls these functions, so they neither allocate memory nor block. */
+/* Reads the densities of single voxels. The functions are called in each tick, so they neither allocate memory nor
+   block. */
 #include "core/conditions.h"
 #include "cpu/bone/bone.h"
 #include "cpu/cpu.h"
@@ -17,8 +18,8 @@ void ost_sample_scalar(const cpu_bone *bone, size_t count, const int32_t *const 
         const cpu_chunk *chunk = &bone->chunks[(x >> shift) + bone->chunk_dims.x * row];
         if (!chunk->occupancy)
             continue;
-        /* The occupancy bit is tested before the density is read, because a cache line contains 16 times as many
-           occupancy bits as densities. */
+        /* The occupancy bit is read first, because it is more likely to be in the cache: a cache line contains 16 times
+           as many occupancy bits as densities. */
         x &= n - 1;
         y &= n - 1;
         z &= n - 1;

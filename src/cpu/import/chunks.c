@@ -61,23 +61,20 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of the layer's slices that lie in the grid */
     size_t row[2 * N_MAX]; /* the source rows of the task's rows, in ascending order, without duplicates */
-    /*
-     * `rows` is the number of elements of row[]. For group g of four y coordinates, first[g] is the index in row[] of
-     * the first source row that is not also used for a smaller y.
-     */
+    /* `rows` is the number of elements of row[]. first[g] is the number of those that y[0] to y[4 g - 1] use. */
     int rows, first[N_MAX / 4];
     size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
     int sources;
     size_t next_source; /* the slice that is prefetched while the last slice in source[] is read */
     /*
-     * For group g of four y coordinates, box[g] lists the source rows in all source slices of the layer, as offsets
-     * from view.voxels, and boxes[g] is their number. Both are set only if the view has weights.
+     * box[g] contains the source rows from which y[4 g] to y[4 g + 3] of the layer are interpolated, as offsets from
+     * view.voxels. boxes[g] is the number of these rows. Both are set only if the view has weights.
      */
     size_t box[N_MAX / 4][SLICES * SLICES];
     int boxes[N_MAX / 4];
     /*
-     * For each column of chunks, 1 plus the offset of the last source slice, among those searched so far, that has an
-     * active voxel in the column; 0 if there is none.
+     * for each column of chunks, 1 plus the offset of the last searched source slice that has an active voxel in the
+     * column; 0 if there is none
      */
     size_t last_active[COLUMNS_MAX];
     size_t searched; /* 1 plus the offset of the last source slice that was searched; 0 before the first one */
@@ -100,8 +97,8 @@ static void list_slices(const filling *f, task *t, int32_t z)
 }
 
 /*
- * Returns the source slice to prefetch while the last source slice of the layer at slice z is read: the source slice
- * that follows it or, if the next layer uses no later source slice, the last source slice that the next layer uses.
+ * Returns the source slice to prefetch while the last source slice of the layer at slice z is read: the following
+ * slice, but at most the last source slice of the next layer.
  */
 static size_t next_source(const filling *f, const task *t, int32_t z)
 {
@@ -132,7 +129,7 @@ static void enter_layer(const filling *f, task *t, int32_t z)
     if (t->sources > 0)
         t->next_source = next_source(f, t, z);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* The taps ascend, so at most two of the source rows of y to y + 3 are also used for a smaller y. */
+        /* The four rows from y on share at most two source rows with the rows before them, because the taps ascend. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -184,8 +181,8 @@ static bool any_in_box(const filling *f, const int16_t *base, const size_t *row,
 
 /*
  * Sets greatest[x] to the greatest density of source column x in the task's rows of the layer's source slice i. The
- * rows of a slice are read completely and in ascending order, because the processor prefetches ascending addresses. It
- * does not prefetch the next slice, because that slice is at a distant address; this function prefetches it.
+ * rows are read completely and in ascending order, because the processor prefetches ascending addresses. The function
+ * itself prefetches the next slice, because the distance to that slice is too great for the processor to prefetch it.
  */
 static void find_greatest(const filling *f, task *t, int i)
 {
@@ -202,7 +199,7 @@ static bool greatest_is_active(const filling *f, const task *t, bool run, int32_
     int16_t gathered[N_MAX];
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    /* If the view has no x indices, the source voxels are adjacent even where the grid ends within the chunk. */
+    /* A view without x indices has adjacent source voxels even if `run` is false because the chunk is clipped. */
     if (f->linear || run || !f->view.map[0])
         return any_in_box(f, t->greatest, one_row, 1, first, span);
     f->kernels->gather_row(t->greatest, f->view.map[0] + x0, width, gathered);

@@ -4,15 +4,15 @@
  * and each batch in two steps:
  *
  *   place    sample -> voxel or -1, and the sample's part of the report      any thread for any sample
- *   put      voxel <- density, duplicates in file order       a range of voxels per thread
+ *   put      voxel <- density, duplicates in file order                      a range of voxels per thread
  *
  * In the second step, each thread reads the complete batch and processes the samples in
  * its range of voxels. Therefore one thread processes all samples of a voxel, in order.
  *
- * Quotients.  On each axis, the index of a voxel is RHE((p - o) / s) with the position p of the sample, the origin o
- * and the spacing s. It is computed from a floating-point estimate of the quotient's floor. The result does not depend
- * on the estimate, because the floor and the remainder are corrected by 1 and by s until 0 <= remainder < s. The
- * quotient is then rounded half to even (RHE) by comparing the remainder with s / 2.
+ * Quotients.  On each axis, the index of a voxel is RHE((p - o) / s), where p is the sample's position, o the origin
+ * and s the spacing. The floor of the quotient is first estimated in floating point. The floor is then changed by 1 and
+ * the remainder by s until 0 <= remainder < s, so that the result does not depend on the estimate. Finally, the
+ * remainder is compared with s / 2 to round half to even (RHE).
  */
 #include "core/conditions.h"
 
@@ -150,8 +150,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread. `conflict` is the index in the batch of the conflicting sample whose line is in the report.
- * If several conflicting samples have this line, `conflict` is the lowest of their indices.
+ * The report of one thread. `conflict` is the index in the batch of the conflicting sample in line sums.conflict_line;
+ * if there are several, it is the lowest of their indices.
  */
 typedef struct part_report {
     ost_scatter_report sums;
@@ -159,9 +159,9 @@ typedef struct part_report {
 } part_report;
 
 /*
- * Merges the report of one thread into *to. Counts are added. For rejected and conflicting samples, the lower
- * line number is kept; for the worst offset, the line with the greater offset is kept. *conflict is the index in the
- * batch of the conflicting sample whose line is in *to, or -1 if that sample is in an earlier batch.
+ * Merges the report of one thread into *to: adds the counts, keeps the lower line numbers of rejected and conflicting
+ * samples, and keeps the line with the greater offset. *conflict is the index in the batch of the conflicting sample
+ * whose line is in *to, or -1 if that sample is in an earlier batch.
  */
 static void merge(ost_scatter_report *to, int *conflict, const part_report *from)
 {

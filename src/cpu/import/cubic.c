@@ -94,10 +94,14 @@ static bool make_axis(lists *l, int a, int32_t from, int32_t to, ost_pm cubic, o
 }
 
 /*
- * Frees the weight lists that a cpu_view does not need: all lists if no weight is above 0; the lists of x and y if only
- * z is resampled; otherwise, of the lists of y and z, those whose weights are all 0. If the list of x remains, both
- * neighbours of a voxel along x must exist. A voxel whose source is the last rect voxel therefore gets the last two
- * rect voxels as its neighbours, with weight 0 for the lower one.
+ * Frees the weight lists that a cpu_view does not need:
+ *
+ *   no weight is above 0      all lists
+ *   only z is resampled       the lists of x and y
+ *   otherwise                 a list of y or z whose weights are all 0
+ *
+ * If the list of x remains, both neighbours of a voxel along x must exist. A voxel whose source is the last rect voxel
+ * therefore gets the last two rect voxels as its neighbours, with weight 0 for the lower one.
  */
 static void finish_weights(lists *l, int32_t width, int32_t last)
 {
@@ -137,7 +141,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* If the rect grid has lists too, the new lists are changed so that they refer to its store. */
+    if (rect->map[0]) /* replaces indices of rect voxels by indices of the rect grid's store */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

@@ -36,13 +36,18 @@ typedef struct cpu_grid {
 } cpu_grid;
 
 /*
- * The voxels of a grid, defined on each axis by the voxels of a store. On an axis without weights, voxel i is voxel
- * map[i] of the store. On an axis with weights, voxel i is the mean of the voxels map[i] and map[i] + 1 with the
- * weights -minus[2i] / 2^15 and -minus[2i + 1] / 2^15. On the x axis, if the store has two or more voxels along x, both
- * neighbours lie in the store. On the other axes, and in a store with one voxel along x, a neighbour with weight 0 may
- * lie outside the store. There are three kinds of view. In the first, no axis has weights, and all elements of minus[]
- * are NULL. In the second, only z has weights, and the x and y coordinates are those of the store. In the third, x and
- * possibly other axes have weights. The capacity of lists along x is a multiple of 16.
+ * The voxels of a grid, defined on each axis by the voxels of a store:
+ *
+ *   axis without weights   voxel i is voxel map[i] of the store
+ *   axis with weights      voxel i is the mean of the store's voxels map[i] and map[i] + 1 with the weights
+ *                          -minus[2i] / 2^15 and -minus[2i + 1] / 2^15
+ *
+ * Along x, both of these voxels lie in the store if it has two or more voxels along x. In all other cases, a voxel with
+ * weight 0 may lie outside the store. The capacity of lists along x is a multiple of 16.
+ *
+ * There are three kinds of view. In the first, no axis has weights, and all elements of minus[] are NULL. In the
+ * second, only z has weights, and the x and y coordinates are those of the store. In the third, x and possibly other
+ * axes have weights.
  */
 typedef struct cpu_view {
     const int16_t *voxels;

@@ -16,8 +16,7 @@
 
 enum { SOURCES = 8 };
 
-/* The offsets of several taps. from[] contains each offset once, in ascending order. of[t][i] is the index in from[] of
-   offset i of tap t. */
+/* The distinct offsets of several taps, in ascending order. Offset i of tap t is from[of[t][i]]. */
 typedef struct sources {
     size_t from[SOURCES];
     int count;
@@ -84,9 +83,7 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
             for (int b = 0; b < z[k].count; b++)
                 for (int a = 0; a < y[j].count; a++) {
                     of[count] = sums[slices.of[k][b]][rows.of[j][a]];
-                    /*
-                     * The product is at most 2^30. It is negated, because the sums along x have negated weights, too.
-                     */
+                    /* The product, at most 2^30, is negated, because the weights of the sums along x are negated. */
                     weight[count++] = -(y[j].minus[a] * z[k].minus[b]);
                 }
             kernels->weigh_rows(of, weight, count, width, to[4 * k + j]);

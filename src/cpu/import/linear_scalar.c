@@ -3,8 +3,8 @@
 #include "cpu/kernels.h"
 
 /*
- * Returns RHE(sum / 2^bits). The shift rounds down. Therefore half a unit minus 1 is added to the sum first, and 1 more
- * if the floor of the quotient is odd.
+ * Returns RHE(sum / 2^bits). Because the shift rounds down, 2^(bits - 1) - 1 is added to the sum first, and 1 more if
+ * the floor of the quotient is odd.
  */
 static inline int64_t rhe_shift(int64_t sum, int bits)
 {
