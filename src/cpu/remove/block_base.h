@@ -4,11 +4,11 @@
  *
  *   exact coordinate of block (x, y, z)  =  X[x] + Y[y] + Z[z],  each a multiple of 1 / divisor
  *
- * The three parts are tabulated, in units of 2^-16, rounded down with an error below 2: their sum V
- * has V <= exact * 2^16 < V + 6. Let W = V + 2^15. If the low 16 bits of W are 1..2^16 - 7, the
- * base is floor(W / 2^16), because exact + 1/2 then lies strictly between this integer and the
- * next. About one in ten thousand bases does not satisfy this condition; ost_map_block_base then computes the base with
- * a division.
+ * Tables contain the three parts in units of 2^-16, each rounded down with an error below 2. Their
+ * sum V satisfies V <= exact * 2^16 < V + 6. Let W = V + 2^15. If the low 16 bits of W are
+ * 1..2^16 - 7, the base is floor(W / 2^16), because exact + 1/2 then lies strictly between this
+ * integer and the next. About one in ten thousand bases does not satisfy this condition;
+ * ost_map_block_base then computes the base with a division.
  *
  * Ranges: |exact| < 2^45.2, and |Y|, |Z| < 2^44.1 (16 m of bone in tool voxels of
  * at least 1 um), so the sums stay below 2^63.
@@ -52,7 +52,7 @@ static inline bool ost_block_base(const ost_block_bases *bases, const int32_t bl
     base[0] = (int32_t)(u >> 16);
     base[1] = (int32_t)(v >> 16);
     base[2] = (int32_t)(w >> 16);
-    /* If the low 16 bits of u, v or w, minus 1, are at least `unsure`, the base is computed by a division. */
+    /* the least value of (low 16 bits of W) - 1 for which the base is computed with a division */
     const uint16_t unsure = 0xffff - 6;
     if ((uint16_t)(u - 1) >= unsure || (uint16_t)(v - 1) >= unsure || (uint16_t)(w - 1) >= unsure)
         return ost_map_block_base(bases->map, (ost_dims){block[0], block[1], block[2]}, base);

@@ -20,7 +20,7 @@ typedef struct ost_pose_plan {
 typedef struct ost_event_chunk {
     int32_t index, first[3];
     cpu_chunk *chunk;
-    uint64_t *occupancy; /* occupancy words of the chunk, or of a copy that the event may change */
+    uint64_t *occupancy; /* occupancy words of the chunk, or a copy of them that the event may change */
     ost_tally tally, touched;
 } ost_event_chunk;
 

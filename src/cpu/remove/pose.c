@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the constants that the kernels need for a pose. The input is the steps of the pose's map. The formulas are
-   proved in remove.h. */
+/* Computes the kernels' constants of a pose from the steps of the pose's map. remove.h proves the formulas. */
 #include <string.h>
 
 #include "core/conditions.h"

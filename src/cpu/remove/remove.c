@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-REM) with the results of the reference. Cubes are classified
+ * Removal and collision (AR-REM), with the same results as the reference. Cubes are classified
  * by distances to the tool's surface before single voxels are tested (remove.h).
  *
  *   for each pose
@@ -275,8 +275,8 @@ static void run_listed(const cpu_backend *backend, ost_event_scratch *scratch, i
 }
 
 /*
- * Processes the listed chunks with several threads. If one thread suffices, no parallel region is opened: even a region
- * with a single thread ends with a system call, which would occur in every tick.
+ * Processes the listed chunks with several threads. The function is not called if one thread suffices, because even a
+ * parallel region with a single thread ends with a system call, which would occur in every tick.
  */
 static void run_shared(const cpu_backend *backend, ost_event_scratch *scratch, int32_t n, bool apply,
                        const ost_density_classes *classes)
@@ -332,8 +332,8 @@ static void list_chunk(ost_event_chunk *out, int32_t index, const int32_t first[
 }
 
 /*
- * Lists, in ascending order, those chunks in the bounding box of all poses' boxes that have memory. Reserves memory for
- * the tables of bases, whose length along an axis is the greatest number of blocks that a box overlaps.
+ * Lists, in ascending order, the chunks that have memory and overlap the bounding box of all poses' boxes. Reserves
+ * memory for the tables of bases: on each axis, for the greatest number of blocks that a single box overlaps.
  */
 static ost_status list_chunks(const cpu_bone *bone, const ost_removal_event *event, ost_event_scratch *scratch,
                               ost_error *err)

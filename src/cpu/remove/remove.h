@@ -83,10 +83,9 @@ typedef struct ost_numbers {
 
 /* Constants with which the `split` kernel divides cubes of a given size into eight parts, for one pose. */
 typedef struct ost_split {
-    /* difference between the coordinate u of each of the eight parts and that of the cube; part (x, y, z) has the
-       number x + 2y + 4z */
+    /* coordinate u of each of the eight parts, relative to the cube's u; part (x, y, z) has the number x + 2y + 4z */
     _Alignas(32) int32_t first[3][8];
-    /* offset from the coordinate u of a cube to the centre of each of its eight parts, rounded down */
+    /* centre of each of the eight parts, relative to the cube's u, rounded down */
     _Alignas(32) int32_t centre[3][8];
     /* least absolute value of a cell for which a part is not mixed, 1..127; 128 if every part is mixed */
     int32_t least;
@@ -99,12 +98,13 @@ typedef struct ost_split {
 typedef struct ost_carries {
     /* The thresholds of each axis in ascending order, 1..2^20: element [a][k][g] is threshold 4 g + k of axis a. */
     _Alignas(64) uint32_t threshold[3][4][16];
-    /* row[3 z + y][v] is the number of the window's byte for voxel v without carries, if floor(c) is (any, y, z) */
+    /* row[3 z + y][v] is the number of the window's byte for voxel v if there are no carries and floor(c) has the
+       coordinates y and z */
     uint8_t row[9][64];
-    uint8_t bit[4][64];    /* bit[x][v] is the bit within the byte, if floor(c) plus the carry is x */
+    uint8_t bit[4][64];    /* bit[x][v] is the bit of voxel v in its byte if floor(c) plus carry is x on the x axis */
     uint64_t mask[3][64];  /* mask[a][r] is the set of the voxels with a carry along axis a for a fraction of rank r */
-    /* Without carries, and if floor(c) is (0, 0, 0): wide[0][v] is the number 16 y + z of the wide window's byte for
-       voxel v, and wide[1][v] is its x. The kernel adds floor(c), which has up to six values on each axis. */
+    /* If there are no carries and floor(c) is (0, 0, 0), voxel v has the coordinates (x, y, z) in the wide window, with
+       wide[0][v] = 16 y + z and wide[1][v] = x. The kernel adds floor(c), which has up to six values on each axis. */
     uint8_t wide[2][64];
 } ost_carries;
 
@@ -115,8 +115,8 @@ typedef struct ost_carries {
  * of the same instruction set reads: either `high`, `low`, `tie` and `near_tie`, or `carries`.
  */
 typedef struct ost_match {
-    _Alignas(64) uint16_t high[3][64]; /* high bits of the offset above the lowest: (offset[a][i] - lowest[a]) >> 7 */
-    _Alignas(64) uint16_t low[3][64];  /* the remaining low bits: (offset[a][i] - lowest[a]) mod 2^7 */
+    _Alignas(64) uint16_t high[3][64]; /* (offset[a][i] - lowest[a]) >> 7 */
+    _Alignas(64) uint16_t low[3][64];  /* (offset[a][i] - lowest[a]) mod 2^7 */
     int32_t offset[3][64];             /* offset from the coordinate u of a brick to the u of each voxel of the brick */
     int32_t lowest[3];                 /* the lowest offset[a][i] of each axis a */
     bool windows;                      /* true if the `match` kernel may use windows of 8^3 tool voxels */

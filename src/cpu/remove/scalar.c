@@ -67,8 +67,8 @@ static uint64_t match_voxels(const ost_match *match, const int32_t u[3])
 }
 
 /*
- * Computes the hits of a brick from one window of the given edge. The sum of c and offset - lowest (remove.h, "Match")
- * is not negative and below `edge` tool voxels.
+ * Computes the hits of a brick from one window with `edge` tool voxels per side. All voxels of the brick lie in this
+ * window (remove.h, "Match").
  */
 static uint64_t match_window(const ost_match *match, const ost_windows *w, int32_t edge, int32_t margin,
                              const int32_t u[3])

@@ -248,7 +248,7 @@ static const window_size NARROW = {8, OST_WINDOW_MARGIN, 8, 1}, WIDE = {16, OST_
  */
 typedef struct columns {
     uint8_t *byte;
-    size_t width[2]; /* number of rows along z, and along y */
+    size_t width[2]; /* numbers of rows along z and along y */
 } columns;
 
 /* Returns the bits x to x + 7 of a row of words. */
@@ -307,7 +307,7 @@ typedef struct line_store {
     size_t count, capacity;
 } line_store;
 
-/* Stores a window of `lines` lines, and sets *number to the number of its first line. */
+/* Stores a window, which consists of `lines` lines, and sets *number to the index of the window's first line. */
 static bool add_window(line_store *store, const uint64_t word[WORDS], size_t lines, uint32_t *number)
 {
     if (all_are(word, 8 * lines, 0) || all_are(word, 8 * lines, ~UINT64_C(0))) {
@@ -332,10 +332,10 @@ static bool add_window(line_store *store, const uint64_t word[WORDS], size_t lin
 
 /*
  * Returns the coarsest possible step of windows with the given edge, or 0 if no step is possible. `ratio` is the size
- * of a bone voxel in tool voxels, times 2^20 (ost_shape_make). A brick's coordinates span at most
- * 3 * sqrt(3) * ratio + 9/2 units along an axis, by the bound of AR-MAP-5 on the sum of the steps along a tool axis.
- * The span must be below edge - step voxels, so that a brick overlaps at most edge + 1 - step voxels. Only steps by
- * which the kernels divide exactly (x86/window_avx512.h) are used.
+ * of a bone voxel in tool voxels, times 2^20 (ost_shape_make). AR-MAP-5 bounds the sum of the steps along a tool axis;
+ * the coordinates of a brick therefore span at most 3 * sqrt(3) * ratio + 9/2 units along an axis. This span must be
+ * below edge - step voxels, so that a brick overlaps at most edge + 1 - step voxels. Only steps by which the kernels
+ * divide exactly (x86/window_avx512.h) are used.
  */
 static int32_t window_step(int32_t ratio, int32_t edge)
 {

@@ -25,9 +25,9 @@
  * Row (y, z) of a window is byte number 8 y + z, and voxel x of the row is bit x of this byte.  On
  * each axis, any 9 - step adjacent voxels lie in one window.  The 64 bytes of a window are a line;
  * all empty windows share line 0, and all windows that are entirely solid share line 1.  The step
- * is the coarsest for which every brick of bone voxels lies in one window: 3 up to 0.962 tool
- * voxels per bone voxel, 2 up to 1.154, 1 up to 1.347.  For larger bone voxels there are no windows
- * (remove.h).
+ * is the coarsest for which every brick of bone voxels lies in one window.  It is 3 for bone voxels
+ * of up to 0.962 tool voxels per side, 2 up to 1.154 and 1 up to 1.347.  For larger bone voxels
+ * there are no windows (remove.h).
  *
  * Wide windows.  For bone voxels of 1.347 to 2.886 tool voxels, there are windows of 16^3 tool voxels with a margin of
  * OST_WIDE_MARGIN instead. A wide window has eight lines, that is, 512 bytes. The voxels x < 8 of row (y, z) are byte
@@ -60,7 +60,7 @@ typedef struct ost_cells {
 } ost_cells;
 
 typedef struct ost_windows {
-    const uint32_t *index; /* for each window, x fastest: the number of its first line in `line` */
+    const uint32_t *index; /* for each window, the index of its first line in line[]; windows are ordered x fastest */
     const uint8_t (*line)[64]; /* 64-byte aligned */
     int32_t dims[3];
     int32_t step; /* distance between adjacent windows in tool voxels: 6, 3, 2 or 1; 0 if there are no windows */
