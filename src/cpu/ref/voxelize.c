@@ -17,9 +17,10 @@
  *
  * Ownership.  The triangle is oriented so that its projection runs counter-clockwise.  For each
  * edge a -> b, E = (by - ay)(Z - az) - (bz - az)(Y - ay) is positive for points (Y, Z) left of the
- * edge.  If E = 0, the point lies on the edge.  It is then treated as the point (Y + e, Z + e^2)
- * for an infinitesimal e > 0, whose E is dy e^2 - dz e with dy = by - ay and dz = bz - az: owned iff
- * dz < 0, or dz = 0 and dy > 0.  The displaced point is the same for all triangles, and it lies on no edge.
+ * edge.  The triangle owns the line through (Y, Z) if E > 0 for all three edges.  If E = 0, the
+ * point lies on the edge and is replaced by the point (Y + e, Z + e^2) for an infinitesimal e > 0.
+ * With dy = by - ay and dz = bz - az, this point has E = dy e^2 - dz e, which is positive iff
+ * dz < 0, or dz = 0 and dy > 0.  The replacement is the same for all triangles and lies on no edge.
  * Therefore a line through a shared edge or vertex is owned once, however many triangles share it,
  * and a closed mesh never leaks.
  *
@@ -47,7 +48,8 @@ typedef struct slice {
     ost_dims dims;
     int f;
     int32_t k;
-    int32_t *steps; /* (dims.x + 1) * dims.y elements; steps after a row's last centre are stored at x = dims.x */
+    /* (dims.x + 1) * dims.y elements; element dims.x of a row is for crossings after the row's last centre */
+    int32_t *steps;
 } slice;
 
 /* Returns the coordinate of the centre of voxel i along one axis, in units of 2^-f voxels. */
@@ -93,7 +95,7 @@ static void add_triangle(const slice *s, const int32_t *a, const int32_t *b, con
     if (nx == 0)
         return;
     int32_t step = -1;
-    if (nx < 0) { /* nx < 0: in the direction of x, the row enters the mesh, so the winding number increases */
+    if (nx < 0) { /* the line enters the mesh here, so the winding number increases */
         const int32_t *swap = b;
         b = c;
         c = swap;

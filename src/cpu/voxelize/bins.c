@@ -13,8 +13,8 @@
  *   1  keys     computes each triangle's tile (vector kernel)
  *   2  count    counts the triangles of each piece and tile
  *   3  place    writes the triangles of each piece to the lists, from the piece's own
- *               offset on, so that the order of a list does not depend on threads
- *               (no result depends on the order)
+ *               offset on; the order of a list does not depend on the threads, and
+ *               does not affect any result
  */
 #include <stdlib.h>
 #include <string.h>

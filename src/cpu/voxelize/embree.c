@@ -12,9 +12,9 @@
  * No crossing is missed.  Coordinates of vertices and of row centres are integers up to 2^20. The bounds with a unit
  * added, and their differences from a ray's origin, are integers below 2^24. All of these numbers are exact as floats.
  * If a triangle owns a row, the row lies within the triangle's bounds in y and z, and therefore at least a unit inside
- * the enlarged bounds. In x, the ray starts left of all bounds and ends right of them. A slab test may multiply these
- * exact differences in any way: their signs do not change, and the test finds that the ray is inside. The box of an
- * inner node contains the boxes of its children.
+ * the enlarged bounds. In x, the ray starts left of all bounds and ends right of them. No scaling or rounding in a slab
+ * test changes the signs of these exact differences, so the test finds that the ray is inside. The box of an inner node
+ * contains the boxes of its children.
  *
  * No crossing is counted twice.  Several packets of a tile may hit a primitive, and
  * one packet may hit it several times.  The first hit stores the tile's number with
@@ -95,7 +95,7 @@ struct ost_embree {
 struct ost_embree_scratch {
     /* for each primitive, the number of the last tile whose rays hit the primitive; 0 before the first hit */
     uint32_t *last_tile;
-    uint32_t tiles;      /* number of tiles that have been processed; it identifies the current tile */
+    uint32_t tiles;      /* number of the current tile, counted from 1 in the order of processing */
     ost_vox_tile *tile;
     ost_vox_mark_fn *mark;
     size_t count;

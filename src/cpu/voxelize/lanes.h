@@ -16,10 +16,10 @@
  *   emit(out, v, m)       stores the lanes of v that are set in m, one after the other, and returns
  *                         their number; LANES int32 may be written
  *   emit_bits             like emit, except that m is an integer with one bit per lane
- *   bounds_meet_rows(tile, t)        bits of the triangles t that have a row's centre in their bounds
+ *   bounds_meet_rows(tile, t)        one bit per triangle, set if a row's centre is in the triangle's bounds
  *
- * No value is approximate: every value is an integer, an integer + 1/4, or a quotient whose rounding error is bounded
- * below. With w = 2^f, h = w / 2 and the extents ex, ey, ez <= 2^20 of a triangle, the triangle is small if
+ * No value is approximate: every value is an integer, an integer + 1/4, or a quotient (see "Quotients"). With w = 2^f,
+ * h = w / 2 and the extents ex, ey, ez <= 2^20 of a triangle, the triangle is small if
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
@@ -44,8 +44,8 @@
  * sign of C + 1/4, which is never 0.
  * i = A + ceil(M / (nx w)) is computed as A + ceil((M - 1/4) (1 / (nx w))). The quotient differs from the nearest
  * integer by at least 1 / (4 nx w). In an owned row, the rounding error is less: it is at most 2^-52 (1 + 2^-54) times
- * a magnitude of at most (2^49 + 1/4) / (nx w). The results of lanes that are not owned, or have no triangle, are not
- * used.
+ * a magnitude of at most (2^49 + 1/4) / (nx w). The result of a lane is not used if the lane has no triangle or its
+ * triangle does not own the row.
  *
  * ost_vox_mark_triangle processes the other triangles: triangles that are not small, and
  * triangles that may have a crossing after the last centre of a row.
@@ -143,7 +143,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* Differences between the last and the first row of the bounds, and between their last and first slice. */
+    /* number of rows in the bounds minus 1, and number of slices in the bounds minus 1 */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));

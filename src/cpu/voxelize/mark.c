@@ -6,8 +6,8 @@
  *
  * The triangle is oriented so that its projection on (y, z) runs
  * counter-clockwise (AR-VOX-1).  In slice k, the rows that the triangle owns are consecutive, because each edge a -> b
- * bounds them on one side. With Y = j w + h, w = 2^f, h = w / 2, and t = 0 if the rule of AR-VOX-2 owns E = 0,
- * otherwise 1,
+ * bounds them on one side. Let Y = j w + h, w = 2^f, h = w / 2, and t = 0 if the edge owns points with E = 0
+ * (AR-VOX-2), otherwise t = 1. Then
  *
  *   E >= t   <=>   dz w j <= C,   C = dy (Z - az) + dz (ay - h) - t
  *

@@ -46,11 +46,11 @@ typedef struct scratch {
 } scratch;
 
 /*
- * Estimates the time that the work takes on one thread. This time determines whether additional threads are started.
- * Starting a thread takes time, and the thread may have to wait for a core that another process uses. Additional
- * threads therefore reduce the total time only if the work takes at least about a millisecond (docs/log/0.1.md). The
- * estimate uses times measured on one core at 2.5 GHz: for each mesh, 9 ns per triangle and 25 ns per row (a closed
- * surface crosses a row at least twice or not at all); in addition, 0.03 ns per voxel.
+ * Estimates the time that the work takes on one thread. Additional threads reduce the total time only if this time is
+ * at least about a millisecond (docs/log/0.1.md), because starting a thread takes time, and the thread may have to wait
+ * for a core that another process uses. The estimate uses times measured on one core at 2.5 GHz: for each mesh, 9 ns
+ * per triangle and 25 ns per row (a closed surface crosses a row at least twice or not at all); in addition, 0.03 ns
+ * per voxel.
  */
 static int64_t estimated_ns(const job *j)
 {

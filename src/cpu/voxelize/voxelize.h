@@ -5,10 +5,10 @@
  * A row is a line of voxels along x.  The grid is divided along y and z into tiles of rows.  A tile
  * fits a core's cache, and a thread processes complete tiles.
  *
- *        z  +-----+-----+       a tile's planes have one bit per voxel, with the
- *           |     |  T  |       words of a row together and rows ordered by (k, j):
+ *        z  +-----+-----+       a tile has two planes with one bit per voxel;
+ *           |     |  T  |       rows are ordered by (k, j):
  *           +-----+-----+         plus   a crossing enters before this centre
- *           |     |     |         minus  a crossing leaves before it
+ *           |     |     |         minus  a crossing leaves before this centre
  *           +-----+-----+ y
  *
  *   mark    every crossing sets one bit                 mark.c, ../x86/, embree.c
@@ -21,9 +21,10 @@
  * spilled too.  The planes and the steps together always contain every crossing with its sign, so
  * no crossing is lost and no count saturates.
  *
- * If the crossings of a row enter and leave alternately, the row is filled by subtracting its bits in
- * the plane `plus` from its bits in the plane `minus` (fill.c); the result also shows whether the crossings alternate.
- * All other rows, and rows with spilled crossings, are summed crossing by crossing.
+ * Let P and M be a row's bits in the planes `plus` and `minus` as binary numbers. If the crossings of the
+ * row enter and leave alternately, M - P has the row's solid bits; the difference also shows whether the
+ * crossings alternate (fill.c). All other rows, and rows with spilled crossings, are summed crossing by
+ * crossing.
  */
 #ifndef OST_CPU_VOXELIZE_H
 #define OST_CPU_VOXELIZE_H
@@ -49,7 +50,7 @@ struct ost_vox_tile {
 
 enum {
     OST_VOX_SPILLED = 1,   /* crossings of the row are in `spill` */
-    OST_VOX_UNPROVEN = 2,  /* the crossings of the row may not alternate between entering and leaving */
+    OST_VOX_UNPROVEN = 2,  /* the kernel has not proved that the crossings of the row enter and leave alternately */
     OST_VOX_BLOCK = 8      /* number of words per block; planes and bit buffers consist of complete blocks */
 };
 
