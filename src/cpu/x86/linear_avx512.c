@@ -73,8 +73,8 @@ void ost_stretch_row_avx512(const int16_t *from, const int32_t *at, const int16_
             continue;
         }
         /*
-         * The indices of each pair in the window: at - first and at - first + 1.  The lanes `part` to 15
-         * may select any element, because their results are not used.
+         * The indices of each pair in the window: at - first and at - first + 1.  Only the first `part` lanes
+         * are used, so the other lanes may select any element.
          */
         const __m512i lower =
             _mm512_sub_epi32(_mm512_maskz_loadu_epi32((__mmask16)low_mask(part), at + i), _mm512_set1_epi32(first));

@@ -113,8 +113,8 @@ void ost_match_carries_avx512vbmi(ost_match *match)
    thresholds of this group. The tables are rotated so that the result of each step is the index for the next step. */
 typedef struct rank_tables {
     /*
-     * The greatest thresholds of the groups, rotated. Element 0 is the threshold of group 7 in `middle`, of group 3 in
-     * `quarter`, of group 1 in `eighth`, and of group 0 in `last`.
+     * The greatest thresholds of the groups. Element i belongs to group
+     *   7 in `middle`     (i + 3) mod 16 in `quarter`     (i + 1) mod 16 in `eighth`     i in `last`
      */
     __m512i middle, quarter, eighth, last;
     __m512i group[3];
@@ -160,7 +160,7 @@ typedef struct places {
     uint32_t line[PIECE];
 } places;
 
-/* Row (y, z) of a window has the number y row_y + z row_z. */
+/* Computes the positions of `count` bricks. With the y and z of `places`, at->row[i] is y row_y + z row_z. */
 static inline void place_piece(const ost_match *match, const ost_windows *w, int32_t margin, int row_y, int row_z,
                                const rank_tables tables[3], const ost_cubes *bricks, size_t from, size_t count,
                                places *at)
@@ -216,7 +216,7 @@ typedef struct wide_tables {
     __m512i row, x, bits;
 } wide_tables;
 
-/* Selects bytes from 256 bytes in four lines; `row` contains the number of each byte. */
+/* Selects 64 of the 256 bytes in four lines; `row` contains the numbers of the selected bytes. */
 static inline __m512i select_of_four(const uint8_t (*line)[64], __m512i row)
 {
     const __m512i near = _mm512_permutex2var_epi8(_mm512_load_si512(line[0]), row, _mm512_load_si512(line[1])),

@@ -3,7 +3,7 @@
  * The kernels of removal for AVX2 (with BMI2 and POPCNT). The steps are the same as in remove_avx512.c, with these
  * differences:
  *
- *   split   the eight parts of a cube are in one register; PEXT makes the shuffle
+ *   split   the eight parts of a cube are in one register; PEXT computes the shuffle
  *           that packs the parts
  *   match   coordinates in 16-bit lanes are packed to bytes; four byte shuffles
  *           read the 64 bytes of a window
@@ -15,8 +15,8 @@
  *
  *     T0[n] ^ (T1 ^ T0)[n - 16] ^ (T2 ^ T1)[n - 32] ^ (T3 ^ T2)[n - 48]
  *
- * selects the byte of row n: a term with a negative index is 0, and the other terms
- * cancel, except for the quarter that contains the row.
+ * selects the byte of row n: a term with a negative index is 0, and in the other terms,
+ * all quarters cancel except the one that contains the row.
  */
 #include <immintrin.h>
 
@@ -62,7 +62,7 @@ void ost_split_avx2(const ost_split *split, const ost_cells *cells, const ost_cu
                     ost_cubes *mixed, ost_numbers *inside)
 {
     const __m256i part = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
+    /* No value of a cell exceeds 64 in magnitude, so limiting split->least to 127 changes no result. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i in_above = _mm_set1_epi8((int8_t)(least - 1)), out_below = _mm_set1_epi8((int8_t)(1 - least));
     const int8_t *const table = cells->value;
@@ -111,7 +111,7 @@ typedef struct places {
     uint32_t tied[PIECE];
 } places;
 
-/* Returns floor(voxel / step) for 0 <= voxel < 2^15, as windows_of in remove_avx512.c does. */
+/* Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2 or 3 (ost_window_of in window_avx512.h). */
 static inline __m256i windows_of(__m256i voxel, int32_t step)
 {
     const int32_t inverse = step == 3 ? 21846 : step == 2 ? 32768 : 65536;

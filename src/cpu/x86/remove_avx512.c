@@ -124,10 +124,8 @@ typedef struct some_cubes {
 
 #define INLINED static inline __attribute__((always_inline))
 
-/*
- * Returns a register whose lanes contain the numbers of the parts that are in the lanes of register q.
- * `wide` is the number of cubes per register, 8 or 4.
- */
+/* Returns for each lane of register q the number of the part in this lane. A register contains parts of `wide` cubes,
+   8 or 4. */
 INLINED __m512i part_numbers(int wide, int q)
 {
     const __m512i of_two = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
@@ -136,7 +134,7 @@ INLINED __m512i part_numbers(int wide, int q)
                      : _mm512_add_epi32(of_four, _mm512_set1_epi32(4 * q));
 }
 
-/* Returns a register that contains eight[p] in each lane in which register q contains part p of a cube. */
+/* Returns eight[p] in each lane in which register q contains part p of a cube. */
 INLINED __m512i parts(const int32_t eight[8], int wide, int q)
 {
     if (wide == 8)
@@ -151,7 +149,7 @@ INLINED __m512i repeated(const int32_t *u, int wide)
                      : _mm512_broadcast_i32x4(_mm_loadu_si128((const __m128i *)(const void *)u));
 }
 
-/* Returns all parts of the cubes of a piece. */
+/* Returns all cubes of a piece and marks all their parts in `keep`. */
 static inline some_cubes all_cubes(const ost_cubes *cubes, size_t from, size_t count, split_piece *piece)
 {
     memset(piece->keep, 0xff, count);
@@ -228,7 +226,7 @@ INLINED __mmask16 kept_of(uint64_t keep, int wide, int q)
 INLINED void sort_parts(const ost_split *split, const some_cubes *cubes, size_t from, int wide, const int8_t *value,
                         uint64_t keep, ost_cubes *mixed, ost_numbers *inside, size_t *m, size_t *n)
 {
-    /* The values of cells are within +-64, so a `least` of 127 has the same effect as a greater one. */
+    /* No value of a cell exceeds 64 in magnitude, so limiting split->least to 127 changes no result. */
     const int least = split->least < 127 ? split->least : 127;
     const __m128i high = _mm_set1_epi8((int8_t)least), low = _mm_set1_epi8((int8_t)-least);
     const __m512i x = repeated(cubes->u[0] + from, wide), y = repeated(cubes->u[1] + from, wide),
@@ -263,7 +261,7 @@ static inline uint64_t eight_bytes(const uint8_t *bytes)
 void ost_split_avx512(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                       ost_cubes *mixed, ost_numbers *inside)
 {
-    /* The compiler must assume that stores of bytes change cells->value, so the pointer is copied. */
+    /* The pointer is copied, because the compiler must assume that a store of a byte changes cells->value. */
     const int8_t *const table = cells->value;
     split_piece piece;
     size_t m = mixed->count, n = inside->count;
@@ -495,11 +493,10 @@ static inline __m512i widen16(__m512i v)
 }
 
 /*
- * Adds the hits of `count` bricks to the tally. A 16-bit lane can sum up to
- * 65535 / take->highest densities, that is, at least two. A brick has two registers, so
- * the 16-bit lanes are added to 32-bit lanes after every `bricks` bricks. A 32-bit lane
- * can sum 512 bricks of 2 * 2 * 32767 < 2^17 each. Callers pass the number of borders as
- * a constant, so that all sums stay in registers.
+ * Adds the hits of `count` bricks to the tally. A brick adds two densities to each 16-bit
+ * lane, which can sum 65535 / take->highest (at least two) densities before it must be
+ * added to a 32-bit lane. A 32-bit lane can sum 512 bricks of 2 * 2 * 32767 < 2^17 each.
+ * Callers pass the number of borders as a constant, so that all sums stay in registers.
  */
 static inline __attribute__((always_inline)) void take_bricks(const ost_take *take, int16_t *density,
                                                               const int32_t *number, const uint64_t *hits, size_t count,
