@@ -17,9 +17,9 @@
  *   row-pitch       D has the values that would be read if rows in memory were longer or shorter than they are
  *   offset          all densities of D differ by the same amount
  *   threshold       one grid lacks exactly the voxels below a certain density, as if its threshold were higher
- *   stale-chunk     in every chunk with a difference, B equals the bone before the event, and the chunk's
- *                   report differs
- *   lost-tail       D is the last part of the work, which was not done: samples, voxels or chunks
+ *   stale-chunk     in every chunk with a difference, B equals the bone before the event, although the
+ *                   reports are the same
+ *   lost-tail       D is the end of the work (the last samples, voxels or chunks), which was not done
  *   lost-chunk      every chunk with a difference is completely empty or unprocessed
  *   column-parity   D consists of complete runs of voxels along x, from one crossing of the surface to another
  *   tool-class      every voxel of D is solid in both grids and cutting in only one of them
@@ -61,8 +61,8 @@ const char *ost_pattern_name(pattern p);
 /* The relation between the grid and `in`, the input from which the stage made the grid. */
 typedef enum pattern_input {
     PATTERN_NO_INPUT,
-    /* `in` is resampled: voxel (x, y, z) comes from voxel (source[0][x], source[1][y], source[2][z]) of `in`, or is a
-       mean of this voxel and the voxels after it */
+    /* `in` is resampled: voxel (x, y, z) is voxel (source[0][x], source[1][y], source[2][z]) of `in`, or a mean of that
+       voxel and its upper neighbours */
     PATTERN_SOURCE,
     PATTERN_THRESHOLDED, /* `in` is the same grid before densities below the threshold were set to 0 */
     PATTERN_BEFORE       /* `in` is the bone before the event */

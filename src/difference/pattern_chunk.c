@@ -35,7 +35,7 @@ static bool chunks_differ(const pattern_view *v, const int16_t *p, const int16_t
     return false;
 }
 
-/* Stores in solid_a and solid_b whether grid A and grid B have a solid voxel in the chunk that begins at (x, y, z). */
+/* Sets solid_a if grid A has a solid voxel in the chunk that begins at (x, y, z), and solid_b if grid B has one. */
 static void find_solid(const pattern_view *v, int32_t x, int32_t y, int32_t z, chunk_counts *l)
 {
     for (int32_t k = z; k < end_of(z, v->chunk, v->dims.z); k++)
@@ -60,10 +60,9 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 }
 
 typedef struct chunk_sums {
-    /* numbers of chunks; one_sided is the number of chunks that are solid in only one of the grids */
+    /* numbers of chunks that differ: all, those in which B equals `in`, and those that are solid in only one grid */
     int64_t differ, undone, one_sided;
-    /* `hit` is the number of chunks with a hit; `hit_after` counts only the chunks with a hit that have no difference
-       and follow the first chunk with a difference */
+    /* number of chunks with a hit, and number of those that follow the first differing chunk and do not differ */
     int64_t hit, hit_after;
 } chunk_sums;
 

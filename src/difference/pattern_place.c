@@ -58,8 +58,8 @@ static bool neighbour(const pattern_view *v, const int32_t p[3], int dx, int dy,
     return true;
 }
 
-/* An arrangement of the axes in which voxel p of B is voxel q of A: q[from[axis]] = (flip ? n - 1 - p[axis] :
-   p[axis]) + shift. */
+/* An arrangement of the axes in which voxel p of B is voxel q of A. For an axis of B with n voxels and the axis
+   to = from[axis] of A, q[to] is (flip[axis] ? n - 1 - p[axis] : p[axis]) + shift[to]. */
 typedef struct arrangement {
     int from[3];
     bool flip[3];

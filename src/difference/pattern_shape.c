@@ -16,11 +16,11 @@ static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
     return to == n || g[to] != g[x] ? to : x;
 }
 
-/* Returns the smallest number of complete runs of a or b that exactly cover the voxels from <= x < end, or 0 if no
-   runs cover them exactly. */
+/* Returns the smallest number of complete runs of a or b that exactly cover the voxels x with from <= x < end, or 0 if
+   no runs cover them exactly. */
 static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
 {
-    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* minimum number of runs that cover [from, x), plus one */
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* 1 + minimum number of runs that cover [from, x); 0 if no runs do */
     least[from] = 1;
     for (int32_t x = from; x < end; x++) {
         if (!least[x])
