@@ -6,10 +6,14 @@
  *
  *   spring u  +  sum over pressing points of  b (given + j . u) j  =  pull
  *
- * u is the velocity of the tool, or its velocity and angular velocity. For each point, b is the resistance, and j is
- * the outward normal n or, with the angular velocity, n and r x n, where r is the point's position. given + j . u is
- * the point's speed of advance. An iteration finds the set of pressing points: each solution determines the set for the
- * next solution.
+ * For each point, b is the resistance, and given + j . u is the speed of advance. With
+ * the point's position r and outward normal n, u and j are:
+ *
+ *   3 components   u = velocity of the tool                         j = n
+ *   6 components   u = velocity and angular velocity of the tool    j = n and r x n
+ *
+ * The pressing points are found by iteration: each solution determines the points that
+ * press in the next solution.
  */
 #ifndef OST_FORCE_BALANCE_H
 #define OST_FORCE_BALANCE_H

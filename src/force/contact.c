@@ -114,7 +114,7 @@ typedef struct to_voxels {
 
 /*
  * Computes the map for a pose. Returns false if the pose is not finite, if the tool's reach is REACH_MAX or more, or if
- * no point of the tool, extended by `more` (m), can lie in the grid.
+ * the tool cannot overlap the grid. The reach is increased by `more` metres.
  */
 static bool map_make(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double more,
                      to_voxels *map)
@@ -224,7 +224,7 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
     for (size_t i = 0; i < left; i++)
         walking[i] = (uint16_t)i;
     /*
-     * Advances all points that are still in bone by half a voxel per step. The first step
+     * Moves all points that are still in bone inward, by half a voxel per step. The first step
      * determines which points touch bone.
      */
     bool first = true;

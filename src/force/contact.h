@@ -75,8 +75,9 @@ void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *param
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
                              ost_error *err);
 /*
- * Finds the points for which the position `layer` (m) outward of the point lies in bone. c->depth is the depth of this
- * position in bone along the inward normal, limited to 2 * layer. c->density is the density of the first bone voxel.
+ * Finds the points that press: the position at the distance `layer` (m) outward of such a point lies in bone. c->depth
+ * is the depth of this position in the bone along the inward normal, limited to 2 * layer. c->density is the density at
+ * this position.
  */
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
                              contact *c, ost_error *err);

@@ -4,9 +4,9 @@
  *
  *   energy    device o~~~spring, damper~~~o tool | points: f = b * advance
  *
- *     K (x_d - x) + D (v_d - v) = sum over touching points of b (inward . -v)+ (-inward)
- *     b = area * energy / (cutting ratio * speed of the point)
- *     x, v: position and velocity of the tool; x_d, v_d: those of the device; (a)+: max(a, 0), here the advance
+ *     K (x_d - x) + D (v_d - v) = sum over touching points of b * advance * (-inward)
+ *     advance = max(inward . -v, 0),  b = area * energy / (cutting ratio * speed of the point)
+ *     x and v are the position and the velocity of the tool, x_d and v_d those of the device
  *
  *   To advance into bone, a point needs the power area * advance * energy.  The lateral force of cutting,
  *   cutting ratio * f, supplies this power at the speed of the point.  A contact therefore acts as a damper
@@ -204,8 +204,8 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
 
 /*
  * Sums the forces of the points on the tool: the forces along the normals, and the lateral forces
- * of cutting.  If one side of the tool is pressed, the lateral force pulls the tool sideways.  Such
- * a coupling has no potential and would make a lightly held device whirl at its natural frequency.
+ * of cutting.  If one side of the tool is pressed, the lateral force pulls the tool sideways.  This
+ * force has no potential and would make a lightly held device whirl at its natural frequency.
  * A low-pass filter therefore limits the lateral force to lower frequencies.
  */
 static void sum_up(ost_force *f, double period, ost_force_result *out)
@@ -275,8 +275,8 @@ static void shake(ost_force *f, double period, ost_force_result *out)
 /* ------------------------------------------------------------------ energy */
 
 /*
- * Adds the touching points to the balance. The parameter `turn` is the part of the tool's angular velocity that is
- * given, in the tool's frame; the balance does not solve for this part.
+ * Adds the touching points to the balance. `turn` is the part of the tool's angular velocity, in the tool's frame, for
+ * which the balance does not solve.
  */
 static void gather(ost_force *f, int axes, const double turn[3])
 {

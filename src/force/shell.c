@@ -36,7 +36,7 @@ static bool solid(const ost_tool_volume *t, int x, int y, int z)
 
 static const int directions[6][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}};
 
-/* The voxels within REACH of the centre of a face, relative to the voxel inside the face, in the order of summation. */
+/* The voxels within REACH of a face's centre, relative to the solid voxel at the face, in the order of summation. */
 typedef struct ball {
     int count;
     int8_t at[(2 * REACH + 2) * (2 * REACH + 2) * (2 * REACH + 2)][3];
@@ -78,7 +78,7 @@ static void inward_at(const ost_tool_volume *t, const int v[3], const int e[3], 
         out[a] = g[a] / size;
 }
 
-/* A face of the surface: the voxel inside it, the number of its direction, and the inward normal there. */
+/* A face of the surface: the solid voxel at the face, the number of the face's direction, and the inward normal. */
 typedef struct face {
     int32_t v[3];
     uint8_t direction;
