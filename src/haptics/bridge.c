@@ -62,7 +62,7 @@ typedef struct bridge {
     bool has_state, limp, engaged_once;
     int64_t begin_ns, patience_ns;
     ost_pose given;          /* latest pose of the tool */
-    double at[3], speed[3];  /* position of the pose `given`, and speed of the tool */
+    double at[3], speed[3];  /* position (in `given`) and speed of the tool */
     bool has_at;
 } bridge;
 

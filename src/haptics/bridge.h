@@ -12,7 +12,8 @@
  * loop passive. Because the coupling and the safety layer run on this machine, no feedback loop includes the delay of
  * the link.
  *
- *   force = f + K (p - x) . n - B v . n, never pulling    f, n, p, K, B: from the state; x, v: position and speed now
+ *   force = max(f + K (p - x) . n - B v . n, 0)     f, n, p, K and B are taken from the state;
+ *                                                   x and v are the current position and speed
  *
  * The device renders no force if no state has arrived for BRIDGE_LIMP_MS, or if the newest state
  * has LINK_AGAIN or LINK_ENDED set. After such an interruption, the clutch engages again with the

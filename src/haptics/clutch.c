@@ -60,7 +60,7 @@ ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q
     ost_quaternion_rotate(c->world, moved, moved);
     for (int i = 0; i < 3; i++)
         c->given_at[i] = c->base_at[i] + moved[i];
-    /* The tool's orientation is the product world (q from^-1) world^-1 base. */
+    /* orientation of the tool = world * (q * from^-1) * world^-1 * base */
     ost_quaternion_conjugate(c->from_q, back);
     ost_quaternion_product(q, back, a);
     ost_quaternion_product(c->world, a, b);

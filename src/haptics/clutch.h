@@ -3,7 +3,7 @@
  * A clutch couples a body with a tool at a different position. The body is a device, or a pose that
  * a device has already mapped to the bone's frame.
  *
- *   body     from ----> at          tool     given ----> given + world (at - from)
+ *   body     from ----> at          tool     base ----> base + scale * world (at - from)
  *
  * When the clutch engages, the tool stays where it is. From then on, the tool follows the body's
  * motion. The first engagement aligns the body's axes with those of the tool. Later engagements
@@ -35,7 +35,7 @@ haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
 void haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages the clutch with the tool at its current position. */
 void haptic_clutch_release(haptic_clutch *clutch);
-/* Disengages the clutch and sets the tool's pose. */
+/* Sets the tool's pose and disengages the clutch. The next pose engages the clutch with the tool at its new pose. */
 void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
 /*
  * Returns the tool's pose for a body at the position `at` (m) with the orientation q (length 1).

@@ -7,7 +7,7 @@
  *   open     receives the part of the spec after the colon, "" if there is none
  *   read     returns the pose for this tick; takes no lock, allocates no memory and does not wait; after
  *            OST_HAPTIC_NOT_TRACKED the tool continues from its last position (clutch.h), unless the first
- *            new pose is lifted, as with openxr
+ *            new pose is lifted, as in the openxr driver
  *   write    sends the wrench of this tick, under the same rules
  *   run      for devices with their own clock: calls `beat` on the device's
  *            thread until `beat` returns false, and then returns; read and
@@ -25,7 +25,7 @@ typedef struct haptic_driver {
     const char *name, *description;
     uint32_t caps;
     double max_force_n, max_stiffness_n_m;
-    /* buttons[i] has bit i in the state of the buttons; the list ends before the first entry without a name */
+    /* buttons[i] describes bit i of the buttons' state; the list ends before the first entry without a name */
     ost_button buttons[OST_BUTTONS_MAX];
     bool (*usable)(char reason[256]); /* returns true if the device can be used; NULL if the device is always usable */
     /* returns true if the device responds; NULL if the device is assumed to respond */
@@ -50,7 +50,7 @@ struct ost_haptic {
     haptic_instance *instance;
 };
 
-/* Opens a device like ost_haptic_open, but with the given driver. Tests pass drivers of their own. */
+/* Opens a device as ost_haptic_open does, but with the given driver. Tests pass their own drivers. */
 ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *options, const ost_haptic_setup *setup,
                                   ost_haptic **out, ost_error *err);
 

@@ -21,7 +21,7 @@ ost_status ost_hand_input_create(ost_hand_input **out, ost_error *err);
 void ost_hand_input_free(ost_hand_input *input); /* NULL is allowed */
 /* Sets the newest sample. Only one thread may call this function. */
 void ost_hand_input_put(ost_hand_input *input, const ost_hand_sample *sample);
-/* Returns true if the device uses the left hand. The device sets this value when it is opened. */
+/* Returns true if the headset must track the left hand's controller. The device sets this value when it is opened. */
 bool ost_hand_input_is_left(const ost_hand_input *input);
 
 #endif

@@ -119,8 +119,7 @@ static bool numbers(const json_t *object, const char *const *names, int count, d
     return true;
 }
 
-/* Returns a property. The service stores a property either in the object "state" inside `thing`,
-   or in `thing` itself. */
+/* Returns a property of an object. The service stores it in the object's member "state" or in the object itself. */
 static const json_t *member(const json_t *thing, const char *name)
 {
     const json_t *within = json_object_get(json_object_get(thing, "state"), name);
@@ -211,8 +210,8 @@ static int write_command(haptic_instance *h, bool nothing, char *text, size_t ca
     const double *force = h->force[h->out.front];
     for (int a = 0; a < 3; a++)
         f[a] = nothing ? 0 : llrint(force[a] * 1e6);
-    /* Without a device's id, no force can be sent. The first message contains no force; it selects the form of the
-       answers. */
+    /* The first message selects the form of the answers. It is sent again until the device's id is known, because a
+       force cannot be sent without the id. */
     if (!h->has_greeted || !h->id[0])
         return snprintf(text, capacity, "{\"session\":{\"force_render_full_state\":{}}}");
     return snprintf(text, capacity,

@@ -19,7 +19,7 @@
 static const uint8_t magic[4] = {'O', 'S', 'T', 'L'};
 enum {
     AT_VERSION = 4, AT_TYPE = 5, AT_FLAGS = 6, AT_BRIDGE = 8, AT_SIMULATION = 16, AT_SEQUENCE = 24,
-    AT_BODY = 32,   /* offset of `t_ns` (signed) or `answers` (unsigned), a 64-bit integer */
+    AT_BODY = 32,   /* offset of a 64-bit integer: `t_ns` (signed) or `answers` (unsigned) */
     AT_POSE = 40,   /* offset of the pose: three 64-bit and four 32-bit signed integers */
     AT_BUTTONS = 80, AT_TOOL = 84,
     AT_FORCE = 80, AT_TORQUE = 92, AT_STIFFNESS = 104, AT_DAMPING = 108

@@ -48,7 +48,7 @@ typedef struct link_packet {
     uint64_t answers;
     /* in a hello or pose packet, the time on the sender's clock, only for diagnosis */
     int64_t t_ns;
-    /* in a hello or pose packet, the pose of the device; in a state packet, the pose to which the force belongs */
+    /* in a hello or pose packet, the pose of the device; in a state packet, the pose at which the force was computed */
     ost_pose pose;
     uint32_t buttons;
     int32_t tool;                /* index of the selected tool; -1 if the device does not select a tool */
@@ -88,7 +88,7 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which of the 64 newest packets of a sender, by sequence number, have arrived. */
+/* Records which of a sender's packets with the 64 highest sequence numbers have arrived. */
 typedef struct link_window {
     /* `last` is the newest sequence number; bit i of `seen` is set if packet last - i has arrived */
     uint64_t last, seen;

@@ -5,7 +5,7 @@
  *   rows   *  *  *  *  .  .  .  .  *  *  *        . row without a pose
  *   ticks  ||||||||||||            ||||||||       one pose per tick
  *                      ----------                 OST_HAPTIC_NOT_TRACKED: the tool stays
- *                                 ^ this row is lifted; the clutch engages with the tool where it is
+ *                                 ^ lifted row: the clutch engages with the tool at its current position
  *
  * The motion lasts from the first row of the table to the last. Tracking may be lost at the
  * beginning and at the end. Between two rows, positions are interpolated linearly and orientations

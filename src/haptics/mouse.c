@@ -112,7 +112,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     double to[3], toward[4];
     haptic_follow_take(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
-        /* After an exchange or a lift, the tool takes its new pose at once, without intermediate steps. */
+        /* After a change of tools or a lift, the tool takes its new pose at once, without intermediate steps. */
         memcpy(m->tool_pose.at, to, sizeof to);
         memcpy(m->tool_pose.q, toward, sizeof toward);
         m->tool = input->tool;

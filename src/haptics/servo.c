@@ -62,7 +62,7 @@ static uint32_t ns32(int64_t ns)
     return ns < 0 ? 0 : ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-/* Returns the number of ticks to skip after a tick that was due at `due` and ended at `end`. */
+/* Returns the number of ticks to skip, which became due between a tick's due time and its end. */
 static int64_t skipped_after(int64_t due, int64_t end, int64_t period)
 {
     return end > due ? (end - due) / period : 0;
@@ -136,7 +136,7 @@ static bool run_loop(servo *s)
 
 /*
  * Classifies the missed deadlines of a tick. The time since s->ready includes the rehearsals and the wait before the
- * tick, which together may take lead_ns. Only time beyond lead_ns counts as work.
+ * tick. These may take lead_ns, which is therefore subtracted from the tick's own work.
  */
 static void count_missed(servo *s, uint64_t missed)
 {

@@ -21,7 +21,7 @@
  * below zero, so that a sticking device stays still. The stylus always has exactly the planned
  * direction. The device senses this direction and renders no torque.
  *
- * Friction makes such a loop passive up to a stiffness of 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti
+ * Friction makes the force loop passive up to a stiffness of 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti
  * et al. 2006). friction=0 is the worst case, in which a force law must still be stable.
  *
  * The code uses only + - * / and sqrt of doubles, and its own random generator. Therefore the same ticks and forces

@@ -7,8 +7,8 @@
  * The cap sets a speed, not a position, because it returns to its centre by itself. The motion is
  * therefore unlimited. A fully pushed cap moves the tool at the speed given by the `speed` option and rotates the tool
  * at the speed given by the `turn` option. Within the dead zone, the speed is zero; from there to full deflection, it
- * increases linearly. x points to the right, y up, and z toward the operator, opposite to libspnav's z. libspnav
- * reports only changes, so the last values apply until the next event.
+ * increases linearly. x points to the right, y up, and z toward the operator; libspnav's z has the opposite direction.
+ * libspnav reports only changes, so the last values apply until the next event.
  *
  * With hold=1, the tool moves only while button 1 is pressed. The device renders no force.
  */
@@ -194,7 +194,7 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     spnav_event event;
     for (int i = 0; i < EVENTS && s->spnav.poll(&event); i++)
         take_event(s, &event);
-    /* libspnav does not report that the daemon has ended, but the socket does. */
+    /* The socket is checked, because libspnav does not report that the daemon has ended. */
     if (s->lost || daemon.fd < 0 || (poll(&daemon, 1, 0) > 0 && (daemon.revents & (POLLHUP | POLLERR | POLLNVAL))))
         return OST_HAPTIC_LOST;
     const bool moves = !s->how.hold || (s->buttons >> HOLD_BUTTON & 1);

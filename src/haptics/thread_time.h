@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the processor time that a thread used between two moments, and classifies missed
- * deadlines accordingly.
+ * Measures the processor time that a thread used between two moments, and determines the causes of
+ * missed deadlines from this time.
  *
  *   wall time  =  own work  +  time taken away (other threads, the hypervisor)
  *   an interval in which the thread waited voluntarily (slept, waited for a lock, read a file)

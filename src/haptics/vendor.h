@@ -2,8 +2,10 @@
 /*
  * Loads a vendor's library only when a device that needs it is requested.
  *
- *   the file that the environment variable names, or, if it is not set,
- *   the first library that is found under one of the names --dlopen--> all symbols, or none
+ *   file --dlopen--> all symbols, or none
+ *
+ * An environment variable may name the file. Otherwise, the file is the first library that dlopen finds under one of
+ * the given names.
  *
  * The build needs no vendor files, because this project declares the prototypes itself. A library stays loaded, because
  * some libraries have threads that outlive their devices.
@@ -22,7 +24,7 @@ typedef struct vendor_symbol {
 } vendor_symbol;
 
 typedef struct vendor_library {
-    const char *variable;        /* environment variable that names another file to load instead */
+    const char *variable;        /* environment variable; if it is set, its value replaces `names` */
     const char *const *names;    /* names that are passed to dlopen one after the other; the list ends with NULL */
     const char *product;         /* name of the product that the user must install; used in messages */
     const vendor_symbol *symbols;
