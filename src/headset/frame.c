@@ -117,9 +117,9 @@ static ost_status draw_eyes(frame *f, const ost_headset_calls *calls, ost_error 
 }
 
 /*
- * Counts the display periods without a new frame since the previous frame. If frames take too long, some runtimes
- * request them at a lower rate and report a longer period. The shortest period reported so far is therefore used as the
- * period of the display.
+ * Counts the display periods that have passed without a new frame. If frames take too long, some runtimes request them
+ * at a lower rate and report a longer period. The shortest period reported so far is therefore used as the period of
+ * the display.
  */
 static void count_frame(ost_headset *h, const XrFrameState *state)
 {

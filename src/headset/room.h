@@ -4,8 +4,8 @@
  *
  *   room    metres; the origin is at the eyes when the headset starts; x right, y up, z toward the viewer (OpenXR's
  *           space LOCAL)
- *   bone    millimetres; a view's target is OST_ROOM_AHEAD_M in front of the origin, and the axes right, up and back
- *           of this view are the room's axes x, y and z. The bone has its true size
+ *   bone    millimetres, shown in true size; the target of a view is OST_ROOM_AHEAD_M in front of the room's origin,
+ *           and the view's directions right, up and back are the room's x, y and z
  */
 #ifndef OST_HEADSET_ROOM_H
 #define OST_HEADSET_ROOM_H

@@ -97,7 +97,7 @@ ost_status ost_headset_open(ost_headset **out, ost_error *err)
     ost_headset *h = calloc(1, sizeof *h);
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for a headset");
-    /* Suppresses the several lines that the loader prints for each failure; the returned error contains the reason. */
+    /* Suppresses the lines that the loader prints for each failure, because the returned error contains the reason. */
     setenv("XR_LOADER_DEBUG", "none", 0);
     ost_status status = check_extensions(err);
     if (status == OST_OK)
