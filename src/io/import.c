@@ -32,9 +32,9 @@ enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 
 /*
  * The grid of a text file with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a
- * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. Real files are
- * far below this limit: a bone without its surroundings fills 5 to 30 % of its bounding box, and even the shell of a
- * bone stays far below the limit.
+ * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. Real files need
+ * far fewer voxels per sample: a bone without its surroundings fills 5 to 30 % of its bounding box, and the shell of a
+ * bone is also far below the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;
@@ -109,9 +109,9 @@ static ost_status count_active(const job *j, int32_t threshold, int64_t *out, os
 
 /*
  * Refuses a bone that is too large for the memory, because its import could run for hours before the system kills the
- * process. Backends need different amounts of memory; cpu, which needs the least, allocates no cubic grid and stores
- * only the active voxels of a bone. The check therefore estimates only the number of active voxels, in proportion to
- * volume. A grid that is too large for other reasons fails later with its own message.
+ * process. The estimate contains only the active voxels of the bone, because the cpu backend stores nothing else. Their
+ * number is scaled from the rect grid to the cubic grid. A backend that needs more memory, for example for the cubic
+ * grid, fails later with its own message.
  */
 static ost_status check_bone_memory(const job *j, ost_pm cubic, int32_t threshold, ost_error *err)
 {

@@ -157,9 +157,9 @@ static ost_status add_json(ost_label_names *names, const char *path, const char 
 }
 
 /*
- * Parses a line "VALUE NAME ..." or "VALUE,NAME,..." and adds the name to the list. If the line contains a string in
- * double quotes, as in the tables of ITK-SNAP, the last of these strings is the name. Returns false if the line does
- * not begin with a value and a separator, or if the name is empty.
+ * Parses a line "VALUE NAME ..." or "VALUE,NAME,..." and adds the name to the list. If the line contains strings in
+ * double quotes, as in the tables of ITK-SNAP, the last string is the name. Returns false if the line does not begin
+ * with a value and a separator, or if the name is empty.
  */
 static bool add_line(ost_label_names *names, char *line, ost_status *status, ost_error *err)
 {
@@ -225,7 +225,7 @@ static ost_status unknown(const ost_label_names *names, const char *mask, const 
     char list[LISTED + OST_LABEL_NAME + 8] = "";
     size_t used = 0;
     int listed = 0;
-    /* Lists the existing names. Names whose first ALIKE characters equal those of `name`, ignoring case, are first. */
+    /* Lists the existing names. Names whose first ALIKE characters are those of `name`, ignoring case, come first. */
     for (int other = 0; other < 2; other++)
         for (int i = 0; i < names->count && used < LISTED; i++) {
             const ost_label_name *item = &names->items[i];

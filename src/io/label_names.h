@@ -46,9 +46,9 @@ ost_status ost_label_names_add_xml(ost_label_names *names, const char *text, ost
 ost_status ost_label_names_add_file(ost_label_names *names, const char *path, ost_error *err);
 
 /*
- * Stores in *value the label with the given name; case is ignored. Returns OST_ERR_INPUT if no label or more than one
- * label has this name; the message then lists the existing names. `mask` is the path of the label map, for the
- * message.
+ * Stores in *value the label with the given name; case is ignored. Returns OST_ERR_INPUT if several labels have this
+ * name, or if none has; in the latter case, the message lists the existing names. `mask` is the path of the label map,
+ * for the message.
  */
 ost_status ost_label_names_find(const ost_label_names *names, const char *mask, const char *name, int16_t *value,
                                 ost_error *err);

@@ -10,7 +10,7 @@
  *               "# CoordinateSystem" selects another coordinate system
  *
  * Labels are matched to roles without regard to case, blanks, '-' and '_'.  A
- * file has at most FILE_MAX bytes; every coordinate is a length within 8 m.
+ * file has at most FILE_MAX bytes; every coordinate is from -8 m to 8 m.
  */
 #include "core/conditions.h"
 

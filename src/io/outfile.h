@@ -22,9 +22,9 @@
  * A process that is killed before the commit leaves no file under the final name. With O_TMPFILE, the process also
  * leaves no other file, unless it is killed between the link and the rename that replace an old file.
  *
- * A target that exists and is not a regular file (/dev/null, a pipe, a terminal) is written in place; /dev/stdout,
- * /dev/stderr and "-.ENDING", in which the ending selects the format, are the process's own streams. If writing to a
- * stream fails, its reader has already received the bytes before the failure. A symbolic link is followed, not
+ * A target that exists and is not a regular file (/dev/null, a pipe, a terminal) is written in place. /dev/stdout,
+ * /dev/stderr and "-.ENDING" are the process's own streams; the ending selects the format. If writing to a stream
+ * fails, the stream's reader has already received the bytes that were written before. A symbolic link is followed, not
  * replaced. Permissions follow the umask.
  *
  * Signals: a process that may be terminated by SIGINT, SIGTERM, SIGHUP or SIGXFSZ calls ost_outfile_unlink_pending from
@@ -82,8 +82,8 @@ ost_status ost_outfile_commit(ost_outfile *file, ost_error *err);
 void ost_outfile_discard(ost_outfile *file);
 
 /*
- * Creates a file with the given contents, unless the name already exists; in this case, sets *taken and creates
- * nothing. The file is not synced. A symbolic link counts as an existing name and is not followed.
+ * Creates a file with the given contents. If the name already exists, creates nothing and sets *taken. The file is not
+ * synced. A symbolic link counts as an existing name and is not followed.
  */
 ost_status ost_outfile_put_new(const char *path, const void *bytes, size_t size, bool *taken, ost_error *err);
 

@@ -69,7 +69,7 @@ static ost_status fail_field(const reader *r, int column, const char *field, con
                     expected);
 }
 
-/* Counts the values before the first empty column or the end of the row. *empty is set to true at an empty column. */
+/* Counts the values before the first empty column or the end of the row. Sets *empty to true if a column is empty. */
 static int count_columns(const char *p, const char *end, bool *empty)
 {
     int columns = 0;
@@ -304,7 +304,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Computes the median of `of(a, b)` over all pairs of adjacent ticks a, b. There must be at least one pair. */
+/* Computes the median of the function `of` over all pairs of adjacent ticks. There must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -328,9 +328,9 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 }
 
 /*
- * Computes the limit for gaps: two adjacent ticks a and b have a gap if `of(a, b)` is above the limit. If `given` is
- * not 0, it is the limit. Otherwise, the limit is the maximum of `least` and `factor` times the median of `of(a, b)`.
- * If no pair of ticks exceeds `least`, there are no gaps; the limit is then `least`, and the median is not computed.
+ * Computes the limit for gaps: two adjacent ticks a and b have a gap if of(a, b), their distance, is above the limit.
+ * The parameter `given` states the limit unless it is 0. Otherwise, the limit is the maximum of `least` and `factor`
+ * times the median distance. If no distance exceeds `least`, there are no gaps, and the median is not computed.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)
@@ -348,7 +348,7 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 }
 
 /*
- * Marks the second tick of each pair that is too far apart in time or space as lifted, and counts the lifted ticks
+ * Marks a tick as lifted if it is too far from the previous tick in time or space, and counts the lifted ticks
  * (AR-PATH-5). A median is below 2^93, so its product with TIMES_MEDIAN^2 fits ost_i128.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)

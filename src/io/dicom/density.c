@@ -18,7 +18,7 @@ static int32_t value_of(const ost_dicom_frame *f, uint16_t cell)
 
 /*
  * Returns true if a pixel is padding. The padding values are compared with both the pixel value and the complete cell,
- * because padding values may not fit into the stored bits.
+ * because padding values can be too large for the stored bits.
  */
 static bool is_padding(const ost_dicom_frame *f, uint16_t cell, int32_t value)
 {

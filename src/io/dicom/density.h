@@ -2,7 +2,7 @@
 /*
  * Converts pixel cells to densities (AR-DCM-1).
  *
- *   cell of 16 bits --stored bits, sign--> value --padding: -1024--> RHE(value * slope + intercept)
+ *   cell of 16 bits --stored bits, sign--> value ----> RHE(value * slope + intercept), or -1024 for padding
  *
  * The densities of all 2^16 possible cells are computed in advance and shared by all images with the same parameters,
  * so converting a pixel is one table lookup. RHE rounds half to even.

@@ -16,8 +16,8 @@ static bool read_decimal(const char *text, int64_t factor, int64_t limit, int64_
 }
 
 /*
- * Reads `count` decimals of an attribute. Sets frame->bad if a decimal is missing or invalid and frame->bad is not set
- * yet.
+ * Reads `count` decimals of an attribute. If a decimal is missing or invalid, sets frame->bad, unless an earlier
+ * attribute has set it.
  */
 static void read_attribute(ost_dicom_frame *frame, ost_dicom_attribute attribute,
                            const char (*texts)[OST_DICOM_DECIMAL], int count, int64_t factor, int64_t limit,

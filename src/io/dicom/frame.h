@@ -36,7 +36,7 @@ typedef struct ost_dicom_frame {
     ost_dicom_result result;
     const char *encoding; /* encoding of the pixels, such as "raw" or "JPEG 2000"; a string constant */
     int32_t columns, rows;
-    uint8_t bits_allocated, bits_stored, high_bit; /* numbers of bits; values above 255 are stored as 255 */
+    uint8_t bits_allocated, bits_stored, high_bit; /* values above 255 are stored as 255 */
     int32_t padding_first, padding_last;
     uint8_t patient[OST_DICOM_IDENTITY], study[OST_DICOM_IDENTITY], reference[OST_DICOM_IDENTITY];
     ost_dicom_attribute bad;               /* first attribute that is missing or invalid */
@@ -45,7 +45,7 @@ typedef struct ost_dicom_frame {
     int64_t direction[2][3];               /* unit vectors along increasing columns and along increasing rows */
     ost_pm spacing[2];                     /* distance between columns, then distance between rows */
     ost_pm thickness;                      /* slice thickness; 0 if the file does not state it */
-    bool rescaled;                         /* true if the file states a slope and an intercept */
+    bool rescaled;                         /* true if the file states a slope or an intercept */
     int64_t slope, intercept;
 } ost_dicom_frame;
 

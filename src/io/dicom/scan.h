@@ -36,7 +36,7 @@ typedef struct ost_dicom_scan {
     size_t frame_count, frame_capacity;
     ost_dicom_group *series;   /* owned */
     size_t series_count, series_capacity;
-    /* number of ignored files that are not DICOM, and of ignored DICOM files without an image */
+    /* numbers of ignored files: files that are not DICOM, and DICOM files without an image */
     uint32_t not_dicom, no_image;
 } ost_dicom_scan;
 

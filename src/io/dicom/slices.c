@@ -15,8 +15,8 @@ static const ost_pm SAME = OST_PM_PER_MM / 1000;
 void ost_dicom_shear(const int16_t *from, int32_t columns, int32_t rows, const ost_pm drift[2], const ost_pm spacing[2],
                      const int32_t margin[2], const int32_t sizes[2], int16_t *to)
 {
-    /* Pixel 0 of the result lies at -margin * spacing - drift in the slice. This position is split into `whole`
-     * pixels and `part` < spacing; `rest` is spacing - part. */
+    /* Pixel 0 of the result lies at -margin * spacing - drift in the slice. On axis a, this position is whole[a] pixels
+     * plus part[a], with 0 <= part[a] < spacing[a]. */
     int64_t whole[2], part[2], rest[2];
     for (int a = 0; a < 2; a++) {
         const int64_t at = -margin[a] * spacing[a] - drift[a];

@@ -21,8 +21,8 @@ typedef struct ost_dicom_slices {
     const int16_t *current;       /* slice of the result whose rows are being returned; NULL without resampling */
     size_t index;              /* number of stack slices read so far; used only for evened stacks */
     int16_t *plain;            /* owned; a slice that is not yet sheared */
-    /* owned; for evened stacks, the last two slices; for stacks that are only untilted, `before` is the last slice
-     * and `after` is unused */
+    /* owned; for evened stacks, the two slices that were read last; for stacks that are only untilted, `before` is the
+     * slice that was read last, and `after` is NULL */
     int16_t *before, *after;
     int16_t *mixed;            /* owned; interpolated slice of the result, for evened stacks */
     int64_t interpolated;      /* number of slices of the result that were interpolated */

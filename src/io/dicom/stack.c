@@ -347,7 +347,7 @@ static ost_status check_drift(const ost_dicom_stack *stack, const ost_pm spacing
     char a[OST_PM_TEXT];
     for (int axis = 0; axis < 2; axis++)
         for (int64_t k = 1; k < steps; k++) {
-            /* drift that the line through the first and the last slice has at the position of this slice */
+            /* drift of the line through the first and the last slice, at the position of this slice */
             const ost_pm line = (ost_pm)ost_rhe_div128((ost_i128)last->drift[axis] * stack->slices[k].along,
                                                        last->along);
             const ost_pm off = magnitude(stack->slices[k].drift[axis] - line);

@@ -5,7 +5,7 @@
  *   images of a series --checks--> ordered along the normal --> doubled images separated --> affine transform
  *
  *        slice 2   ________          along: distance from the first slice along the normal
- *        slice 1  ________           drift: distance from the first slice's columns and rows
+ *        slice 1  ________           drift: offset from the first slice perpendicular to the normal
  *        slice 0 ________
  *                --> drift
  *
@@ -37,7 +37,7 @@ typedef struct ost_dicom_stack {
     int32_t sizes[3];               /* sizes of the result before its axes are reordered to LPS */
     ost_affine affine;
     bool evened;                    /* true if the slices are resampled at sizes[2] evenly spaced positions */
-    bool untilted;                  /* true if the slices are shifted back by their drift (untilted) */
+    bool untilted;                  /* true if the slices are shifted back by their drift */
     /* for untilted stacks, the number of pixels added before the first column and before the first row */
     int32_t margin[2];
 } ost_dicom_stack;

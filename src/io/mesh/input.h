@@ -65,8 +65,8 @@ typedef struct mesh_plain {
 
 ost_status ost_mesh_plain_open(const mesh_input *in, mesh_plain *plain, ost_error *err);
 /*
- * Completes the plain form and returns a status. `status` is the result of writing the plain form. If it is OST_OK, the
- * plain form replaces in->bytes; otherwise, in->bytes is unchanged and `status` is returned.
+ * Completes the plain form, which was written with the result `status`. If `status` is OST_OK, the plain form replaces
+ * in->bytes. Otherwise, in->bytes is unchanged and `status` is returned.
  */
 ost_status ost_mesh_plain_close(mesh_input *in, mesh_plain *plain, ost_status status, ost_error *err);
 

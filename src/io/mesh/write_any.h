@@ -12,7 +12,7 @@
  */
 ost_status ost_mesh_write_any(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
-/* Writes a binary STL file like ost_mesh_write_stl. If the frame is LPS, the header also states the frame. */
+/* Writes a binary STL file as ost_mesh_write_stl does. If the frame is LPS, the header also states the frame. */
 ost_status ost_mesh_write_stl_framed(const char *path, const ost_mesh *mesh, ost_mesh_frame frame, ost_error *err);
 
 #endif

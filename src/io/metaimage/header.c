@@ -139,7 +139,7 @@ static ost_status take_line(reader *r, char *line, long number)
 
 /*
  * Reads the lines up to ElementDataFile. If the value of ElementDataFile is LIST, also reads the file names after it.
- * Sets *count to the number of lines up to ElementDataFile.
+ * Sets *count to the number of lines up to and including ElementDataFile.
  */
 static ost_status read_lines(reader *r, ost_input *input, size_t *count)
 {
@@ -183,7 +183,7 @@ static ost_status read_fields(reader *r, ost_input *input, ost_data_names *names
     const field *data = &r->fields[KEY_DATA];
     *names = (ost_data_names){.value = data->value, .line = data->line};
     if (ost_data_is_list(names->value)) {
-        /* The number of axes may be followed by the letter D, as in 2D or 3D. */
+        /* LIST may be followed by a number of axes with the letter D, as in 2D or 3D; this letter is removed. */
         char *last = data->value + strlen(data->value) - 1;
         if (*last == 'D' && last[-1] >= '1' && last[-1] <= '3')
             *last = 0;

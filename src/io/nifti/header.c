@@ -148,8 +148,8 @@ static void from_quaternion(const nifti_image *nim, const double pixdim[3], doub
 }
 
 /*
- * Replaces the length of an affine column with pixdim if the column deviates slightly from its axis, by at most 1/1000,
- * and its length agrees with pixdim to 1/10000.
+ * Replaces the length of an affine column with pixdim if two conditions hold: the column deviates from its axis, but by
+ * at most 1/1000, and its length agrees with pixdim to 1/10000.
  */
 static void resolve_spacing(ost_pm column[3], ost_pm pixdim)
 {
@@ -301,9 +301,9 @@ static bool same_float(ost_pm a, ost_pm b)
 }
 
 /*
- * Replaces the float lengths of the header with the exact lengths from osteon's own comment, if the exact lengths,
- * rounded to float, equal the lengths of the header. If they differ, another program has changed the header. In both
- * cases, removes the comment's lengths from the header facts.
+ * Replaces the header's float lengths with the exact lengths from osteon's own comment if the exact lengths round to
+ * these floats. Otherwise, another program has changed the header. In both cases, removes the exact lengths from the
+ * header facts.
  */
 static void take_exact(ost_nifti_header *h)
 {

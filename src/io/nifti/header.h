@@ -18,8 +18,8 @@
  *   spacing       for an axis that runs exactly along R, A or S: the component
  *                 of the sform; for an axis within 1/1000 of R, A or S (the
  *                 noise of a quaternion): pixdim, if the lengths agree to 1/10000
- *   values        times slope plus intercept; a slope of 0, NaN or infinity
- *                 means none
+ *   values        density = value * slope + intercept; a slope of 0, NaN or
+ *                 infinity means density = value
  *
  * header.c computes the affine with only + * / and sqrt of doubles, which IEEE 754 defines exactly. The file is
  * compiled without contraction.

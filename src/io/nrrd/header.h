@@ -4,10 +4,11 @@
  *
  *   NRRD0005
  *   # comment
- *   field: description        in any order, although the format requires
- *   key:=value                `dimension` first
+ *   field: description
+ *   key:=value
  *   <empty line>              then the data, unless `data file` names them
  *
+ * Fields are accepted in any order, although the format requires `dimension` first.
  * The header is read in two steps: header.c splits the text into fields, and
  * meaning.c interprets the fields. A field that the format does not define, or one
  * given twice, is an error, because it is more likely a mistake than an extension.

@@ -4,9 +4,9 @@
  *
  * Lengths are exact decimals in the unit that the header states, or in mm if it states none. They are rounded half
  * to even to picometres. Space coordinates are converted to LPS by changing signs: RAS negates x and y, LAS negates
- * y. Coordinates in a space that does not refer to a patient (3D-right-handed, only a space dimension, no space at
- * all) are used unchanged. If only `spacings` is given, axis n points along the space's axis n; without `space
- * origin` the centre of the first voxel is at 0.
+ * y. Coordinates are used unchanged if the header names no space, or a space that does not refer to a patient, such as
+ * 3D-right-handed. If the header has `spacings` but no `space directions`, axis n points along axis n of the space. If
+ * the header has no `space origin`, the centre of the first voxel is at 0.
  */
 #include "io/nrrd/header.h"
 
