@@ -111,8 +111,8 @@ typedef struct ost_member {
 } ost_member;
 
 /*
- * Returns a team for `count` items in blocks of `block` items. If block is 0, there is one block per
- * member. `size` is the size of the work in the path's unit.
+ * Returns a team for `count` items, which are divided into blocks of the length `block`. If block is 0,
+ * there is one block per member. `size` is the size of the work in the path's unit.
  */
 ost_team ost_team_of(ost_cpu_sharing *sharing, int threads, ost_cpu_path path, int64_t size, int64_t count,
                      int64_t block);

@@ -233,7 +233,6 @@ static bool interpolate(const filling *f, const task *t, int32_t x0, int32_t wid
         return false;
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    /* skips the interpolation, because without an active source voxel, no result is active */
     if (!any_in_box(f, f->view.voxels, t->box[y / 4], t->boxes[y / 4], first, span))
         return false;
     ost_cpu_linear_rows(&f->view, f->kernels, x0, width, t->y + y, rows, t->z, t->slices, to);

@@ -96,10 +96,10 @@ static inline void ost_vox_mark_bit(ost_vox_tile *tile, uint32_t bit)
 void ost_vox_mark_triangle(ost_vox_tile *tile, uint32_t triangle);
 
 /*
- * Processes `rows` rows of a tile, beginning with first_row, after the `vox_fill` kernel. Fills the unproven
- * rows and the rows with spilled crossings by summing their crossings one by one. On entry, `bits` contains
- * the kernel's output for all these rows; the bits of the rows that are summed are replaced. Adds the number
- * of leaking rows to *leaking_rows. Returns the number of solid voxels minus the kernel's count.
+ * Completes rows of a tile after the `vox_fill` kernel: sums the crossings of unproven rows, and of rows with
+ * spilled crossings, one by one. On entry, `bits` contains the kernel's output for all rows; the bits of the
+ * summed rows are replaced. Adds the number of leaking rows to *leaking_rows. Returns the number of solid
+ * voxels minus the kernel's count.
  */
 int64_t ost_vox_fill_unproven(const ost_vox_tile *tile, size_t first_row, size_t rows, ost_fill_rule rule,
                               uint64_t *bits, uint64_t *leaking_rows);

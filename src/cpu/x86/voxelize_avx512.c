@@ -152,8 +152,8 @@ static inline __m512i count_bytes(__m512i v)
 /*
  * Computes the solid bits of one row of complete blocks, or of one block of complete rows.  Returns
  * false if the rows are not proven (fill.c).  Bit i of `ends` is set if word i of the last block is
- * the first word of a row; bit 8 is for the word after the block.  The word before the first word
- * of a row must not end inside the mesh.
+ * the first word of a row; bit 8 is for the word after the block.  A row is not proven if its last
+ * word ends inside the mesh.
  */
 static inline bool fill_blocks(const uint64_t *enter, const uint64_t *leave, size_t words, unsigned ends,
                                uint64_t *bits, bool *marked, __m512i *counts)
