@@ -34,7 +34,7 @@ static double size_of(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Limits the length of a vector to `most`. The limit is smooth: short vectors hardly change. */
+/* Limits the length of a vector to the value `most`. The limit is smooth: short vectors hardly change. */
 static void saturate(double v[3], double most)
 {
     const double share = size_of(v) / most, down = most > 0 ? 1 / sqrt(1 + share * share) : 0;

@@ -103,8 +103,8 @@ static void fail(haptic_instance *h, const char *why)
 /* --------------------------------------------------------------- messages */
 
 /*
- * Reads the numbers with the given names from an object. Returns false if a number is missing, not finite, or greater
- * than `most` in absolute value.
+ * Reads the numbers with the given names from an object. Returns false if a number is missing, not finite, or exceeds
+ * the limit `most` in absolute value.
  */
 static bool numbers(const json_t *object, const char *const *names, int count, double most, double *out)
 {

@@ -5,8 +5,8 @@
  *   device's frame --axes--> a tool's frame: x right, y up, z toward the operator
  *                  --start, scale--> the bone's frame
  *
- * When the handle is centred and upright, the tool is at `start`. Pushing the handle away from the
- * operator moves the tool along its own -z, its working direction.
+ * When the handle is centred and upright, the tool has its start pose. Pushing the handle away from
+ * the operator moves the tool along the tool's -z, its working direction.
  */
 #ifndef OST_HAPTICS_WORKSPACE_H
 #define OST_HAPTICS_WORKSPACE_H

@@ -10,8 +10,8 @@ enum { OST_DICOM_SERIES_NAME = 32 };
 char *ost_dicom_series_name(const ost_dicom_group *group, char text[OST_DICOM_SERIES_NAME]);
 
 /*
- * Selects the series whose number, description or UID is `wanted`. If wanted is NULL, selects the only volume; a
- * volume is a series with at least two images. Returns OST_ERR_INPUT unless exactly one series matches.
+ * Selects the series whose number, description or UID equals the string `wanted`. If wanted is NULL, selects the only
+ * volume; a volume is a series with at least two images. Returns OST_ERR_INPUT unless exactly one series matches.
  */
 ost_status ost_dicom_series_select(const ost_dicom_scan *scan, const char *wanted, size_t *out, ost_error *err);
 

@@ -151,7 +151,7 @@ static ost_status count_parts(const mesh_input *in, const struct aiScene *scene,
 
 /*
  * Computes value * unit in picometres, rounded half to even. Returns false for NaN, infinity and results beyond
- * +-OST_LENGTH_MAX. Write value = m 2^e with |m| < 2^24. Because unit < 2^40, |m unit| < 2^64. A value of 2^31
+ * +-OST_LENGTH_MAX. Let value = m 2^e with |m| < 2^24. Because unit < 2^40, |m unit| < 2^64. A value of 2^31
  * units or more (2147 m in micrometres) is out of range; for smaller values, e < 8. For e < -100, the product is
  * less than 2^-36 pm, which rounds to 0.
  */

@@ -65,7 +65,7 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     ost_status status = read_word(input, word, &length, err);
     if (status != OST_OK)
         return status;
-    /* The byte after a word has also been consumed, unless the word ends the file. */
+    /* The byte after the word has already been read, unless the word ends the file. */
     ost_input_location(input, length + (ost_input_file_left(input) > 0 || length == 0), location);
     if (length == 0)
         return ost_fail(err, OST_ERR_INPUT, "%s: ends after %lld of the %lld values that the header's sizes need",
