@@ -46,7 +46,8 @@ static void join(segment_run *items, uint32_t a, uint32_t b)
 }
 
 /*
- * Joins each of the runs [from, to) of a row with all runs in [other, end) of a neighbouring row that overlap it in x.
+ * Joins the components of the runs [from, to) of a row and the runs [other, end) of a neighbouring row that overlap in
+ * x.
  */
 static void join_rows(segment_run *items, size_t from, size_t to, size_t other, size_t end)
 {
@@ -85,8 +86,7 @@ ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segmen
     if (status != OST_OK)
         return status;
     out->rows[rows] = out->count;
-    /* The root of a component is its first run. A component therefore receives its number before its other runs are
-     * visited. */
+    /* A root receives the next number. Any other run copies the number from an earlier run of its component. */
     for (size_t i = 0; i < out->count; i++) {
         segment_run *run = &out->items[i];
         run->component = run->component == i ? out->components++ : out->items[run->component].component;

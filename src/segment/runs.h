@@ -15,7 +15,7 @@
 
 typedef struct segment_run {
     int32_t begin, end; /* voxels [begin, end) of the row */
-    /* the component's number; while runs are being joined, the index of this run or of an earlier run of the
+    /* number of the component; before all runs are joined, the index of this run or of an earlier run of the same
      * component */
     uint32_t component;
 } segment_run;

@@ -162,9 +162,8 @@ static ost_status label_components(job *j, ost_error *err)
 /* ------------------------------------------------------------- separation */
 
 /*
- * Measures the pieces. piece[i] is the number of the piece to which voxel i belongs. A voxel with a negative label was
- * used only to close a hole of a slice and is not counted. Any other voxel that is not a candidate belongs to a filled
- * hole.
+ * Measures the pieces. piece[i] is the number of voxel i's piece. Voxels with a negative label only closed holes of
+ * slices and are not counted. All other voxels that are not candidates are counted as filled.
  */
 static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
                                  ost_error *err)

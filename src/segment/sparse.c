@@ -39,10 +39,7 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
     return true;
 }
 
-/*
- * Computes near[a] and past[a] (segment_sparse_run) for each run of row i. Both are indices of runs of the row
- * `other`.
- */
+/* Computes near[a] and past[a] for each run of row i. `other` is the index of the neighbouring row a. */
 static void find_near(segment_sparse *s, size_t i, int a, size_t other)
 {
     uint32_t k = s->rows[other];

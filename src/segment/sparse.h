@@ -17,11 +17,9 @@
 typedef struct segment_sparse_run {
     int32_t begin, end; /* the run consists of the voxels [begin, end) of its row */
     uint32_t first;     /* compact index of voxel `begin` */
-    /* for each of the rows y - 1, y + 1, z - 1, z + 1, the index of the first run whose end is greater than `begin` */
-    uint32_t near[4];
-    /* for each of these rows, the index after the last run of the row; equal to near[] if no run of the row ends after
-     * `begin` */
-    uint32_t past[4];
+    /* near and past have one element for each of the neighbouring rows y - 1, y + 1, z - 1 and z + 1. */
+    uint32_t near[4];   /* index of the row's first run that ends after `begin`; equal to past[] if there is none */
+    uint32_t past[4];   /* index after the row's last run */
     int16_t label;
 } segment_sparse_run;
 
@@ -31,7 +29,7 @@ typedef struct segment_sparse {
     size_t run_count;
     segment_sparse_run *runs; /* owned */
     uint32_t *rows;           /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
-    uint32_t *run_of;         /* owned; index of the run that contains each voxel */
+    uint32_t *run_of;         /* owned; for each voxel, the index of its run */
 } segment_sparse;
 
 enum { SEGMENT_NEIGHBOURS = 6 };

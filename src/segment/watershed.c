@@ -3,14 +3,14 @@
  * Implements a watershed in two steps, each in descending order of the height:
  *
  *   height
- *     |    A                    1. basins grow from their highest voxels.  At a pass between
- *     |   / \      B               two basins, the lower one is joined to the higher one if
- *     |  /   \ C  / \              its peak is less than `depth` above the pass (C).
- *     | /     V \/   \          2. the peaks that remain (A, B) are markers, from which
- *     |/       pass   \            the pieces are flooded.
+ *     |    A                    1. Basins grow from their peaks (A, B, C).  Where two basins
+ *     |   / \      B               meet, the one with the lower peak is joined to the other one
+ *     |  /   \ C  / \              if this peak is less than `depth` above the pass: C to A.
+ *     | /     V \/   \          2. The remaining peaks (A, B) are markers, from which the
+ *     |/       pass   \            pieces are flooded.
  *
- * The flood visits a plateau in the order of a queue, so that a plateau between two markers is divided in the middle.
- * Step 1 alone would assign the complete plateau to the basin that comes first.
+ * Step 2 visits the voxels of a plateau in the order of a queue, so a plateau between two markers is divided in the
+ * middle. Step 1 alone would assign the complete plateau to the basin that comes first.
  */
 #include "core/conditions.h"
 
@@ -22,7 +22,7 @@ enum { LEVELS = SEGMENT_DISTANCE_MAX + 1 };
 #define NONE UINT32_MAX
 
 typedef struct basin {
-    uint32_t parent; /* number of the basin to which this basin was joined, or of this basin if it was not joined */
+    uint32_t parent; /* basin to which this basin was joined; its own number if there is none */
     uint32_t peak;   /* first voxel of the basin, which is also its highest */
 } basin;
 
@@ -105,7 +105,10 @@ static ost_status find_basins(const segment_sparse *sparse, const uint32_t *heig
     return OST_OK;
 }
 
-/* Voxels that have been reached but whose neighbours have not been visited yet: one queue per level of height. */
+/*
+ * One queue for each level of height. A queue contains voxels that have been reached, but whose neighbours have not
+ * been visited yet.
+ */
 typedef struct flood {
     uint32_t *head, *tail; /* owned; LEVELS elements each; head[l] is NONE if the queue of level l is empty */
     uint32_t *next;        /* borrowed; one element per voxel */

@@ -2,9 +2,9 @@
 /*
  * Proof that no voxel is missed: A voxel is hit only if the coordinates computed for its centre p are inside the
  * tool's grid. The error of these coordinates is at most 23 / 2^20 of a tool voxel (AR-MAP), so p itself lies in
- * the box of the grid inflated by one tool voxel on every side. p also lies in the box of all voxel centres of the
- * bone. Therefore p is in both boxes: no axis separates them, and p lies within the bone-aligned bounds of the
- * inflated box. Both the test of the axes and the bounds are computed with every rounding on the safe side.
+ * the tool's box, which is the grid inflated by one tool voxel on every side. p also lies in the bone's box, which
+ * contains all voxel centres. Therefore no axis separates the boxes, and p lies within the bone-aligned bounds of
+ * the tool's box. The test of the axes and the bounds are computed with every rounding on the safe side.
  *
  * All lengths are doubled, so that centres and half extents are integers:
  *
@@ -90,10 +90,10 @@ static pair pair_of(const ost_box *bone, const ost_box *tool, const ost_pose *po
             p.r[i][j] = ost_rhe_by(&by, (ost_i128)m.m[i][j] * (1 << 30));
 
     /*
-     * Each side of a test below is a sum of products length * entry in which each length occurs at most once. The
-     * error of r therefore contributes at most half the sum of all lengths. The error of d, which is 1/2 on each
-     * axis, is multiplied by the entries of one unit axis and contributes at most sqrt(3) / 2 * 2^30 plus a
-     * few units.
+     * Each test below compares sums of products of a length and an entry of r. A length occurs at most once in a
+     * test, so the error of r contributes at most half the sum of all lengths. The error of d is 1/2 on each
+     * axis. It is multiplied by the components of a unit vector, so it contributes at most sqrt(3) / 2 * 2^30
+     * plus a few units.
      */
     for (int i = 0; i < 3; i++)
         p.slack += magnitude(p.d[i]) + p.b[i] + p.e[i];
@@ -159,15 +159,15 @@ static int32_t clamp(int64_t value, int32_t hi)
 }
 
 /*
- * Alg. 2.8 clamps the corners of the tool to the bone's box and computes the bounds of the clamped corners. In the
- * bone's own frame, clamping acts on each axis separately and preserves order, so the result is equal
- * to the clamped bone-aligned bounds of the tool. Here the bounds are computed directly, from the centre and the
- * rotated half extents: twice the half extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
+ * Alg. 2.8 clamps the corners of the tool to the bone's box and computes the bounds of the clamped corners. This
+ * function computes the bounds first and then clamps them. The result is the same, because clamping acts on each
+ * axis separately and preserves the order. The bounds are computed from the centre and the rotated extents: the
+ * extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
- * Alg. 2.9 then converts the bounds to voxels.  The frame of Alg. 2.9 has the
- * centre of the box at the origin; this function uses the origin of the bone.  If a
- * voxel centre o + k s satisfies  c - h <= 2 (o + k s) <= c + h,  where the error of
- * c is at most 1/2, then
+ * Alg. 2.9 then converts the bounds to voxels.  In Alg. 2.9 the origin is the centre
+ * of the bone's box; here it is the origin of the bone's frame.  The error of c is at
+ * most 1/2.  Therefore, if a voxel centre o + k s satisfies
+ * c - h <= 2 (o + k s) <= c + h,  then
  * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions for oriented boxes, which test whether two boxes intersect and compute the voxels that a tool at a pose can
+ * Functions for oriented boxes. They test whether two boxes intersect, and compute the voxels that a tool at a pose can
  * hit.
  *
  * Both results are computed with integers and are conservative: too many intersections or voxels may be reported,

@@ -76,16 +76,16 @@ static double mm(ost_pm value)
     return (double)value / (double)OST_PM_PER_MM;
 }
 
-/* Returns the x or y coordinate of the tool's axis: 0 if it lies in the grid's range lo to hi, otherwise the middle of
-   this range. */
+/* Returns the x or y coordinate of the tool's axis. It is 0 if the grid's range [lo, hi] contains 0; otherwise, it
+   is the middle of this range. */
 static double axis_of(ost_pm lo, ost_pm hi)
 {
     return lo <= 0 && hi >= 0 ? 0 : mm(lo) / 2 + mm(hi) / 2;
 }
 
 /*
- * Computes the point of the tool that moves along the axis. By Alg. 2.1, the lower corner of the grid is one to two
- * voxels below the lowest vertex of the mesh. The middle of this range, 3/2 voxels, is used.
+ * Computes the point of the tool that moves along the axis. By Alg. 2.1, the lowest vertex of the mesh is one to
+ * two voxels above the lower corner of the grid. This function uses the middle of this range, 3/2 voxels.
  */
 static void working_point(const ost_tool_geometry *g, double tip[3])
 {
@@ -174,8 +174,8 @@ static ost_status begin(const ost_glenoid *glenoid, const ost_tool_geometry *geo
 }
 
 /*
- * Computes a pose with the orientation q. At this pose, the tool's tip is at the given depth along the axis and at
- * the offset `sideways` across the axis.
+ * Computes the pose with the orientation q at which the tool's tip has the given depth along the axis and the
+ * offset `sideways` from the axis.
  */
 static ost_status make_pose(const start *s, const double q[4], double depth, const double sideways[3], ost_pose *out,
                             ost_error *err)

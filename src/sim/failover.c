@@ -37,10 +37,7 @@ static ost_status make_tools(const ost_world *world, ost_backend *backend, ost_t
     return status;
 }
 
-/*
- * Restores the state before the recorded ticks, with the new bone and tools, and then executes the recorded ticks
- * again.
- */
+/* Replaces the bone and the tools, restores the state before the recorded ticks, and executes these ticks again. */
 static ost_status repeat_ticks(ost_world *world, ost_bone *bone, ost_tool *const *tools, ost_error *err)
 {
     const ost_world_saved *saved = world->saved;

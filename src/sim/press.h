@@ -9,8 +9,9 @@
  *          |     '-'   '-'   '-  deeper by 0.15 mm/s, to 24 mm; up and down by 1.5 mm, period 4 s
  *
  * The tool follows the target as far as the bone allows, and the spring between hand and tool determines the force.
- * The target therefore lies far behind the face. In dense bone, the tool needs half a minute to reach the target.
- * Afterwards, the motion along the ellipse and the tilt move the tool into new bone.
+ * The target lies far behind the face, so that the hand presses the tool into the bone. In dense bone, the tool
+ * needs half a minute to reach the target. Afterwards, the motion along the ellipse and the tilt move the tool into
+ * new bone.
  *
  * Each of the three periodic motions is a point on the unit circle, stored as the complex number c + i s. In each tick,
  * this number is multiplied by (p + i) / |p + i|, where p depends on the period. The code needs only + - * / and sqrt.
@@ -30,7 +31,7 @@ typedef struct press_load {
     double share; /* weight of the periodic motions, 0 to 1; it increases gradually */
     /*
      * Current values. `depth` is in mm from the face along the axis, and `across` is the offset in mm across the
-     * axis. `lean` contains half of the angles in radians by which the tool is tilted about x and y of its frame.
+     * axis. `lean` contains half of the tool's tilt angles about the x and y axes of its frame, in radians.
      */
     double depth, across[2], lean[2];
 } press_load;

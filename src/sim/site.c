@@ -5,9 +5,9 @@
  *
  *        near side        |  bone
  *                 .-------'        r
- *     front ->   :                 ^    w < -(3 + min(r, 18)^2 / 60) mm is in front of
- *   - - - - - - -:- - - - + - - - -+--> w  the face; a rim at r = 17 mm is up to 5 mm in front
- *      axis      :        at            of the centre, and the border there is at -7.8 mm
+ *     front ->   :                 ^    A voxel is in front of the face if
+ *   - - - - - - -:- - - - + - - - -+--> w  w < -(3 + min(r, 18)^2 / 60) mm.  At r = 17 mm the limit is
+ *      axis      :        at            -7.8 mm, and the rim is at most 5 mm in front of the centre.
  *                 '-------.
  *                         |
  *
@@ -23,7 +23,10 @@
 #define FRONT_BEND_MM 60.0
 #define FRONT_RADIUS_MM 18.0
 
-/* Sizes of the two cylinders around the axis in which the fraction of bone is measured. */
+/*
+ * The fraction of bone is measured in two cylinders around the axis, one on each side of the glenoid. They extend from
+ * CORE_FROM_MM to CORE_TO_MM.
+ */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0
 #define CORE_TO_MM 11.0

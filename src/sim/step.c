@@ -95,7 +95,7 @@ static ost_voxel_box reach(const ost_world *world, const ost_entity *tool, const
     return ost_box_voxels(&world->geometry, &tool->box, pose);
 }
 
-/* Computes the maps and boxes of those poses that can hit a voxel, in the order of the sweep. */
+/* Computes the map and the box of each pose that can hit a voxel, in the order of the sweep. */
 static ost_status prepare(ost_world *world, const ost_entity *tool, const ost_tick *tick, int count,
                           ost_removal_event *event, ost_error *err)
 {

@@ -69,15 +69,15 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     if (tool->backend != world->bone.voxels.bone->backend)
         return ost_fail(err, OST_ERR_USAGE, "tool '%s' is on another backend than the bone", name ? name : "");
     /*
-     * The tool is checked here and not in the first tick: if it is too large, or its voxels are too small for this
-     * bone, ost_map_make fails at every pose.
+     * If the tool is too large, or its voxels are too small for this bone, ost_map_make fails at every pose. This
+     * call detects the error before the first tick.
      */
     ost_pose identity = ost_pose_identity();
     ost_map map;
     ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
     /*
-     * The event below reaches no voxel. It makes the backend compute its data for this tool and this bone before the
-     * first tick.
+     * The event below reaches no voxel. It makes the backend compute its data for this tool and this bone before
+     * the first tick.
      */
     const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
     const ost_removal_event nothing = {
@@ -124,7 +124,7 @@ ost_status ost_world_reserve(ost_world *world, ost_error *err)
     const int n = world->chunk_size;
     const size_t chunks = (size_t)((d.x + n - 1) / n) * (size_t)((d.y + n - 1) / n) * (size_t)((d.z + n - 1) / n);
     ost_status status = ost_world_reserve_poses(world, OST_SWEEP_MAX, err);
-    /* The events below may reach every chunk, so that the backend allocates all memory that an event can need. */
+    /* Each event below may reach every chunk, so the backend allocates the memory for the largest possible event. */
     const ost_voxel_box all = {{0, 0, 0}, {d.x, d.y, d.z}};
     for (int t = 0; t < world->tool_count && status == OST_OK; t++) {
         const ost_removal_event event = {

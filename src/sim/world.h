@@ -8,13 +8,13 @@
 
 #include "sim/entity.h"
 
-/* State that one tick passes to the next tick, except for the poses of the tools. */
+/* The state after a tick that the next tick needs, except for the poses of the tools. */
 typedef struct ost_world_clock {
     int tool;          /* tool in use; -1 before the first tick */
     bool running;      /* true if the motor was on in the last tick */
     int64_t t_ns;      /* time of the last tick */
     int64_t removal_t; /* time of the last removal event with the tool in use */
-    int64_t turned;    /* rotation of the motor since the last event or stop, in rpm ns; at most OST_MOTOR_TURN */
+    int64_t turned;    /* rotation since the last event or stop of the motor, in rpm ns; at most OST_MOTOR_TURN */
     ost_world_totals totals;
 } ost_world_clock;
 
@@ -22,7 +22,7 @@ typedef struct ost_world_clock {
 typedef struct ost_world_saved {
     int16_t *voxels; /* owned; voxels of the bone before the first of `ticks` */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of all voxels of each tool */
-    ost_tick *ticks; /* owned; ticks completed since the copy; options.saved_ticks elements */
+    ost_tick *ticks; /* owned; options.saved_ticks elements; the first `count` are the ticks since the copy */
     int32_t count;
     /* State of the world before the first of `ticks`. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
