@@ -5,7 +5,7 @@
 
 #include "core/bits_run.h"
 
-/* Maximum number of unchanged pixels that a box may include to avoid a further box. */
+/* SLACK is the maximum number of unchanged pixels that a box may include to avoid a further box. */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));
@@ -20,8 +20,9 @@ static uint32_t turned(uint32_t v)
 }
 
 /*
- * Copies the pixels from `begin`, a multiple of RUN, to `end`, and extends *r to include those that differ. Writes all
- * pixels and does not branch on comparisons, so that memory latency does not stall the loop.
+ * Copies the pixels of the columns [begin, end) and extends *r to include those that differ. `begin` is a multiple of
+ * RUN. The function writes all pixels and does not branch on comparisons, so that memory latency does not stall the
+ * loop.
  */
 static void copy_row(const uint32_t *from, uint32_t *to, int begin, int end, int ahead_from, int ahead_to, range *r)
 {

@@ -91,7 +91,7 @@ static void picture_size(const ost_window *w, int *width, int *height)
     *height = *height > 0 ? *height : 1;
 }
 
-/* Converts the pointer's position to framebuffer pixels, which on some systems differ from window coordinates. */
+/* Converts the pointer's position from window coordinates to picture pixels. On some systems their units differ. */
 static void on_move(GLFWwindow *handle, double x, double y)
 {
     ost_window *w = glfwGetWindowUserPointer(handle);

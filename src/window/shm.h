@@ -4,7 +4,7 @@
  *
  *   colours --differences (changed.h)--> shared memory --server copies the boxes--> window
  *
- * A software implementation of OpenGL would draw the finished picture again, pixel by pixel, which on one core takes a
+ * A software implementation of OpenGL would draw the finished picture again, pixel by pixel. On one core, this takes a
  * third of a frame's time. The program is not linked with the X libraries: GLFW and the driver load them, and the
  * functions are looked up by name. If shared memory is not available, OpenGL shows the picture instead.
  *

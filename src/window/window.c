@@ -52,8 +52,8 @@ static bool is_set(const char *variable)
 }
 
 /*
- * Initializes GLFW, but only if the environment names a display. Without one, libraries such as libwayland may write to
- * standard error.
+ * Initializes GLFW if the environment names a display. Otherwise fails without calling GLFW, because without a display
+ * libraries such as libwayland may write to standard error.
  */
 static ost_status begin(ost_error *err)
 {
@@ -61,7 +61,7 @@ static ost_status begin(ost_error *err)
     if (!wayland && !is_set("DISPLAY"))
         return ost_fail(err, OST_ERR_UNAVAILABLE,
                         "cannot open a window: DISPLAY is not set; pass --headless to run without a window");
-#ifdef GLFW_PLATFORM /* GLFW 3.4 and later; an earlier version supports only the platform for which it was built */
+#ifdef GLFW_PLATFORM /* defined by GLFW 3.4 and later; an earlier version supports only the platform it was built for */
     if (!wayland)
         glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif

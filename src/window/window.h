@@ -78,9 +78,9 @@ void ost_window_close(ost_window *window); /* NULL is allowed */
 ost_window_info ost_window_info_get(const ost_window *window);
 
 /*
- * Returns the size in pixels that the next picture must have: the size of the framebuffer, limited to the maximum that
- * can be shown; 0 x 0 while the window is not visible. *scale is the ratio of the display's resolution to 96 pixels per
- * inch.
+ * Returns the size in pixels that the next picture must have. It is the size of the framebuffer, limited to the maximum
+ * that can be shown, or 0 x 0 while the window is not visible. *scale is the display's resolution divided by 96 pixels
+ * per inch.
  */
 enum { OST_WINDOW_SIDE = 8192 }; /* maximum width and height */
 void ost_window_size(const ost_window *window, int *width, int *height, double *scale);
@@ -96,8 +96,8 @@ void ost_window_title(ost_window *window, const char *title);
 bool ost_window_damaged(const ost_window *window);
 
 /*
- * ost_window_poll waits up to timeout_s seconds for an event; 0 means no wait. ost_window_next then returns the events
- * in the order of their arrival, and false when there are no more.
+ * ost_window_poll waits up to timeout_s seconds for an event; 0 means no wait. Afterwards, each call of
+ * ost_window_next stores one event in *out, in the order of arrival. It returns false if there are no more events.
  */
 void ost_window_poll(ost_window *window, double timeout_s);
 bool ost_window_next(ost_window *window, ost_window_event *out);
@@ -108,26 +108,26 @@ typedef struct ost_window_picture {
     const uint32_t *pixels;
     int stride, width, height;
     /*
-     * set of the cells that may differ from the last presented picture, which had the same size: one bit for each cell
-     * of 16 x 8 pixels, in rows of changed_words words; NULL if any pixel may differ
+     * one bit for each cell of 16 x 8 pixels, in rows of changed_words words; set if the cell may differ from the last
+     * presented picture, which had the same size; NULL if any pixel may differ
      */
     const uint64_t *changed;
     int changed_words;
 } ost_window_picture;
 
 /*
- * Shows a picture of the size that ost_window_size last returned. If `sync` is true and the screen has a
- * vertical sync, waits for it. After a driver reset, creates a new context, and the picture appears with the next call.
+ * Shows a picture of the size that ost_window_size last returned. If `sync` is true and the screen has a vertical sync,
+ * waits for it. After a driver reset, creates a new context and does not show the picture; the next call shows one.
  * Returns OST_ERR_UNAVAILABLE if no new context can be created, if resets recur, or if the display is gone. The caller
  * must then close the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
 /*
- * Returns true if another module can draw a picture of the given size directly into framebuffer 0: the window exists,
- * its framebuffer has this size, and OpenGL runs on a graphics card. The context is then current on the main thread.
- * After a driver reset, which increases ost_window_info.resets, all objects of the other module are lost with the old
- * context.
+ * Returns true if another module can draw a picture of the given size directly into framebuffer 0. The window must
+ * exist, its framebuffer must have this size, and OpenGL must run on a graphics card. If true, the context is current
+ * on the main thread. A driver reset increases ost_window_info.resets; the old context, with all objects of the other
+ * module, is then lost.
  */
 bool ost_window_can_be_drawn(const ost_window *window, int width, int height);
 /* Shows the contents of framebuffer 0. In all other respects, the function works like ost_window_present. */
