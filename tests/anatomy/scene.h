@@ -2,7 +2,7 @@
 /*
  * Phantoms of scapulae in random poses, for the tests of landmarks.
  *
- *   phantom --rotated, resampled by its seed--> CT with noise, and the true landmarks in its frame
+ *   phantom --rotated and resampled at random--> CT with noise, and the true landmarks in the frame of the CT
  */
 #ifndef OST_TESTS_ANATOMY_SCENE_H
 #define OST_TESTS_ANATOMY_SCENE_H
@@ -19,7 +19,7 @@ enum { SCENE_THRESHOLD = 250 }; /* cartilage is below this threshold */
 
 typedef struct scene {
     ost_volume ct;
-    /* positions in mm, and the direction of the glenoid's axis; the glenoid's centre is on the cartilage */
+    /* `axis` is a direction; the others are positions in mm; `glenoid` is on the surface of the cartilage */
     double glenoid[3], axis[3], trigonum[3], inferior[3];
     bool left;
     double spacing[3];
@@ -145,7 +145,10 @@ static inline void scene_make(uint64_t seed, scene *out)
         *n[a] = (int32_t)((hi[a] - lo[a] + 12) / out->spacing[a]) + 1;
     }
     assert_ok(ost_volume_init(&out->ct, &grid, &err));
-    /* The density in a slice is the mean over positions along z that are at most 0.8 mm apart. */
+    /*
+     * The density of a voxel is the mean of the densities at `layers` positions along z, which are at most 0.8 mm
+     * apart.
+     */
     const int layers = (int)ceil(out->spacing[2] / 0.8);
     i = 0;
     for (int32_t z = 0; z < grid.dims.z; z++)

@@ -15,7 +15,7 @@
 
 #include "anatomy/scene.h"
 
-/* Each phantom has VALUES values: the ERRORS errors, then the processor time, which is printed but not limited. */
+/* The test computes VALUES numbers for each phantom: ERRORS errors, and the processor time, which is only printed. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
  * Depth of the bone below the centre of the cartilage. The cartilage is 2.4 mm thick in the mean shape, and about 1.12
@@ -27,7 +27,7 @@ enum { ERRORS = 7, VALUES = 8 };
 static const char *const names[VALUES] = {"centre across the face, mm", "centre along the axis, mm", "axis, degrees",
                                           "trigonum, mm", "inferior angle, mm", "version, degrees",
                                           "inclination, degrees", "time, s"};
-/* Greatest accepted error of any phantom, and greatest accepted median of the errors. */
+/* No error of a phantom may exceed worst_allowed, and no median of the errors may exceed median_allowed. */
 static const double worst_allowed[ERRORS] = {3, 2.5, 5, 10, 8, 5, 6};
 static const double median_allowed[ERRORS] = {1.5, 1, 3, 4, 5, 2.5, 3};
 

@@ -18,7 +18,7 @@ typedef struct shape {
     double centre[3], radius;
     double shaft;     /* radius of a cylinder from the centre towards -z; 0 if there is none */
     double cavity;    /* radius of a hollow in the ball; 0 if there is none */
-    bool socket;      /* true if the ball is cut out of a block below its centre */
+    bool socket;      /* true if the ball is a hollow in a block that lies below the ball's centre */
     bool box;         /* true if the volume is a cube instead of a ball */
     int noise;        /* maximum absolute value of the noise, in HU */
 } shape;
@@ -77,7 +77,7 @@ static void random_spacing(test_rng *rng, double spacing[3])
     spacing[2] = between(rng, 0.5, 3);
 }
 
-/* Tests a ball on a shaft whose radius is two thirds of the ball's. */
+/* Tests a ball on a shaft. The radius of the shaft is two thirds of the radius of the ball. */
 static void finds_a_ball_on_a_shaft(void **state)
 {
     (void)state;

@@ -255,7 +255,7 @@ static void failure_is_reported_and_ends_recording(void **state)
     assert_int_equal(film_close(f, 0, NULL, &err), OST_ERR_IO);
     assert_int_equal(access("w.mkv", F_OK), -1);
     assert_int_equal(count_files(".", "part"), 0);
-    /* The last line that the encoder printed is part of the message, without its escape sequence. */
+    /* The message must contain the last line that the encoder printed, with control characters replaced by "?". */
     assert_non_null(strstr(err.text, "status 1: ?]0;title?/a/path: bad"));
     stub_encoder("echo 'no such codec' >&2; exit 1");
     f = open_film(none);
@@ -284,7 +284,7 @@ static void replace_parts_by_links(void)
     closedir(d);
 }
 
-/* The encoder writes to the file that was opened for it, not to a link that replaces that file later. */
+/* If a link replaces the file that was opened for the encoder, the encoder must not write to the target of the link. */
 static void encoder_does_not_follow_link(void **state)
 {
     ost_error err = {0};
@@ -320,7 +320,7 @@ static void on_term(int number)
     _exit(128 + number);
 }
 
-/* A signal must not leave an unfinished file, either immediately or after the encoder has exited. */
+/* After a signal, there must be no unfinished file, not even after the encoder has exited. */
 static void signal_removes_unfinished_file(void **state)
 {
     (void)state;

@@ -2,7 +2,7 @@
 /*
  * Tests requests to end the program. A request is made by a signal, or by another thread while the loop
  * polls for requests (checked by ThreadSanitizer). A second signal must be handled by the handler that was
- * installed before.
+ * installed before the first request.
  * Covers: REQ-WINDOW
  */
 #include <pthread.h>

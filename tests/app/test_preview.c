@@ -95,8 +95,8 @@ static int in_plane(const ost_picture *p, int plane, int colour)
 }
 
 /*
- * The planes pass through the cube of label 1. Its section is a square of 20 mm, or 166.7 pixels,
- * and its outline is a frame 2 pixels wide: 4 x 2 x (166.7 - 2) = 1317 pixels.
+ * Each plane shows the section of the cube of label 1, which is a square of 20 mm, or 166.7 pixels.
+ * The outline of the square is 2 pixels wide, so it has 4 x 2 x (166.7 - 2) = 1317 pixels.
  */
 static void test_outline(void **state)
 {
@@ -177,11 +177,11 @@ static void test_same_bytes(void **state)
 }
 
 /*
- * The bone has 60^3 voxels of 1 mm. The CT has 15^3 voxels of 4 mm, and its density increases by 20 HU per
- * mm along x. The density is 0 at the centre of the CT's first voxel, which is 0.5 mm from the centre of
- * the bone's first voxel. With interpolation, the grey at x mm is (20 (x - 0.5) + 500) / 1800 of white.
- * Without interpolation, the grey is that of the CT's nearest voxel, whose centre is up to 1.5 mm away along
- * x. The density then differs by up to 30 HU, or 4.25 grey levels.
+ * The bone has 60^3 voxels of 1 mm, and the CT has 15^3 voxels of 4 mm. Let x be the distance in mm from the
+ * centre of the bone's first voxel. The centre of the CT's first voxel is at x = 0.5. The density of the CT
+ * is 0 HU there and increases by 20 HU per mm. With interpolation, the grey at x is (20 (x - 0.5) + 500) /
+ * 1800 of white. Without interpolation, the grey is that of the nearest voxel of the CT. The centre of this
+ * voxel is up to 1.5 mm away along x, so the density differs by up to 30 HU, or 4.25 grey levels.
  */
 static void test_densities(void **state)
 {
@@ -201,8 +201,8 @@ static void test_densities(void **state)
         s->in.nearest = nearest;
         ost_picture p = draw(s);
         int worst = 0, last = -1, steps = 0;
-        /* The labelled part ends at 22 mm and has a margin of 25 mm, and the grid begins at 0 mm. Therefore the
-           picture shows 0 to 47 mm in each direction. */
+        /* The picture shows the labelled part, which ends at 22 mm, with a margin of 25 mm. The grid begins at 0 mm.
+           Therefore the picture shows 0 to 47 mm in each direction. */
         const double mm = 47.0 / SIDE;
         for (int x = 40; x < SIDE - 40; x++) {
             const double expected = (20 * (x * mm - 0.5 - 0.5) + 500) / 1800 * 255;
