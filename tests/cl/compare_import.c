@@ -292,8 +292,8 @@ static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1,
 }
 
 /*
- * Makes a slab that stores random slices. Sets the slices z0 <= k < z1 of `voxels` to the
- * weighted means of these slices (AR-CUB-2).
+ * Makes a slab that stores random slices. Stores the weighted means of these slices (AR-CUB-2) in
+ * the slices z0 <= k < z1 of `voxels`.
  */
 static slab slab_between(test_rng *rng, int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
@@ -352,7 +352,7 @@ static void chunks_round(machine *m, test_rng *rng)
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
     /* The volume is uploaded as one slab, or as two slabs that meet at a random slice. A slab stores its slices in
-       order, as a list in which equal slices are stored once, or as means of two slices. */
+       one of three ways: in order, with a list so that equal slices are stored only once, or as means of two slices. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
     const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* number of unused elements before the list of slices */

@@ -27,7 +27,7 @@ static void *zeros(size_t count, size_t size)
     return p;
 }
 
-/* Makes a pool whose slots are in random order, because the slots of a device need not have the order of the chunks. */
+/* Makes a pool in which the chunks are in random order, because a device need not store them in order. */
 static bone_pool pool_of(const ost_chunk_grid *grid, test_rng *rng)
 {
     bone_pool p = {.grid = grid, .voxels = (size_t)grid->size * (size_t)grid->size * (size_t)grid->size};
@@ -175,7 +175,7 @@ static void tables_free(tool_tables *t)
     free(t->windows);
 }
 
-/* Makes the event's buffer, in which the order of the arrays differs from the backend's order. */
+/* Makes the event's buffer. The order of its arrays differs from the order that the backend uses. */
 static uint8_t *input_of(plan *e, size_t *bytes)
 {
     const size_t entries = e->entry_count * sizeof *e->entries, poses = e->pose_count * sizeof *e->poses,
@@ -275,7 +275,10 @@ static uint8_t *some_classes(test_rng *rng, ost_dims d)
     return classes;
 }
 
-/* Returns a pose on or near the bone. Some poses are rotated by quarter turns, so that voxels coincide. */
+/*
+ * Returns a pose on or near the bone. Some poses are rotated by quarter turns, so that the voxels of tool and bone are
+ * aligned.
+ */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;

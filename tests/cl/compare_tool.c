@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes three comparisons: the voxelizer kernels with the reference, the reach that is stored in a tool's cells with
-   its definition, and the results of the fingerprint kernel with the list of expected results. */
+/* Compares the voxelizer kernels with the reference, the reach in a tool's cells with the definition of reach, and
+   the results of the fingerprint kernel with a list of expected results. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"
@@ -46,8 +46,8 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves each coordinate to an end of its range, or to a position one unit inside an end. The number of fraction bits
-   stays the same. */
+/* Moves each coordinate to an end of its range, or to the position one unit before an end. Does not change the
+   number of fraction bits. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {
     const int32_t n[3] = {mesh->grid.dims.x, mesh->grid.dims.y, mesh->grid.dims.z};
@@ -114,7 +114,10 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     uint64_t *marks = zeros(marks_capacity, 8), *of_tile = zeros(3 * count, 8);
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
-    /* If `over` is true, the kernel adds to the number of leaking rows; otherwise, it must overwrite the value 99. */
+    /*
+     * If `over` is true, the kernel adds to the initial number of leaking rows. Otherwise, it must overwrite this
+     * number, which is 99 here.
+     */
     of_tile[2] = over ? counts[2] : 99;
     for (size_t t = 0; t < lists; t++) {
         start[t + 1] = start[t] + (uint32_t)n;

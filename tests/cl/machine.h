@@ -74,7 +74,7 @@ struct machine {
     char name[200];
     int rows;   /* value of OST_ROWS; 256 selects ost_remove_blocks */
     bool small; /* true if scenes must be small, because a simulator is slow */
-    /* true if the device ends long loops; only the kernel set for GPUs is then compared (cl/fingerprint.c) */
+    /* true if the device ends long loops early; the tests then use only the kernel set for GPUs (cl/fingerprint.c) */
     bool brief;
     void (*launch)(machine *m, enum test_kernel kernel, const kernel_arg *args, unsigned count, const size_t range[3]);
 };

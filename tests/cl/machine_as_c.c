@@ -2,8 +2,9 @@
 /*
  * A machine (machine.h) that runs the kernels compiled as C. Items are called one after the other. No
  * kernel may rely on the order of items, so the i-th call runs item (i * stride + offset) modulo N, with
- * stride coprime to N. The range is larger than requested, as on a device that rounds it up. Each buffer is
- * a copy of exactly its size, so that the address sanitizer detects every access outside it.
+ * stride coprime to N. The range is larger than requested, because a device may round it up. Each argument
+ * is copied to an allocation of exactly its size, so that the address sanitizer detects every access
+ * outside it.
  */
 #include "cl/machine.h"
 
@@ -87,7 +88,7 @@ static void run_items(machine *base, enum test_kernel kernel, const kernel_arg *
     test_rows = base->rows;
     uint64_t size[3], all = 1;
     for (int a = 0; a < 3; a++) {
-        /* A dimension of 1 is not extended, because kernels may ignore it. */
+        /* A dimension of 1 is not extended, because kernels may ignore the index along this dimension. */
         size[a] = range[a] + (uint64_t)(range[a] > 1 ? rng_range(&m->rng, 0, 2) : 0);
         all *= size[a];
     }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Replaces the functions of the OpenCL loader by shims that inject faults, with any driver. The n-th call
- * of a selected function fails with an error code. If requested, all later calls that use the queue fail as
- * well, as they do after the loss of a device.
+ * Replaces the functions of the OpenCL loader by shims that inject faults. The shims work with any driver.
+ * The n-th call of a selected function fails with an error code. If requested, all later calls that use the
+ * queue fail as well, as they do after the loss of a device.
  */
 #ifndef OST_TESTS_CL_SHIM_H
 #define OST_TESTS_CL_SHIM_H

@@ -6,7 +6,7 @@
  * The test runs 4,000 events, or 100,000 with OST_TEST_LONG=1. During the first tenth, objects
  * are created once or grow to their final size. After that:
  *   - every event releases every object that it creates
- *   - the size of the process stays the same within 4 MiB, so that the long test
+ *   - the size of the process changes by at most 4 MiB; in the long test, this limit
  *     detects a growth of 47 bytes per event
  * The bone is filled again, by an upload, when half of it has been removed. These uploads also
  * create and release buffers. The final state must equal the reference's.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the opening of a device. The tests cover the options, devices that are refused because of
- * a property that they report or a result that they compute, a build that fails, and a cache that
- * is damaged, owned by others, invalid or missing.
+ * Tests the opening of a device. The tests cover options, refused devices, a build that fails, and
+ * the cache. A device is refused because of a property that it reports or a result that it
+ * computes. The cache may be damaged, owned by others, invalid or missing.
  */
 #include "cl/on_device.h"
 
@@ -237,7 +237,7 @@ static void no_device(void **state)
 
 static size_t flip_size, flip_at;
 
-/* Flips one bit of one result, as if the driver's compiler were wrong. */
+/* Simulates an error of the driver's compiler: flips one bit of one result. */
 static cl_int flipping_read(cl_command_queue queue, cl_mem buffer, cl_bool wait, size_t offset, size_t size, void *to,
                             cl_uint count, const cl_event *after, cl_event *event)
 {
@@ -282,8 +282,8 @@ static cl_int read_of_short_loops(cl_command_queue queue, cl_mem buffer, cl_bool
 }
 
 /*
- * If the loops of a device run long enough for the GPU kernel set, the device is opened with that set. If
- * they end earlier, the device is refused.
+ * A device that ends loops early is opened with the GPU kernel set if its loops run long enough for this
+ * set. If they end earlier, the device is refused.
  */
 static void devices_that_end_loops_early(void **state)
 {
@@ -487,8 +487,8 @@ static bool on_platform(const char *name)
     return is;
 }
 
-/* Makes a new folder for the caches of the following backends, and stores the path of the old folder in `before`.
-   PoCL's cache stays in the old folder. */
+/* Makes a new cache folder for the backends that the test opens next, and stores the path of the old folder in
+   `before`. PoCL's cache stays in the old folder. */
 static void begin_cache(char *folder, char *before, size_t size)
 {
     snprintf(before, size, "%s", getenv("XDG_CACHE_HOME"));
@@ -563,9 +563,9 @@ static void damaged_cache_entries_are_replaced(void **state)
     write_all(path, bad, size + 1); /* The entry is one byte longer than its length field states. */
     assert_false(opened_from_cache());
 
-    /* If the binary is invalid but its magic, length, key and checksum are right, it is passed to the driver. Only an
-       attacker would write such an entry. rusticl (Mesa 22.3) then aborts the process in its program.rs instead of
-       returning an error. */
+    /* This entry contains an invalid binary, but its magic, length, key and checksum are right. Only an attacker
+       would write such an entry. The binary is passed to the driver. rusticl (Mesa 22.3) aborts the process in its
+       program.rs instead of returning an error. */
     ost_digest checksum;
     if (on_platform("rusticl"))
         printf("# an invalid binary is not tested, because rusticl aborts the process\n");
@@ -582,7 +582,7 @@ static void damaged_cache_entries_are_replaced(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* The path of the cache is first the path of a file, and then the path of a folder that cannot be created. */
+    /* The path of the cache is first that of a file, then that of a folder that cannot be created. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);

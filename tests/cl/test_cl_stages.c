@@ -518,8 +518,8 @@ static void sample_twice(ost_backend *backend, ost_bone *bone, const ost_geometr
     ost_tool_free(tool);
 }
 
-/* Fails if a path of the kernel set was never entered, because such a path was not compared. Must run as the last
-   test. */
+/* Fails if a path of the kernel set was never entered, because the results of such a path were not compared. This
+   test must run last. */
 static void every_path_was_entered(void **state)
 {
     ost_error err = {0};

@@ -4,7 +4,7 @@
  * several values of rows per item and several work-group sizes. The test is skipped if there is no device.
  *
  *   OST_TEST_DEVICE=text   tests only devices whose name contains text
- *   OST_TEST_ROUNDS=n      tests n small scenes of each kind, for a simulator:
+ *   OST_TEST_ROUNDS=n      tests n small scenes of each kind; for a simulator, for example:
  *
  *   OST_TEST_DEVICE=Oclgrind OST_TEST_ROUNDS=2 oclgrind --build-options -cl-opt-disable \
  *       --data-races --uninitialized tests/cl/test_kernels_on_devices

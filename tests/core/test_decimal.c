@@ -173,9 +173,9 @@ static void floats_represent_their_shortest_decimal(void **state)
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
     /*
-     * The floats 431/512 and -101843/512 represent their own values, with nine decimal places (the exception of
-     * AR-LEN-4). The exception does not apply to 0.4882812f, which is not a multiple of 1/512, or to 4.25f, which
-     * needs only three digits.
+     * The floats 431/512 and -101843/512 represent exactly these values, which have nine decimal places (the
+     * exception of AR-LEN-4). The exception does not apply to 0.4882812f, which is not a multiple of 1/512, or to
+     * 4.25f, which needs only three digits.
      */
     assert_true(ost_pm_from_float(0.841796875f, &value));
     assert_int_equal(value, 841796875);
@@ -229,7 +229,7 @@ static void q30_agrees_with_long_division(void **state)
         ost_decimal d = decimal(text);
         int64_t scaled;
         assert_true(ost_decimal_scale(&d, UINT64_C(1) << 30, &scaled, NULL));
-        /* The error |scaled * 10^12 - m * 2^30| is at most 10^12 / 2. In a tie, scaled is even. */
+        /* The error |scaled * 10^12 - m * 2^30| is at most 10^12 / 2. If it equals this bound, `scaled` is even. */
         __int128 off = (__int128)scaled * INT64_C(1000000000000) - ((__int128)m << 30);
         off = off < 0 ? -off : off;
         assert_true(off < INT64_C(500000000000) || (off == INT64_C(500000000000) && scaled % 2 == 0));

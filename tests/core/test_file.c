@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that only regular files and links to them can be opened for reading, and that the opening of
- * a file does not block. The error for an absent file differs from the error for an unreadable one.
+ * Tests that only regular files and links to them can be opened for reading, and that opening never
+ * blocks. The error for an absent file differs from the error for an unreadable one.
  * Covers: REQ-REGULAR-FILES
  */
 #include "harness.h"
@@ -151,8 +151,8 @@ static void read_completely(void **state)
     }
 }
 
-/* A pipe is opened as a file that contains its bytes. The file can be read from the start and more than once. Its
-   size is limited. */
+/* ost_file_spool copies the bytes of a pipe to a file, which can be read from the start and more than once. The
+   number of bytes is limited. */
 static void pipe_is_read_as_a_file(void **state)
 {
     (void)state;

@@ -80,8 +80,8 @@ static void divider_equals_the_division_functions(void **state)
         case 2: n += random_wide(&rng, 127) % d; break;
         default: break;
         }
-        /* At the bound `most`, the dividend must be an exact multiple of the divisor, so that no quotient exceeds the
-           bound. */
+        /* If the quotient q is at the bound, `most` or -most, the dividend is exactly q * d, so that no rounded
+           quotient exceeds the bound. */
         if (q == most || q == -most)
             n = q * d;
         ost_i128 remainder;

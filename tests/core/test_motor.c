@@ -119,9 +119,9 @@ static void intervals_are_divided_into_ticks(void **state)
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
     path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* the turn in 37 ms is 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);
-    path.ticks[3].lifted = true;                /* a lifted row is one tick for any interval */
+    path.ticks[3].lifted = true;                /* a lifted row gives one tick, whatever the interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
-    path.ticks[4].tool = 1;                     /* a row that follows a row with another tool is also one tick */
+    path.ticks[4].tool = 1;                     /* a row that follows a row with another tool also gives one tick */
     /* A row with its own speed, as in a path from a session, is unchanged. */
     path.ticks[5] = row(3137, 50, 70);
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);

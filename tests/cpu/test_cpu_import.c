@@ -211,9 +211,9 @@ static int16_t *sparse_voxels(test_rng *rng, int64_t count, int32_t threshold)
 }
 
 /*
- * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or
- * very different, and some grids have one voxel along an axis. Few voxels are active, so that chunks that the
- * backend may skip lie next to chunks that it must not skip.
+ * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or very
+ * different, and some grids have one voxel along an axis. Few voxels are active, so that some chunks can be
+ * skipped and are next to chunks that must be processed.
  */
 static void interpolated_to_chunks(void **state)
 {
@@ -368,7 +368,7 @@ static void samples_to_rect(void **state)
     ost_backend_close(ref);
 }
 
-/* A block must keep its content while it is in use, for any order of allocating, freeing and trimming. */
+/* A block in use must keep its content, in whatever order blocks are allocated, freed and trimmed. */
 static void blocks_keep_their_content(void **state)
 {
     (void)state;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the thresholds from which the CPU backend uses several threads (src/cpu/share.h). With the option
- * grain=1, even the smallest grids enter every path of the backend on the requested number of threads, and
- * the results equal the reference's. Without this option, small grids enter only the path of the upload,
- * and an event of 2^22 voxels enters the path of the shared removal.
+ * Tests when the CPU backend uses several threads (src/cpu/share.h). With the option grain=1, even the
+ * smallest grids must enter every path of the backend on the requested number of threads, and the results
+ * must equal those of the reference. Without this option, small grids must enter only the path of the
+ * upload. An event of 2^22 voxels must enter the path of the removal that is divided among threads.
  * Covers: REQ-CPU-PATHS
  */
 #include "ref/scene.h"

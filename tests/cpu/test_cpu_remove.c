@@ -11,8 +11,8 @@
 
 /* ---------------------------------------------------------------- scenes */
 
-/* Returns a random pose on or near the bone. A third of the poses are rotated by quarter turns, so that voxels
-   coincide. */
+/* Returns a random pose on or near the bone. A third of the poses are rotated by quarter turns, so that the voxels
+   of tool and bone are aligned. */
 static ost_pose some_pose(test_rng *rng, const ost_geometry *g)
 {
     const ost_pm s = g->spacing.x;
@@ -67,8 +67,9 @@ static int16_t *some_bone(test_rng *rng, const ost_geometry *g)
 
 static const ost_pm bone_voxels[] = {470 * UM, 300 * UM, 1000 * UM};
 /*
- * Sizes of tool voxels in thousandths of a bone voxel. They cover windows of 8^3 and of 16^3 voxels with
- * each of their steps (see src/cpu/remove/shape.h), and sizes for which no windows are made.
+ * Sizes of tool voxels in thousandths of a bone voxel. They include sizes for windows of 8^3 and of 16^3
+ * voxels, with every step that is possible (see src/cpu/remove/shape.h), and sizes for which no windows
+ * are made.
  */
 static const int64_t tool_voxels[] = {3000, 2128, 1600, 1064, 1064, 1064, 1000, 960, 900, 750, 743,
                                       650,  532,  400,  380,  347,  320,  288,  260, 247, 150, 63};

@@ -135,7 +135,7 @@ static void compare(const ost_snapped_mesh *cutting, const ost_snapped_mesh *non
 #define OST_TEST_SHARE 3 /* tests/simd/portable tests a smaller share */
 #endif
 
-/* Returns the number of random meshes to test: n with OST_TEST_LONG=1, and a share of n without it. */
+/* Returns the number of random meshes to test: n with OST_TEST_LONG=1, otherwise a fraction of n. */
 static int rounds(int n)
 {
     const char *given = getenv("OST_TEST_LONG");
@@ -407,8 +407,8 @@ static void empty_mesh_gives_an_empty_grid(void **state)
 }
 
 /*
- * The caller's rounding mode and floating-point traps do not affect the grid and are the same
- * after the call. Embree sets flush-to-zero and divides by zero.
+ * The caller's rounding mode and floating-point traps must not affect the grid, and the call must
+ * not change them. Embree sets flush-to-zero and divides by zero.
  */
 static void floating_point_state_is_preserved(void **state)
 {
