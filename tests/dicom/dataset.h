@@ -5,9 +5,8 @@
 #include "series.h"
 
 /*
- * Writes a file with these frames: one slice, or all slices of an enhanced multi-frame image. Applies those
- * changes `set` and `remove` that belong to the slice of the first frame. Returns false with a message on
- * failure.
+ * Writes a file with the given frames: one slice, or all slices of an enhanced multi-frame image. Applies
+ * the changes `set` and `remove` of the first frame's slice. Returns false with a message on failure.
  */
 bool write_file(const series &s, const std::vector<slice> &frames, const std::string &path, std::string *error);
 

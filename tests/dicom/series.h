@@ -39,11 +39,11 @@ struct series {
     double tilt = 0;                     /* displacement along `columns` from slice to slice, in mm */
     double thickness = 0;                /* in mm; 0 means spacing[2] */
     int bits = 12, allocated = 16, high = 0; /* BitsStored, BitsAllocated and HighBit; high = 0 means bits - 1 */
-    bool is_signed = false, junk = false;    /* junk: if true, those bits of a pixel that are not stored are inverted */
+    bool is_signed = false, junk = false;    /* junk: true if all bits except the stored bits are inverted */
     int values[2] = {0, 3000};
     int smooth = 0;                      /* if not 0, the stored value is values[0] + smooth * (i + j + k) */
     std::vector<std::string> slope = {"1"}, intercept = {"-1024"}; /* slice k uses element k mod size of each list */
-    /* value of column 0; a second number is the padding range limit, which is stored in column 1 */
+    /* padding value, which is stored in column 0; a second number is the padding range limit, stored in column 1 */
     std::vector<int> padding;
     std::string syntax = "explicit";
     int fragment = 0;                    /* size of a fragment of a compressed frame in kB; 0 means one fragment */

@@ -12,7 +12,9 @@
 #define MM OST_PM_PER_MM
 #define PI 3.14159265358979323846
 
-/* HU of bone with a mass density of 1.95 g/cm3 by the default parameters. The relative error is at most 1e-4. */
+/*
+ * With the default parameters, bone of this HU has a mass density of 1.95 g/cm3, with a relative error of at most 1e-4.
+ */
 enum { REFERENCE_HU = 1705 };
 
 /* Makes a bone whose lowest `solid_layers` layers have the density `hu`. The centre of the grid's first voxel is at

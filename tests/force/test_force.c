@@ -15,7 +15,7 @@ static ost_pose at_mm(double x, double y, double z)
 }
 
 /*
- * Fills `points` with points on the part of a sphere with z below `top` radii. The points represent equal
+ * Fills `points` with points on the part of a sphere below z = top * radius. The points represent equal
  * areas and are spaced by the golden angle. The centre of the sphere is the origin.
  */
 static void sphere_points(double radius, double top)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Runs a fuzz target as a plain check program: first with an empty input and every seed, then with mutations of the
- * seeds.
- * Run k depends only on k and on the random seed, which is printed.
+ * seeds. Run k depends only on k and on the random seed, which is printed.
  *
  *   seed k mod count -> 1 to 6 edits -> LLVMFuzzerTestOneInput
  */
