@@ -198,8 +198,8 @@ static void force_below_the_friction_moves_nothing(void **state)
 }
 
 /*
- * The device follows a hand that moves at v = 50 mm/s. Viscosity and friction cause the lag (0.2 v + 0.26)
- * / k.
+ * The device follows a hand that moves at v = 0.05 m/s. Viscosity and friction cause a lag of (0.2 v +
+ * 0.26) / k.
  */
 static void device_follows_the_hand(void **state)
 {

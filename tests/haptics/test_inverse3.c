@@ -379,8 +379,8 @@ static void grip_rotates_the_tool(void **state)
 }
 
 /*
- * The function below replaces the function of the C library. If wake_late is set, a waiting thread
- * continues only 100 ms after it is woken.
+ * Replaces sem_timedwait of the C library. If wake_late is set, a waiting thread continues 100 ms
+ * after it is woken.
  */
 static bool wake_late;
 

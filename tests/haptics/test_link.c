@@ -221,7 +221,7 @@ static double range_with_delay(int delay, bool plane)
     link_packet states[LATE_MOST];
     memset(states, 0, sizeof states);
     assert_ok(ost_path_init(&path, TICKS, &err));
-    for (int i = 0; i < TICKS; i++) /* The target moves to 5 mm inside the wall at z = 0 within a second. */
+    for (int i = 0; i < TICKS; i++) /* The wall begins at z = 0. Within a second, the target moves to z = -5 mm. */
         path.ticks[i] = (ost_tick){
             .t_ns = (int64_t)i * 1000000,
             .rpm = OST_RPM_ON,

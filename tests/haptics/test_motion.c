@@ -34,10 +34,10 @@ static int remove_folder(void **state)
 }
 
 /*
- * Returns true if the body is tracked in this row. The body moves at 0.2 m/s along (0, 1, 0)
- * and rotates about (0, 0, 1) at 2 rad/s; it starts at (5, 6, 7), rotated by a quarter turn
- * about x. It is not tracked before row 20, in rows 120 to 219, between rows 300 and 330 (where
- * there are no rows), and in the last 10 rows.
+ * Returns true if the body is tracked in this row. The body moves at 0.2 m/s along (0, 1, 0) and
+ * rotates about (0, 0, 1) at 2 rad/s; it starts at (5, 6, 7), rotated by a quarter turn about x. It
+ * is not tracked before row 20, in rows 120 to 219, and in the last 10 rows. The rows between 300
+ * and 330 are missing in the file.
  */
 static bool is_tracked(int row)
 {

@@ -304,7 +304,6 @@ static void replayed_session_gives_the_same_bone(void **state)
     assert_ok(ost_session_header_create(&header, &err));
     assert_ok(ost_recorder_open(path_name, header, NULL, &recorder, &err));
     ost_session_header_free(header);
-    /* The path contains the first pose, and then the poses of the hand. */
     const ost_operation_report done = operate(&r, "script", &path, recorder);
     assert_int_equal(done.steps, 299);
     assert_ok(ost_recorder_close(recorder, &(ost_session_end){.ticks = done.steps}, &err));
@@ -463,8 +462,8 @@ static ost_pose pose_at(ost_pm x, ost_pm y, ost_pm z)
 }
 
 /*
- * With the motor off, a tool in bone removes nothing. With the motor on, the ticks equal those of
- * ost_motor_turn. A tick that is too late counts as a tick with the motor off.
+ * With the motor off, a tool in bone removes nothing. With the motor on, the ticks must equal those
+ * that ost_motor_turn computes. If a tick is too late, its motor counts as off.
  */
 static void operation_switches_its_motor(void **state)
 {

@@ -124,7 +124,7 @@ typedef struct seen {
     uint64_t ticks, declared, tracking_lost, done, missed;
     uint64_t stop_at;  /* the tick at which the loop is stopped; 0 means never */
     uint64_t sleep_at; /* this tick takes 12 ms */
-    uint64_t rehearsals, rehearsed; /* number of rehearsals, and number of ticks with a rehearsal before them */
+    uint64_t rehearsals, rehearsed; /* number of rehearsals, and number of ticks that follow a rehearsal */
     uint64_t rehearsals_before;
     ost_haptic_state last;
     int64_t t_ns;
@@ -248,7 +248,7 @@ static void long_tick_counts_missed_deadlines(void **state)
     const ost_servo_options options = {.ticks = 30, .no_realtime = true};
     const seen s = run_with(&timed, "F", &options, (seen){.sleep_at = 10});
     assert_int_equal(s.ticks, 30);
-    /* The tick of 12 ms exceeds its own period and lasts for at least 11 complete further periods. */
+    /* The tick of 12 ms fills its own period of 1 ms and at least 11 further periods. */
     assert_true(report.longest_miss >= 11);
     assert_true(report.missed >= 12);
     assert_true(s.missed >= 11);
@@ -314,8 +314,8 @@ static void on_rehearsal(void *user)
 }
 
 /*
- * A loop with a clock rehearses at least once before every tick. A loop that a device's own
- * thread calls never rehearses.
+ * A loop that waits for the clock must rehearse at least once before every tick. If the device's
+ * own thread runs the ticks, there must be no rehearsal.
  */
 static void every_tick_is_rehearsed(void **state)
 {

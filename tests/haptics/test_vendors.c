@@ -366,7 +366,7 @@ typedef struct course {
     ost_live_channel *live;
     ost_world *world;
     fake_note *note;
-    /* `along` is the device's coordinate that moves along the bone's x. `step` is 0.1 mm in the device's unit. */
+    /* `along` points to the device's coordinate along the bone's x. `step` is 0.1 mm in the device's unit of length. */
     double *along, step;
     int tick;
     uint64_t removed[TICKS];
@@ -461,7 +461,7 @@ static void buttons_of_devices_switch_motor_and_tool(void **state)
 {
     (void)state;
     fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
-    /* position[0] points to the right, as the tool's x does, and is in mm. */
+    /* position[0] is the coordinate to the right, which is the tool's x, in mm. */
     operate_by_buttons("openhaptics", note, &note->position[0], 0.1);
     note = load_stand_in(DHD, "fake_dhd", "fake_dhd");
     operate_by_buttons("dhd", note, &note->position[1], 1e-4); /* to the right, in m */
@@ -526,7 +526,7 @@ static void spnav_moves_while_it_is_pushed(void **state)
     read_on(device, 1000, &s);
     assert_true(abs(s.pose.qw) < 1 << 10 && abs(s.pose.qy - OST_Q30_ONE) < 1 << 10 && abs(s.pose.qx) < 1 << 10 &&
                 abs(s.pose.qz) < 1 << 10);
-    /* At most 32 buttons are reported, each while it is pressed. */
+    /* A button is reported while it is pressed. Button numbers above 31 are ignored. */
     put_event(feed, 1, 0, 0, 0, 0, 0, 0);
     put_event(feed, 2, 1, 1, 0, 0, 0, 0);
     put_event(feed, 2, 1, 5, 0, 0, 0, 0);

@@ -28,7 +28,7 @@ EXPORT fake_xr_state fake_xr = {.eye_x = {-0.03f, 0.03f},
 
 static struct {
     GLuint texture[2];
-    int acquired[2];      /* 0 if the image is free, 1 after it is acquired, 2 after it is waited for */
+    int acquired[2];      /* 0 if the image is free, 1 if it is acquired, 2 if it is acquired and ready for drawing */
     XrSessionState queue[8];
     int queued, next;
     XrTime time;
