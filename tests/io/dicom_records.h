@@ -8,7 +8,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Returns an axial image of 4 x 3 pixels of 0.5 x 0.75 mm at (-10, 20, z) mm in series 7. z is a decimal. */
+/*
+ * Returns an axial image of 4 x 3 pixels of 0.5 x 0.75 mm at (-10, 20, z) mm in series 7. `z` is a decimal number as
+ * text.
+ */
 static inline ost_dicom_record record_at(const char *z)
 {
     ost_dicom_record r;

@@ -27,8 +27,8 @@ static inline tiff_page tiff_plain(uint32_t width, uint32_t height, unsigned bit
 }
 
 /*
- * Appends an entry of type ASCII (2), SHORT (3), LONG (4) or RATIONAL (5). One SHORT is stored in the first half of
- * the value.
+ * Appends an entry of type ASCII (2), SHORT (3), LONG (4) or RATIONAL (5). A single SHORT is stored in the first
+ * half of the entry's value field.
  */
 static inline void put_entry(bytes *b, bool big, unsigned tag, unsigned type, uint32_t count, uint32_t value)
 {

@@ -129,7 +129,7 @@ static void refuses_invalid_nrrd_fields(void **state)
         {"#", "data file: LIST x\nb\n", "LIST", OST_ERR_INPUT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        /* In a header with a list of files, every line after the header is a file name, so no data follow. */
+        /* If the header declares a list of files, every line after this field is a file name, so no data follow. */
         write_replaced(cases[i].field, cases[i].line, sixteen, strstr(cases[i].line, "LIST") ? 0 : 16);
         assert_refused(at("b.nrrd"), NULL, cases[i].status, cases[i].words);
     }

@@ -104,7 +104,8 @@ static void process_limits_apply(void **state)
     if (!preload || !strstr(preload, "vgpreload")) /* the library does not lower the descriptor limit under valgrind */
         refused("[ \"$(ulimit -n)\" = 64 ] && kill -USR1 $$", "signal 10");
     refused("[ \"$(ulimit -f)\" = 0 ] && [ \"$(ulimit -c)\" = 0 ] && kill -USR1 $$", "signal 10");
-    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10"); /* 1 s for the scan and 2 s for the only file */
+    /* The limit of CPU time is 3 s: 1 s for the scan and 2 s for the only file. */
+    refused("[ \"$(ulimit -t)\" = 3 ] && kill -USR1 $$", "signal 10");
     refused("( : >\"$0.written\" && echo x >\"$0.written\" ) 2>&-; [ -s \"$0.written\" ] || kill -USR1 $$",
             "signal 10");
     refused("[ \"$(ls /proc/self/fd | wc -l)\" -le 4 ] && kill -USR1 $$", "signal 10");

@@ -180,7 +180,7 @@ static void scaling_with_extreme_factors(void **state)
     }
 }
 
-/* Tests a row of floats in which integers, fractions and a value that is no density follow each other. */
+/* Tests a row of floats that contains integers, fractions and one value that is no density. */
 static void row_of_floats(void **state)
 {
     (void)state;

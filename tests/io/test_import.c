@@ -542,8 +542,7 @@ static void crop_is_a_part_of_the_complete_grid(void **state)
     }
 }
 
-/* By AR-GRID-5 the complete grid must be valid even if only a part of it is imported, from a text as well as from a
-   volume. */
+/* By AR-GRID-5 the complete grid must be valid even if only a part of it is imported. */
 static void grid_outside_the_crop_is_checked(void **state)
 {
     (void)state;

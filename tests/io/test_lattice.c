@@ -40,8 +40,8 @@ static uint32_t units_bit(int places)
 }
 
 /*
- * Fills the axis with layers origin + step * spacing for each step for which keep(step) is true, rounded to `places`
- * decimal places.
+ * Fills the axis with the layers origin + step * spacing, rounded to `places` decimal places. Omits the steps for
+ * which keep(step) is false.
  */
 static void fill(axis_text *a, ost_pm origin, ost_pm spacing, int count, int places, bool (*keep)(int))
 {

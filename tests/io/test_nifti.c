@@ -129,7 +129,7 @@ static void slope_and_intercept(void **state)
     assert_refused(at("s.nii"), NULL, OST_ERR_INPUT, "scl_inter");
 }
 
-/* Tests which of sform, qform and pixdim is used. Each gives different sizes. */
+/* Tests which of sform, qform and pixdim is used. Each of the three gives a different voxel size or position. */
 static void choice_of_sform_qform_or_pixdim(void **state)
 {
     (void)state;
@@ -153,7 +153,7 @@ static void choice_of_sform_qform_or_pixdim(void **state)
             ost_volume_report report;
             ost_error err = {0};
             /*
-             * In these cases both sform and qform refer to the patient and disagree, so an option must
+             * If `both` is true, sform and qform refer to the patient and disagree, so an option must
              * select one of them. The test sform_and_qform_that_disagree tests this option.
              */
             const bool both = cases[i].expected == 1 && cases[i].qform > 0;

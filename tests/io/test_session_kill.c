@@ -4,7 +4,7 @@
  * to open the session. Its ticks must be complete and without a gap, and their number must be at least the number that
  * the recorder had reported as written before the kill.
  *
- *   child:  makes a tick, records it, stores the number of ticks that the recorder has written in shared memory
+ *   child:  makes a tick, records it, stores in shared memory how many ticks the recorder has written
  *   parent: sleeps, sends SIGKILL, reads the session
  *
  * The number of milliseconds that each kill lost is printed but not tested, because it depends on

@@ -160,8 +160,9 @@ static void png_of_8_and_16_bits(void **state)
 }
 
 /*
- * With the orientation SAR, x points to superior, y to anterior, and z to right: voxel (x, y, z) of the
- * stack is at S 0.5 x, A 0.25 y, R 2 z. The grid has 4 x 2 x 3 voxels in LPS.
+ * With the orientation SAR, x points to superior, y to anterior, and z to right. Relative to the first
+ * voxel, voxel (x, y, z) of the stack is 0.5 x mm superior, 0.25 y mm anterior and 2 z mm right. The
+ * grid has 4 x 2 x 3 voxels in LPS.
  */
 static void orientation_option_is_applied(void **state)
 {
@@ -410,8 +411,8 @@ static void refuses_pages_that_share_pixels(void **state)
 
     file.size = 0;
     put_tiff(&file, false, pages, 1);
-    /* The directory follows the strip and an unused resolution. Its link to the next directory is the last field of
-       the file. */
+    /* The last field of the file is the link to the next directory. This line makes it point to the first directory,
+       which is the only one. */
     memcpy(file.data + file.size - 4, file.data + 4, 4);
     write_file("circle.tif", file.data, file.size);
     ost_error err = {0};

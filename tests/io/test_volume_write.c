@@ -287,8 +287,8 @@ static void import_digests(ost_backend *backend, const char *name, ost_geometry 
 
 /*
  * Imports the same volume as text (with 4 decimals, 6 decimals, or as many as needed), NRRD and NIfTI.
- * Every format must give the same bone. For text without its comments the spacing is inferred
- * from the coordinates.
+ * Every format must give the same bone. If the text has no comments, the spacing is inferred from the
+ * coordinates.
  */
 static void every_format_imports_to_the_same_bone(void **state)
 {
