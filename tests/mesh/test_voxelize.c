@@ -4,9 +4,9 @@
  * invariants of voxelization.
  *
  * The oracle classifies one voxel at a time and has no rules for ties. It scales coordinates by 2^50 and
- * displaces the row by (2^22, 1) in (y, z), computing with 128 bits. The displacement resolves ties and is
- * small enough to change no other sign. A 3 x 3 determinant gives the side of the triangle's plane on which
- * the centre lies.
+ * displaces the row by (2^22, 1) in (y, z). The displacement resolves ties and is small enough to change no
+ * other sign. The sign of a 3 x 3 determinant states on which side of the triangle's plane the centre lies.
+ * All computations use 128 bits.
  *
  * Covers: AR-VOX-1, AR-VOX-2, AR-VOX-3, AR-VOX-4, AR-VOX-5, AR-VOX-6, AR-VOX-7
  */

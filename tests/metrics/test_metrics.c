@@ -470,8 +470,8 @@ static void path_and_contact_of_tool(void **state)
 }
 
 /*
- * The cutting part of each tool is a box of voxels of 1 mm; a shaft of voxels that do not cut surrounds it and extends
- * above and below it.
+ * The cutting part of each tool is a box of 1 mm voxels. A shaft of voxels that do not cut surrounds the box and
+ * extends above and below it.
  */
 static void properties_of_tools(void **state)
 {
@@ -485,8 +485,8 @@ static void properties_of_tools(void **state)
         {{10, 4, 3}, {5, 17, 36}, {OST_METRICS_REAMER, 8.5, 36, {0, 0, -7}}},
         {{4, 10, 3}, {15, 5, 30}, {OST_METRICS_DRILL, 7.5, 30, {0, 0, -7}}},
         {{4, 10, 3}, {15, 5, 29}, {OST_METRICS_OTHER, 7.5, 29, {0, 0, -7}}},
-        /* The axis of the frame, x = y = 0, passes through the lower corner of the voxels (10, 12). It passes outside
-           the next two boxes, and along an edge of the last box. */
+        /* In the next two cases, the axis of the frame, x = y = 0, is outside the box. In the last case, it lies
+           along an edge of the box. */
         {{11, 3, 20}, {4, 4, 8}, {OST_METRICS_DRILL, 2, 8, {3, -7, 10}}},
         {{1, 13, 0}, {4, 2, 7}, {OST_METRICS_OTHER, 2, 7, {-7, 2, -10}}},
         {{10, 8, 0}, {4, 4, 7}, {OST_METRICS_OTHER, 2, 7, {0, 0, -10}}},

@@ -157,8 +157,8 @@ static void test_bone_is_connected_for_all_seeds(void **state)
 }
 
 /*
- * A block is skipped if its centre is far enough from the bone (ct.c). Skipping is correct only
- * if a computed distance exceeds the true distance by at most half of the true distance.
+ * A block is skipped if its centre is far enough from the bone (ct.c). Skipping is correct only if
+ * a computed distance is at most 1.5 times the true distance.
  */
 static void test_error_of_distances(void **state)
 {

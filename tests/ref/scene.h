@@ -21,8 +21,8 @@ static inline size_t voxel_count(const ost_geometry *g)
 }
 
 /*
- * Returns random densities. On average, `share` of 8 voxels are active (120 to 1,000), and the other voxels
- * are below the threshold (-1,000 to 119).
+ * Returns random densities. On average, `share` of every 8 voxels are active, with densities from 120 to
+ * 1,000. The other densities are below the threshold, from -1,000 to 119.
  */
 static inline int16_t *random_densities(test_rng *rng, const ost_geometry *g, int share)
 {

@@ -213,10 +213,10 @@ static void resampling_to_finer_layers(void **state)
      * Three layers of 1 mm are resampled to 0.47 mm. There are ceil(3 / 0.47) = 7 layers, the first at
      * (0.47 - 1) / 2 = -0.265 mm. In units of the source layers, the centres are at -0.265, 0.205, 0.675,
      * 1.145, 1.615, 2.085 and 2.555. The `linear` rule clamps the first centre to 0 and the last two to 2.
-     * The `nearest` rule uses the layers' boxes, which begin at -0.5: the centres lie in 0 0 1 1 2 2 and,
-     * clamped, 2. The `thesis` rule divides 0, 0.47, 0.94, 1.41, 1.88, 2.35 and 2.82 by 1. Each source
-     * layer is 1000 denser than the previous layer. Rounding the weights to multiples of 2^-15 does not
-     * change the results.
+     * The `nearest` rule uses the layers' boxes, which begin at -0.5: the centres lie in the layers 0, 0,
+     * 1, 1, 2, 2 and 3; the last is clamped to 2. The `thesis` rule divides 0, 0.47, 0.94, 1.41, 1.88,
+     * 2.35 and 2.82 by 1. Each source layer is 1000 denser than the previous layer. Rounding the weights
+     * to multiples of 2^-15 does not change the results.
      */
     static const int expected[3][7] = {
         [OST_RESAMPLE_LINEAR] = {100, 305, 775, 1245, 1715, 2100, 2100},
@@ -253,8 +253,8 @@ static void resampling_to_coarser_layers(void **state)
      * Seven layers of 0.3 mm are resampled to 0.47 mm. There are ceil(2.1 / 0.47) = 5 layers, the first at
      * (0.47 - 0.3) / 2 = 0.085 mm. For the `linear` rule, the centres are at 0.2833, 1.85, 3.4167, 4.9833
      * and 6.55 source layers; the last centre is clamped to 6. For the `nearest` rule, the boxes begin half
-     * a layer earlier, and the centres lie in the layers 0 2 3 5 and 7.05; the last is clamped to 6. The
-     * `thesis` rule divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives 0 1 3 4 6.
+     * a layer earlier, and the centres lie in the layers 0, 2, 3, 5 and 7; the last is clamped to 6. The
+     * `thesis` rule divides 0, 0.47, 0.94, 1.41 and 1.88 by 0.3, which gives the layers 0, 1, 3, 4 and 6.
      */
     static const int expected[3][5] = {
         [OST_RESAMPLE_LINEAR] = {383, 1950, 3517, 5083, 6100},

@@ -436,8 +436,8 @@ static ost_pose quarter_turned(const ost_pose *p, int axis, ost_pm3 t)
     r[2] = u[0] * q[2] - u[1] * q[3] + u[2] * q[0] + u[3] * q[1];
     r[3] = u[0] * q[3] + u[1] * q[2] - u[2] * q[1] + u[3] * q[0];
     /*
-     * The nonzero components of a cube's rotations have the same magnitude, which their number
-     * determines.
+     * All nonzero components of such a quaternion have the same magnitude. The number of nonzero
+     * components determines it.
      */
     int nonzero = 0;
     for (int c = 0; c < 4; c++)

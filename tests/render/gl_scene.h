@@ -45,8 +45,8 @@ static inline ost_surface surface_of(const ost_volume *v)
 }
 
 /*
- * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels.
- * `aside` is the offset of the point at which the camera looks.
+ * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels. The
+ * camera looks at a point with the offset `aside` from the middle.
  */
 static inline ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside,
                               int width, int height)

@@ -159,7 +159,7 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     left = differ;
     for (int i = 0; i < SHIFTS && left; i++) {
         static const int direction[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-        /* the rays are moved by the greatest distance first, because this explains most of the differences */
+        /* the larger of the two distances is tried first, because it explains most differences */
         const float by = (float)(MOVES - i / 8) / (128 * MOVES);
         left = 0;
         draw_moved(&moved, things, count, by * (float)direction[i % 8][0], by * (float)direction[i % 8][1]);

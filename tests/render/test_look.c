@@ -29,7 +29,7 @@ static size_t index_of(int i, int j, int k)
 
 /*
  * Makes a bone of many densities, with rounded corners and pores. In *after, a cylinder along x has been
- * removed from this bone; it extends from i = 46 to the end of the bone.
+ * removed from this bone. The cylinder extends from i = 46 to the end of the bone.
  */
 static void make_bone(test_rng *rng, ost_volume *before, ost_volume *after)
 {
@@ -661,8 +661,8 @@ static void ghosts_and_lines_are_blended(void **state)
     assert_memory_equal(v.frame.planes.colour, plain, count * sizeof *plain);
     int columns = 0, hidden = 0;
     /*
-     * A line is drawn across the picture. In every column, for any position of the line, the sum of the added colour
-     * must be that of one pixel in the line's full colour. Behind the bone the sum must be a fifth of this colour.
+     * A line is drawn across the picture. In every column, the colours that the line adds must sum to the line's
+     * full colour, whatever the position of the line. Behind the bone, the sum must be a fifth of this colour.
      */
     for (int near = 0; near < 2; near++) {
         const ost_eye eye = ost_eye_make(&camera, &v.bone.geometry);

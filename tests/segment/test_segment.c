@@ -73,8 +73,7 @@ static bool is_cut(const scene *s, int32_t x, int32_t y, int32_t z)
     return false;
 }
 
-/* Marks all voxels that have the same flag as voxel `from` and are connected to it by a path of voxels with common
-   faces. */
+/* Marks all voxels that have the same flag as voxel `from` and are connected to it through shared faces. */
 static size_t flood(const scene *s, const bool *in, size_t from, bool *reached, size_t found[MOST])
 {
     const ost_dims d = s->ct.geometry.dims;

@@ -17,7 +17,7 @@ static size_t voxel_count(const ost_volume *v)
     return (size_t)ost_dims_count(v->geometry.dims);
 }
 
-/* Makes a volume of a few boxes, which may overlap or touch, with a few holes. */
+/* Makes a volume of a few boxes with a few holes. The boxes may overlap or touch. */
 static void make(ost_volume *ct, test_rng *rng)
 {
     ost_error err = {0};
@@ -159,8 +159,8 @@ static bool comes_before(const oracle *o, size_t a, size_t b)
     return o->height[a] > o->height[b] || (o->height[a] == o->height[b] && a < b);
 }
 
-/* Returns true if a path on which all heights are at least t leads from voxel `from` to a voxel that precedes `from`
-   in the order of the flood. */
+/* Follows all paths from voxel `from` on which all heights are at least t. Returns true if a path reaches a voxel
+   that precedes `from` in the order of the flood. */
 static bool reaches_higher(const oracle *o, size_t from, int64_t t)
 {
     static size_t list[MOST];
