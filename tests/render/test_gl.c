@@ -293,7 +293,7 @@ static void build(ost_volume *v, const ost_volume *shape, bool open)
 }
 
 /*
- * Draws the objects twice: with occlusion, by which hidden cells are skipped, and without it. The two pictures must be
+ * Draws the objects twice, once skipping hidden cells (occlusion) and once drawing them. The two pictures must be
  * bit-identical. Returns the number of cells that were skipped.
  */
 static int compare_without_occlusion(const char *name, const ost_gl_variant *variant, const ost_frame_thing *things,

@@ -6,8 +6,8 @@
  * Pixels may therefore differ where a ray passes an edge closely. For each pixel that differs in colour, face or
  * depth, the ray is moved by at most 1/128 pixel. With one of the moved rays, the processor must draw the colour and
  * the face of the mesh, and the depth of the mesh to within half a voxel. A face that is seen almost along its plane
- * can be narrower than 1/128 pixel. Therefore, a few pixels of the mesh may show a different face if the outline of
- * that face is at most 1/128 pixel away. Any other difference is an error.
+ * can be narrower than 1/128 pixel. Therefore, a few pixels of the mesh may show a different face if that face is at
+ * most 1/128 pixel away. Any other difference is an error.
  *
  * The test is skipped if OpenGL without a display is not available.
  * Covers: REQ-MESH-SAME
@@ -93,8 +93,8 @@ static double distance_of(const ost_eye *e, double px, double py, const int voxe
 }
 
 /*
- * Returns true if a pixel of the mesh has the face and depth of a visible face whose outline is at most 1/128 pixel
- * away from the pixel's middle.
+ * Returns true if a pixel of the mesh has the face and the depth of a visible face that is at most 1/128 pixel away
+ * from the pixel's middle.
  */
 static bool shows_near_face(const ost_frame *mesh, int x, int y, const ost_frame_thing *things, int count)
 {

@@ -82,8 +82,9 @@ static ost_lettering *letters(void)
 }
 
 /*
- * The bar's length is the greatest number of the form 1, 2 or 5 times a power of ten that fits. At 0.5 mm
- * per pixel, a bar of 20 mm, which is 40 pixels long, fits into 60 pixels. Its ends are vertical strokes.
+ * The bar's length in mm is 1, 2 or 5 times a power of ten. The bar has the greatest such length that
+ * fits. At 0.5 mm per pixel, a bar of 20 mm, which is 40 pixels long, fits into 60 pixels. Its ends are
+ * vertical strokes.
  */
 static void test_scale_bar(void **state)
 {
