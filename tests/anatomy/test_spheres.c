@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the search for spheres in volumes of shapes given by formulas: a head (a ball on a shaft), a socket (a block
- * with a dish cut out), and hollow balls. The expected centres and radii are those in the formulas.
+ * Tests the search for spheres. The volumes contain shapes that formulas define: a head (a ball on a shaft), a
+ * socket (a block with a dish cut out), and hollow balls. The expected centres and radii are those in the formulas.
  *
  * Covers: REQ-SPHERES
  */

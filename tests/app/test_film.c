@@ -76,7 +76,7 @@ static int count_files(const char *where, const char *text)
     return count;
 }
 
-/* Stores the luma of each frame of a .y4m file in got, checks that every frame is grey, and returns the number of
+/* Stores the luma of each frame of a .y4m file in `got`, checks that every frame is grey, and returns the number of
    frames. */
 static int levels(const char *name, int got[], int capacity)
 {
@@ -233,7 +233,7 @@ static void failure_is_reported_and_ends_recording(void **state)
     setenv("PATH", "/nowhere", 1);
     assert_int_equal(film_open(&none, &f, &err), OST_ERR_UNAVAILABLE);
     assert_non_null(strstr(err.text, "install ffmpeg"));
-    /* A folder named ffmpeg or a file that is not executable is not accepted as the encoder. */
+    /* The encoder must be neither a folder named ffmpeg nor a file that cannot be executed. */
     assert_int_equal(mkdir("folder", 0777), 0);
     assert_int_equal(mkdir("folder/ffmpeg", 0777), 0);
     out = fopen("ffmpeg", "w");

@@ -113,7 +113,8 @@ static void test_outline(void **state)
 
 /*
  * If the glenoid's centre is set, the planes pass through the centre, which in this test is in the cube of
- * label 2. The cube's side of 4 mm is 33.3 pixels long, so its outline has 4 x 2 x 31.3 pixels.
+ * label 2. The section of this cube has sides of 4 mm, or 33.3 pixels. Its outline has 4 x 2 x 31.3
+ * pixels.
  */
 static void test_planes_through_the_glenoid(void **state)
 {

@@ -46,7 +46,7 @@ static ost_snapped_mesh tetrahedra(test_rng *rng, ost_dims dims)
     return mesh;
 }
 
-/* Moves each coordinate to an end of its range, or to the position one unit before an end. Does not change the
+/* Sets each coordinate to an end of its range, or to a value that is one unit inside the range. Does not change the
    number of fraction bits. */
 static void stretch(ost_snapped_mesh *mesh, test_rng *rng)
 {

@@ -36,7 +36,7 @@ static inline signed char as_char(uchar x) { return (signed char)x; }
 
 /* Vectors use the vector extension of GCC and clang, in which operators work as in OpenCL C and comparisons give 0
    or -1. The functions are always inlined. No sanitizer detects an overflow in an element of a vector. Instead,
-   comments in the kernels prove the bounds, and the comparisons include meshes and poses at the ends of the ranges. */
+   comments in the kernels prove the bounds, and the tests use meshes and poses at the ends of the ranges. */
 #pragma GCC diagnostic ignored "-Wpsabi"
 typedef uchar uchar8 __attribute__((vector_size(8)));
 typedef short short16 __attribute__((vector_size(32)));

@@ -339,7 +339,7 @@ static void both_kernel_sets_at_once(void **state)
 }
 
 /* An event with more poses than a device with limited loops allows must be refused before anything changes. An event
-   with one pose fewer must be performed. */
+   with the maximum number of poses must be performed. */
 static void too_many_poses(void **state)
 {
     (void)state;
@@ -506,9 +506,9 @@ static void end_cache(const char *folder, const char *before)
 }
 
 /*
- * PoCL compiles all kernels of a program when the program's binary is requested. Therefore, on PoCL, the first program
- * that a process builds from its source is not stored. The second program is stored. This test must be the first test
- * that opens a device.
+ * PoCL compiles all kernels of a program when the program's binary is requested, which is slow. Therefore, on PoCL,
+ * the first program that a process builds from source is not stored. The second program is stored. This test must be
+ * the first test that opens a device.
  */
 static void first_program_is_cached_unless_pocl(void **state)
 {

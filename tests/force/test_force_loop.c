@@ -99,8 +99,8 @@ static void tick_done(void *user, uint64_t number, uint32_t exec_ns)
 
 /*
  * Returns the RMS difference in mm/s between the speed averaged over 10 ms and the speed averaged
- * over 200 ms, during the last 0.8 s. One encoder step in 10 ms is a speed of 5.5 mm/s. A held
- * device oscillates at 5 to 40 Hz.
+ * over 200 ms, during the last 0.8 s. One encoder step in 10 ms is a speed of 5.5 mm/s. If a held
+ * device oscillates, its frequency is 5 to 40 Hz.
  */
 static double speed_deviation(const double at[])
 {

@@ -177,8 +177,8 @@ static void missing_samples_stop_the_force(void **state)
 }
 
 /*
- * A delayed spring generates energy in every cycle, so a mass on it oscillates with growing
- * amplitude. Simulates 3 s and returns the amplitude in the last second.
+ * A delayed spring generates energy in every cycle, so a mass that is attached to it oscillates
+ * with growing amplitude. Simulates 3 s and returns the amplitude in the last second.
  */
 static double oscillation_amplitude(double max_damping, uint64_t *damped)
 {

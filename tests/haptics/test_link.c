@@ -102,8 +102,8 @@ static void invalid_packets_are_refused(void **state)
             assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
         assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
-         * These packets are signed correctly but have invalid contents: a pose that is not a rotation or is
-         * beyond 8 m, an unknown flag or type, or an invalid tool number.
+         * These packets are signed correctly but have invalid contents: a quaternion that is not a
+         * rotation, a position beyond 8 m, an unknown flag or type, or an invalid tool number.
          */
         link_packet bad = p;
         bad.pose.qw = 0;

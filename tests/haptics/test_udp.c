@@ -417,8 +417,9 @@ static void *run_stand_in(void *user)
             if (p.flags & LINK_SEEN) {
                 const int64_t way = llabs(p.pose.t.z - last.t.z);
                 /*
-                 * While a hand holds the tool, the tool moves by at most 100 pm per ns. The limit also
-                 * applies to intervals in which this thread waits for a processor.
+                 * While a hand holds the tool, the tool moves by at most 100 pm per ns. The limit is
+                 * computed from the times in the packets, so it is valid even if this thread had to
+                 * wait for a processor.
                  */
                 s->jumps += way > 2 * MM + (tracked ? (p.t_ns - last_ns) * 100 : 0);
                 last_ns = p.t_ns;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A small OpenXR runtime for tests: a headset with two eyes and a controller, whose poses the test sets. It implements
- * the functions that src/headset calls. The environment variable XR_RUNTIME_JSON makes the OpenXR loader open this
- * runtime, and the test accesses the runtime's state through the symbol fake_xr. The runtime keeps the pictures that
- * were shown. Row 0 is at the bottom, as in OpenGL.
+ * A small OpenXR runtime for tests: a headset with two eyes, and a controller. The test sets their poses. The runtime
+ * implements the functions that src/headset calls. The environment variable XR_RUNTIME_JSON makes the OpenXR loader
+ * open this runtime, and the test accesses the runtime's state through the symbol fake_xr. The runtime keeps the
+ * pictures that were shown. Row 0 is at the bottom, as in OpenGL.
  */
 #ifndef OST_TESTS_HEADSET_RUNTIME_H
 #define OST_TESTS_HEADSET_RUNTIME_H

@@ -232,8 +232,8 @@ static void refuses_files_truncated_at_any_byte(void **state)
 }
 
 /*
- * A flip of any bit of compressed data must be detected, by deflate or by the checksum, except
- * in the padding bits of deflate's last byte.
+ * If any bit of compressed data is flipped, deflate or the checksum must detect this. The padding
+ * bits in deflate's last byte are an exception.
  */
 static void detects_flipped_bits_in_compressed_data(void **state)
 {

@@ -134,8 +134,8 @@ static void grid_volume_equals_mesh_volume(void **state)
     make(OST_TOOL_BURR, &(ost_tool_options){.segments = 1024}, &mesh);
     /*
      * The expected volume is the volume of a sphere of radius 3 mm plus that of a shaft of radius 1 mm, minus the
-     * cap of the sphere within the shaft. The shaft begins at the height where its side meets the sphere, and ends
-     * at the height of 26 mm.
+     * cap of the sphere that lies within the shaft. The shaft begins at the height where its side meets the
+     * sphere, and ends at the height of 26 mm.
      */
     const double pi = 3.14159265358979, root = 3 + sqrt(8.0), cap = 6 - root;
     const double volume = pi * 4 / 3 * 27 - pi * cap * cap * (9 - cap) / 3 + pi * (26 - root);

@@ -46,8 +46,8 @@ static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const in
 }
 
 /*
- * Counts the triangles that cross the row of p at or before p, or at any position if `all` is true. Sums
- * the signs of these triangles.
+ * Stores in *count the number of triangles that cross the row of p at or before p, or at any position if
+ * `all` is true. Stores the sum of the signs of these triangles in *winding.
  */
 static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
 {

@@ -32,7 +32,9 @@ static void assert_samples(const ost_bone *bone, const ost_geometry *g, test_rng
     free(expected);
 }
 
-/* Removes a cube of `size` mm whose corner is at (x, y, z) mm, from a bone with voxels of 1 mm. */
+/*
+ * Removes a cube from a bone with voxels of 1 mm. The cube has a side of `size` mm, and its corner is at (x, y, z) mm.
+ */
 static uint64_t remove_cube(ost_backend *backend, ost_bone *bone, const ost_geometry *g, int32_t size, int32_t x,
                             int32_t y, int32_t z)
 {
@@ -86,7 +88,7 @@ static void samples_equal_the_download(void **state)
     }
 }
 
-/* One event changes 27 chunks of 64^3 voxels, whose occupancy is 864 KiB. */
+/* One event changes 27 chunks of 64^3 voxels. Their occupancy takes 864 KiB. */
 static void samples_after_a_large_event(void **state)
 {
     skip_without_samples(*state);

@@ -133,7 +133,7 @@ static oracle_map oracle_map_of(const bench_scene *e)
     vector(e->pose.t, t);
     vector(e->bone.origin, o);
     for (int b = 0; b < 3; b++) {
-        /* V_b follows from 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
+        /* V_b of points.h follows from 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
         wide n = 2 * r.n * (t[b] - o[b]) + r.n * s;
         for (int a = 0; a < 3; a++)
             n += r.m[b][a] * (2 * corner[a] + dims[a] * s_t);
@@ -319,8 +319,8 @@ static void run_event(const method *m, void *state, const methods_scene *scene, 
 }
 
 /*
- * Processes the event three times: on the original bone, on the resulting bone, and on the restored bone. After each
- * time, exactly the expected voxels of the original bone must be removed.
+ * Processes the event three times: on the original bone, on the resulting bone, and on the restored bone. Each time,
+ * exactly the expected voxels of the original bone must be absent afterwards.
  */
 static void check_method(const method *m, const methods_scene *scene, const method_setup *setup,
                          const uint8_t *bone_to_tool, const uint8_t *tool_to_bone)

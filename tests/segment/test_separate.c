@@ -202,7 +202,7 @@ static void flood(oracle *o, int64_t depth)
         order[at] = i;
     }
     o->pieces = 0;
-    /* no path above the marker's height minus `depth` may lead from a marker to a preceding voxel */
+    /* a voxel is a marker if no path above its height minus `depth` leads to a preceding voxel */
     for (size_t k = 0; k < voxels; k++)
         if (!reaches_higher(o, order[k], o->height[order[k]] - depth + 1)) {
             o->piece[order[k]] = o->pieces++;

@@ -210,8 +210,9 @@ static void separating_axes_separate(void **state)
     ost_box bone = ost_box_of_bone(&g), tool = ost_box_of_tool(&t); /* 10 mm wide, including the inflation by a voxel */
     ost_pose pose = {.qw = 992008094, .qz = 410903207};            /* cos and sin of 22.5 degrees */
     /*
-     * Along the diagonal, an edge of the bone meets a face of the tool. They are 5 sqrt(2) and 5 mm
-     * from the centres of the cubes, so the boxes separate at 5 sqrt(2) + 5 = 12.0711 mm.
+     * Along the diagonal, an edge of the bone meets a face of the tool. The edge is 5 sqrt(2) mm
+     * from the centre of the bone, and the face is 5 mm from the centre of the tool. Therefore the
+     * boxes separate at 5 sqrt(2) + 5 = 12.0711 mm.
      */
     const double diagonal = 0.7071067811865476;
     pose.t.x = pose.t.y = (ost_pm)(12.07 * diagonal * 1e9);
