@@ -439,8 +439,8 @@ static void path_and_contact_of_tool(void **state)
     NEAR(t.inward_max_mm_s, 20, 0.01);
     assert_int_equal(t.plunges, 0);
     /*
-     * For one second the advance is faster, with a speed that varies around the limit. This
-     * must count as one plunge.
+     * For one second, the tool advances faster, and its speed varies around the limit for a plunge.
+     * This must count as one plunge.
      */
     for (int i = 0; i <= ALL; i++)
         for (int a = 0; a < 3; a++)

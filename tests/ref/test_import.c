@@ -125,7 +125,8 @@ static void duplicate_samples(void **state)
                                   {.density = 150, .line = 3}};
     ost_error err = {0};
     for (size_t i = 0; i < 4; i++)
-        for (size_t cut = 0; cut <= 4; cut++) { /* The samples are divided into two batches at every position. */
+        /* The samples are divided into two batches at each possible position. */
+        for (size_t cut = 0; cut <= 4; cut++) {
             ost_grid *grid = rect_grid(*state, 2, 2, 2, (ost_pm3){0, 0, 0});
             ost_scatter_report report = {0};
             assert_ok(ost_ct_to_rect(grid, samples, cut, 1, cases[i].rule, &report, &err));

@@ -174,8 +174,8 @@ static void clip_plane_shows_ct_densities(void **state)
         assert_true(c.seen > 500 && c.painted > 50);
     }
     /*
-     * The voxels at the clip plane must have exactly the greys of their densities in the picture, because they are not
-     * lit. The camera looks along x at a plane perpendicular to x.
+     * In the picture, the voxels at the clip plane must have exactly the greys of their densities, because they are
+     * not lit. The camera looks along x at a plane perpendicular to x.
      */
     const ost_clip across = {{-OST_CLIP_UNIT, 0, 0}, -(INT64_C(40) << 14)};
     ost_camera camera = {.focal_milli = 100000, .width = 64, .height = 64};

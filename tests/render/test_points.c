@@ -284,8 +284,8 @@ static ost_camera camera_at(const ost_volume *v, test_rng *rng, double distance,
 }
 
 /*
- * Returns true if the entire cube around voxel v is more than `by` beyond the near plane. Such voxels are
- * drawn.
+ * Returns true if the complete cube around voxel v lies beyond the near plane by more than `by` voxels,
+ * so that the voxel is drawn.
  */
 static bool beyond_near(const ost_eye *e, const int v[3], double by)
 {
