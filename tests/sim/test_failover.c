@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests failover. A world that is moved to other backends repeatedly, at any ticks, must have the
- * same grid and totals as a world that is not moved.
+ * Tests failover. A world that is moved between two backends at random ticks must have the same
+ * grid and totals as a world that is not moved.
  * Covers: REQ-FAILOVER
  */
 #include "ref/scene.h"
@@ -38,7 +38,7 @@ static plan make_plan(test_rng *rng)
     return p;
 }
 
-/* A world with the objects of its backend. A tool is added to the world at the tool's first tick. */
+/* A world, its bone and its tools on one backend. A tool is added to the world at the tool's first tick. */
 typedef struct stage {
     ost_bone *bone;
     ost_tool *tools[OST_WORLD_TOOLS_MAX];
@@ -81,7 +81,7 @@ static void move(stage *s, ost_backend *to)
     stage before = *s;
     ost_tool *moved[OST_WORLD_TOOLS_MAX];
     assert_ok(ost_world_failover(s->world, to, &s->bone, moved, &err));
-    /* Tools that the world does not contain yet must be moved to the other backend separately. */
+    /* ost_world_failover moves only the tools of the world. The other tools are copied here. */
     for (int t = 0; t < TOOLS; t++) {
         s->tools[t] = moved[t];
         if (t >= s->count) {

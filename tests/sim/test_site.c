@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the counts of bone at the site of an operation: in front of a face, along the axis and under a
- * tool. They are compared with counts that this test makes according to the definitions in
- * docs/reference/metrics.md.
+ * Tests the counts of bone in front of a face, along the axis and under a tool. The expected counts are
+ * computed here according to the definitions in docs/reference/metrics.md.
  * Covers: REQ-SITE
  */
 #include "ref/scene.h"
@@ -12,8 +11,8 @@
 #include <osteon/sim.h>
 
 /*
- * Tests random voxels, axes, centres and limits. The test rounds differently from the library, so a count may
- * differ by one voxel that lies on a border.
+ * Tests random voxels, axes, centres and limits. Because the test and the library round differently, a count
+ * may differ by one voxel that lies on a border.
  */
 static void random_sites(void **state)
 {
@@ -55,7 +54,7 @@ static void random_sites(void **state)
         int64_t found;
         double in, out;
         assert_ok(ost_bone_in_front(bone, &site, radius, reach, &found, &err));
-        assert_true(llabs(found - front) <= 1); /* A voxel on a border may be counted on either side. */
+        assert_true(llabs(found - front) <= 1);
         assert_ok(ost_bone_along_axis(bone, &site, &in, &out, &err));
         const double share = 100 * s * s * s / (acos(-1) * 16 * 10);
         assert_true(fabs(in - fmin(100, (double)inward * share)) <= share * 1.001);

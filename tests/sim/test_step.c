@@ -106,10 +106,7 @@ static void one_pose_without_sweep(void **state)
     ost_step_result r = step(&l, tick_at(1, 0, 15000, 10000, 5000));
     assert_int_equal(r.pose_count, 1);
     assert_int_equal(r.report->total_voxels, 2 * 2 * 6);
-    /*
-     * Without sweeps, the limits of a sweep do not apply, so the tool may move by metres and rotate by half
-     * a turn.
-     */
+    /* Sweeps are off, so their limits do not apply: the tool may move by metres and rotate by half a turn. */
     step(&l, tick_at(2, 0, 7000000, 0, 0));
     ost_tick turned = tick_at(3, 0, 0, 0, 0);
     turned.pose.qw = 0;
@@ -134,8 +131,8 @@ static void selected_tool_does_not_sweep(void **state)
 }
 
 /*
- * The tool moves by 20 mm in bone while it is lifted. With and without a removal period, nothing
- * between the two positions may be removed, but the voxels at the new position must be.
+ * The tool moves by 20 mm through bone while it is lifted. With and without a removal period, it
+ * must remove the voxels at its new position, but nothing between the two positions.
  */
 static void lifted_tool_does_not_sweep(void **state)
 {
@@ -175,8 +172,8 @@ static void removal_period_selects_ticks(void **state)
         assert_int_equal(r.removal, removes[t]);
         assert_int_equal(r.report != NULL, removes[t]);
         /*
-         * A sweep begins at the pose of the last event, not of the last tick. Three ticks of 0.5
-         * mm are covered by poses that are half a voxel (0.5 mm) apart.
+         * The tool moves by half a voxel (0.5 mm) per tick. A sweep begins at the pose of the last
+         * event, not of the last tick, so it has one pose for each tick since that event.
          */
         assert_int_equal(r.pose_count, !removes[t] ? 0 : t == 1 || t == 10 ? 1 : t == 3 || t == 12 ? 2 : 3);
     }
@@ -190,8 +187,8 @@ static void removal_period_selects_ticks(void **state)
 static void periods_of_negative_times(void **state)
 {
     /*
-     * To compute the period of a time, the code rounds down and does not truncate. Therefore -1 ms and 0 ms are in
-     * different periods of 3 ms, and -3 ms and -1 ms are in the same period.
+     * The number of the removal period of a tick is its time divided by the period, rounded down and not towards
+     * zero. Therefore -1 ms and 0 ms are in different periods of 3 ms, and -3 ms and -1 ms are in the same period.
      */
     fixture l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 3000000});
     assert_true(step(&l, tick_at(-3, 0, 0, 0, 0)).removal);
@@ -233,8 +230,8 @@ static void motor_off_removes_nothing(void **state)
 }
 
 /*
- * The motor is on until the tool is at 5 mm, off while the tool moves to 30 mm, and then on
- * again. A motion of 2 mm from there has 4 poses, and nothing between 5 and 30 mm is removed.
+ * The motor is on until the tool is at 5 mm, off while the tool moves to 30 mm, and then on again.
+ * The next motion, by 2 mm, has 4 poses, and nothing between 5 and 30 mm is removed.
  */
 static void sweep_begins_at_last_pose_with_motor_off(void **state)
 {
@@ -286,7 +283,7 @@ static void motor_turn_over_quarter_is_refused(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_fixture(&l);
-    /* The rotations of the ticks between two events are added. Here they take 2 + 2 + 2 ms. */
+    /* The rotations of all ticks since the last event are added. Three ticks of 2 ms exceed a quarter turn. */
     l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);

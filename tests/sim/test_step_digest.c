@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the digest of a step. The expected values were computed from docs/spec/session.md in
- * another language. 0xe220a8397b1dcdaf is the published first number of SplitMix64 after seed 0.
+ * Tests the digest of a step. The expected values were computed by a program in another language,
+ * written from docs/spec/session.md. 0xe220a8397b1dcdaf is the published first output of SplitMix64
+ * for seed 0.
  * Covers: REQ-STEP-DIGEST
  */
 #include "harness.h"
@@ -54,7 +55,7 @@ static void every_difference_changes_digest(void **state)
     CHANGES_DIGEST(chunks[1].density[0] = 400);
     /* If one chunk has one voxel more and another chunk one voxel less, the digest must change. */
     CHANGES_DIGEST((chunks[0].voxels[0]++, chunks[1].voxels[0]--));
-    /* Array elements beyond the world's number of classes must not affect the digest. */
+    /* The digest is computed for two classes, so the third array element must not affect it. */
     make();
     chunks[0].voxels[2] = 77;
     assert_true(ost_step_digest(&result, 2) == before);
