@@ -111,7 +111,8 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 }
 
 /*
- * Writes to the upper halves of vector registers. If the compiler does not clear them, they remain in use afterwards.
+ * Uses the upper halves of vector registers. If the compiler does not clear them, they remain in use after the
+ * return.
  */
 static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 {
@@ -122,7 +123,7 @@ static __attribute__((noinline, target("avx"))) void use_upper(float *eight)
 static void state_init(void)
 {
     float eight[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-    /* Not ost_isa_available, which in tests/simd/portable returns true even for sets that this machine lacks. */
+    /* ost_isa_available is unsuitable: in tests/simd/portable it returns true even for sets that this machine lacks. */
     has_avx = __builtin_cpu_supports("avx");
     if (has_avx) {
         state_prepare();
@@ -203,7 +204,7 @@ static bool state_kept(const machine_state *before, const machine_state *after, 
 static sigjmp_buf landing;
 static volatile sig_atomic_t in_call, signal_caught;
 static void *volatile address_caught;
-/* call_seen is the number of the call that was running at the last tick of the watchdog. */
+/* call_seen is the value of call_number when the last SIGVTALRM arrived. */
 static volatile sig_atomic_t call_number, call_seen;
 
 static void land(int sig, siginfo_t *info, void *context)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel and describes an error in a sentence. There are three kinds of errors: a fault, a call that does not
- * end, and processor state that was not restored. For a fault, the sentence also describes the address.
+ * Calls a kernel. If the call fails, a sentence describes the error: a fault and its address, a call that does not
+ * end, or processor state that the kernel did not restore.
  */
 #ifndef OST_TESTS_SIMD_CALL_H
 #define OST_TESTS_SIMD_CALL_H
@@ -26,7 +26,7 @@ call_end call_kernel(check_call_fn *call, check_fn *kernel, void *arguments, cha
 /* Returns true if this machine and this build can detect a kernel that leaves the upper halves of vector registers
    in use. */
 bool call_watches_halves(void);
-/* If the program runs under valgrind, where these checks do not work, prints the reason and returns true. */
+/* If the program runs under valgrind, prints why the checks are skipped there, and returns true. */
 bool call_under_valgrind(void);
 
 #endif

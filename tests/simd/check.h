@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The check of one slot of a table of kernels (tests/simd).
+ * A check belongs to one slot of a table of kernels. It consists of two functions:
  *
  *   test    runs one case: makes inputs with the random generator of the case, calls the scalar kernel
  *           and the other kernel with equal inputs, and compares their outputs
  *   bench   times one or more workloads
  *
- * The check of a slot consists of one check_kernel in check_FAMILY.c and one line
- * in run.c. Nothing needs to be added for another instruction set.
+ * A new slot needs one check_kernel in check_FAMILY.c and one line in run.c. A new instruction set needs no
+ * change. Example:
  *
  *   static void test_thing(check *c)
  *   {
@@ -82,19 +82,22 @@ static inline bool check_chance(check *c, int one_in)
 }
 
 /*
- * Returns `count` elements of `size` bytes for the caller to fill. They lie at the beginning or at the end
- * of their pages and are read-only while a kernel runs.
+ * Returns an array of `count` elements of `size` bytes for the caller to fill. The array lies at the
+ * beginning or at the end of its pages, and is read-only while a kernel runs.
  */
 void *check_input(check *c, const char *name, size_t count, size_t size, size_t align);
 /*
- * Returns two equal buffers, for the scalar kernel and the other kernel. Both buffers contain poison. They
- * lie at the same edge of their pages.
+ * Returns two buffers with equal content (poison), one for the scalar kernel and one for the other kernel.
+ * Both lie at the same edge of their pages.
  */
 void check_outputs(check *c, const char *name, size_t count, size_t size, size_t align, void *both[2]);
 /* Sets a description of the case, which is printed if the case fails. */
 void check_note(check *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Calls the scalar kernel with a and the other kernel with b. Returns false if one of the calls failed. */
+/*
+ * Calls the scalar kernel with the arguments `a` and the other kernel with the arguments `b`. Returns false if a call
+ * failed.
+ */
 bool check_both(check *c, check_call_fn *call, void *a, void *b);
 
 typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, CHECK_U64, CHECK_BITS } check_type;
@@ -104,8 +107,8 @@ typedef enum check_type { CHECK_I8, CHECK_U8, CHECK_I16, CHECK_I32, CHECK_U32, C
  */
 bool check_same(check *c, const char *what, check_type type, const void *expected, const void *got, size_t count);
 /*
- * If `holds` is false, the case fails with the formatted sentence. Returns false if the case has failed, now or
- * earlier.
+ * If `holds` is false, the case fails with the formatted sentence. Returns false if this check or an earlier
+ * check of the case failed.
  */
 bool check_that(check *c, bool holds, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
@@ -119,8 +122,8 @@ check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *o
 
 /*
  * Times one workload with each instruction set and prints a line. If `prepare` is not NULL, it runs before
- * each call and is not timed. `items` is the number of items that a call processes, from which the time per
- * item is computed; `what` is the item's name.
+ * each call and is not timed. `items` is the number of items that a call processes, and `what` is the name of
+ * an item. The line contains the time per item.
  */
 void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
                 void *arguments, double items, const char *what);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernels vox_fill and vox_expand, which convert crossings to solid bits and solid
- * bits to classes.
+ * Checks of the kernels vox_fill and vox_expand, which convert crossings to solid bits and solid bits to
+ * classes.
  *
- * The check allows every result that the contract of vox_fill allows. A variant may report all rows of a
- * block as unproven if one row is unproven, or if the first crossing enters the mesh in some rows and leaves
- * it in others. The bits of these rows are then unspecified and not counted. Therefore bits are compared
- * only in rows that both the scalar function and the variant report as proven. After ost_vox_fill_unproven,
+ * The contract of vox_fill leaves a choice: a variant may report all rows of a block as unproven if one row
+ * is unproven, or if the first crossing enters the mesh in some rows and leaves it in others. The bits of
+ * unproven rows are unspecified and not counted. Therefore bits are compared only in rows that both the
+ * scalar function and the variant report as proven. After ost_vox_fill_unproven has filled the unproven rows,
  * the bits of all rows must be equal.
  */
 #include <string.h>
@@ -31,9 +31,16 @@ static void call_fill(check_fn *kernel, void *with)
 }
 
 /*
- * Makes the crossings of one row. The parameter `kind` selects the crossings: none (0), alternately entering
- * and leaving (1), as in an open mesh (2), random (3), at every centre (4), or with both signs at the same
- * centre (5). If the mesh is inside out, the caller exchanges the planes.
+ * Makes the crossings of one row. The values of `kind` are:
+ *
+ *   0  no crossings
+ *   1  crossings that alternately enter and leave the mesh
+ *   2  as 1, but the last crossing may be missing, as in an open mesh
+ *   3  random crossings
+ *   4  a crossing at every centre
+ *   5  crossings with both signs at the same centre
+ *
+ * If the mesh is inside out, the caller exchanges the planes.
  */
 static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *minus)
 {
@@ -57,7 +64,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
         minus[(nx - 1) / 64] ^= bit;
         plus[(nx - 1) / 64] &= ~bit;
-        /* The row already leaves the mesh at this centre, so all crossings of the row are deleted. */
+        /* If the row already leaves the mesh at this centre, all crossings of the row are deleted. */
         if (!(minus[(nx - 1) / 64] & bit)) {
             memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
             memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernel gather_row. The first 130 cases use each count from 0 to 64 twice, in ascending
- * order; later cases use random counts. The elements of a map are equal, consecutive or farther apart, and
- * the spans of some maps are close to the width of a register.
+ * Checks of the kernel gather_row. The first 130 cases use each count from 0 to 64 twice, in ascending order;
+ * later cases use random counts. Neighbouring elements of a map are equal, consecutive or farther apart. Some
+ * maps span about as many elements as a register holds.
  */
 #include "simd/check.h"
 

@@ -98,8 +98,9 @@ static void call_stretch_row(check_fn *kernel, void *with)
 }
 
 /*
- * Fills the array `at` with positions. Their steps are constant and fractional, as in resampling, or they
- * are 1, with a few steps of up to 40, so that neighbouring positions can be more than a register apart.
+ * Fills the array `at` with ascending positions. Either their steps are constant and fractional, as in
+ * resampling, or most steps are 1 and a few are up to 40, so that neighbouring positions can be more than a
+ * register apart.
  */
 static void make_places(check *c, int32_t *at, int width)
 {

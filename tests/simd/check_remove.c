@@ -2,18 +2,17 @@
 /*
  * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
- * `blocks` computes the base of a block as the sum of parts. It is tested with random parts whose sums lie
- * near three kinds of limits: the limit of the fraction beyond which the base is computed by a division, the
- * least and greatest base that a block can have, and the least and greatest base at which the tool reaches
- * the block.
+ * `blocks` computes the base of a block as the sum of three parts. The parts are random, but their sums lie near one
+ * of three kinds of limits: the fraction from which on the base is computed by a division, the least and greatest
+ * base that a block can have, and the least and greatest base at which the tool reaches the block.
  *
- * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are
- * sorted by the numbers of the parts, which are all different. The previous content of the lists must not
- * change, and nothing beyond the OST_CUBES_SLACK elements after a list may be written.
+ * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are sorted by
+ * the numbers of the parts, which are all different. The previous content of the lists must not change, and nothing
+ * beyond the OST_CUBES_SLACK elements after a list may be written.
  *
- * `match` is tested with bricks that a split classifies as mixed. They lie anywhere in the cells, also at the edges.
- * Half of the bricks are moved so that a voxel lies on a border between tool voxels or a few units from
- * such a border, where the 16-bit sums have ties.
+ * `match` is tested with bricks that a split classifies as mixed. The bricks lie anywhere in the cells, also at the
+ * edges. Half of the bricks are moved so that a voxel lies on a border between tool voxels or a few units from such
+ * a border, where the 16-bit sums have ties.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +65,7 @@ static void call_blocks(check_fn *kernel, void *with)
 }
 
 /*
- * Returns the sum of three parts of a block's base, to which a kernel adds a half for rounding. The sum may
+ * Returns a sum for the three parts of a block's base. A kernel adds a half to it for rounding. The sum may
  * have any value in the ranges of block_base.h and is usually near the border of a range.
  */
 static int64_t some_sum(check *c, const ost_block_reach *reach, int a)
@@ -116,8 +115,8 @@ static void test_blocks(check *c)
         bases->part[b] = check_input(c, "part", 3 * (size_t)bases->count[b], sizeof(int64_t), sizeof(int64_t));
     }
     /*
-     * If the parts are not exact enough for a block, the kernel uses the map. The map has the same steps as
-     * the parts, the divisor 2^80, and an origin for which the first block is in reach.
+     * The kernel computes a base from the map if the parts are not exact enough. The map has the same steps
+     * as the parts. Its origin is chosen so that the tool reaches the first block.
      */
     const ost_i128 divisor = (ost_i128)1 << 80;
     *map = (ost_map){.divisor = ost_int128_of(divisor)};
@@ -130,7 +129,10 @@ static void test_blocks(check *c)
         }
         map->origin[a] = ost_int128_of(base * divisor + check_range(c, -9, 9));
     }
-    /* On each axis, the sum of the first block is chosen. The sums of most other blocks differ little from it. */
+    /*
+     * On each axis, some_sum chooses the sum of the first block. A part of another block equals the part of the first
+     * block, or differs from it by the step of about one block.
+     */
     for (int a = 0; a < 3; a++) {
         const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far),
                       z = check_range(c, -far, far);
@@ -328,8 +330,8 @@ static void call_match(check_fn *kernel, void *with)
 }
 
 /*
- * Chooses at most MIXED_MAX random cells by reservoir sampling. A split with this value of `least` (ost_split)
- * classifies each chosen cell as mixed. Returns the number of chosen cells.
+ * Chooses at most MIXED_MAX random cells, by reservoir sampling, from the cells that a split with this value
+ * of `least` (ost_split) classifies as mixed. Returns the number of chosen cells.
  */
 enum { MIXED_MAX = 512 };
 static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32_t chosen[MIXED_MAX])
@@ -347,9 +349,9 @@ static size_t mixed_cells(check *c, const ost_cells *cells, int32_t least, int32
 }
 
 /*
- * Returns a coordinate of a brick along axis a. The coordinate is at most u and differs from u by less than
- * one tool voxel. At this coordinate, a voxel of the brick lies on a border between two tool voxels or at
- * most 200 units from such a border.
+ * Reduces the coordinate u of a brick along axis a by less than one tool voxel, so that a voxel of the brick
+ * lies on a border between two tool voxels, or at most 200 units from such a border. Returns the new
+ * coordinate.
  */
 static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 {
@@ -360,8 +362,9 @@ static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 }
 
 /*
- * Places bricks so that their centres lie in mixed cells. Part 0 of the split is used, because
- * it has the same first voxel as the cube that is split.
+ * Places bricks so that their centres lie in mixed cells. The distance of a brick's centre from its
+ * first voxel is that of part 0 of the split, because the first voxel of part 0 is the first voxel
+ * of the cube that is split.
  */
 static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
 {
@@ -425,8 +428,8 @@ static uint64_t carries_of(const ost_match *match, int a, uint32_t fraction)
     return carries;
 }
 
-/* Variants other than the scalar kernel compute the tables in `carries`, which the scalar kernel does not compute. The
-   tables are therefore compared with their definition (remove.h, "Carries"). */
+/* The scalar kernel does not compute the tables in `carries`. Therefore the tables of the other variants are compared
+   with their definition (remove.h, "Carries"). */
 static void test_match_tables(check *c)
 {
     solid s;
@@ -494,7 +497,7 @@ static void test_match(check *c)
     ost_match *match = check_input(c, "match", 1, sizeof *match, _Alignof(ost_match));
     ost_cubes *bricks = check_input(c, "bricks", 1, sizeof *bricks, _Alignof(ost_cubes));
     *shape = s.shape;
-    if (check_chance(c, 8)) /* The shape for larger bone voxels has no windows. */
+    if (check_chance(c, 8)) /* A shape for larger bone voxels has no windows. */
         shape->windows = shape->wide = (ost_windows){0};
     ost_match_make(s.step, shape, match);
     make_tables(match);
@@ -517,7 +520,7 @@ static void test_match(check *c)
     if (!check_both(c, call_match, &a, &b) || !check_same(c, "hits", CHECK_BITS, hits[0], hits[1], bricks->count) ||
         !(match->windows || match->wide))
         return;
-    /* Compares the windows with the tool's own voxels. If there are no windows, the scalar kernel uses these voxels. */
+    /* Without windows, the scalar kernel reads the tool's own voxels. The hits must be the same. */
     static ost_match plain;
     static uint64_t voxels[OST_UNIT_BRICKS + OST_CUBES_SLACK];
     plain = *match;
@@ -601,7 +604,7 @@ static void test_take(check *c)
     }
     memcpy(density[1], density[0], voxels * sizeof *d);
     take_arguments a = {take, density[0], number, hits, count, {{0}, {0}}};
-    /* The tally begins with values other than zero, because the kernel must add to it. */
+    /* The tally begins with random values, because the kernel must add to it. */
     for (int i = 0; i < OST_CLASS_MAX; i++) {
         a.tally.voxels[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;
         a.tally.density[i] = check_chance(c, 2) ? 0 : rng_next(&c->rng) >> 1;

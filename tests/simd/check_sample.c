@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks of the kernel `sample`. The cases have every chunk size, grids that end within a chunk, chunks
- * without memory, voxels inside and outside the grid, and counts near sixteen.
+ * Checks of the kernel `sample`. The cases include every chunk size, grids that end within a chunk, chunks
+ * without memory, voxels inside and outside the grid, and numbers of voxels near 16.
  */
 #include "simd/check.h"
 

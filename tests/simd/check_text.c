@@ -10,8 +10,7 @@
  *   - the carriage return is missing or superfluous
  *   - only the beginning of the line is present, or the line is empty
  *
- * In some cases, the text continues after the end of the part that is tested, but the lines there must not be
- * matched.
+ * In some cases, the text continues after `end`. A kernel must not match the lines there.
  */
 #include <stdio.h>
 #include <string.h>
@@ -139,7 +138,7 @@ static void test_match(check *c)
     const size_t here = check_chance(c, 3) ? (size_t)check_range(c, 0, (int64_t)lines) : lines, end = begins[here];
     const size_t there = bytes - end < OST_TEXT_MARGIN ? bytes - end : OST_TEXT_MARGIN;
     char *text = check_input(c, "text with its margin", end + OST_TEXT_MARGIN, 1, 1);
-    /* The margin after the text contains characters of a density or newlines, so that reading it would change the
+    /* The margin after the text contains digits or newlines, so that a kernel that uses it returns a wrong
        result. */
     memset(text, check_chance(c, 3) ? '\n' : '5', end + OST_TEXT_MARGIN);
     memcpy(text, joined, end + there);

@@ -2,11 +2,17 @@
 /*
  * Checks of the kernels vox_mark and vox_keys with triangles of every kind in tiles.
  *
- * Meshes need not be closed, because a kernel marks triangles one by one. The triangles tested are small
- * triangles, slivers, triangles with corners and edges on the centres of rows, triangles across the entire
- * grid, triangles at the upper end of the grid along x, triangles whose extents are the largest that vector
- * lanes allow, and flat triangles. A crossing at the upper end of the grid along x has no bit and is written
- * to the spill list. The same applies to a crossing whose bit is already set in the plane.
+ * A mesh need not be closed, because a kernel marks each triangle separately. The kinds of triangles are:
+ *
+ *   - small triangles and slivers
+ *   - triangles with corners and edges on the centres of rows
+ *   - triangles across the entire grid
+ *   - triangles at the upper end of the grid along x
+ *   - triangles with the largest extents that vector lanes allow
+ *   - flat triangles
+ *
+ * A crossing at the upper end of the grid along x has no bit and is written to the spill list. A crossing
+ * whose bit is already set in the plane is written to this list, too.
  */
 #include <stdlib.h>
 #include <string.h>

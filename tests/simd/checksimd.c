@@ -9,9 +9,9 @@
  *   checksimd --list                           lists the kernels
  *
  * If slots of several instruction sets contain the same function, only the slot of the lowest set is tested,
- * unless --isa names another one. A scalar function is compared with itself, which detects only accesses to
- * memory that the contract does not allow. The exit status is 0 for success, 1 if a case failed, 2 for a
- * usage error, and 77 if this machine runs only scalar code or cannot run the requested instruction set.
+ * unless --isa names another one. A scalar function is compared with itself, which detects only memory
+ * accesses that the contract forbids. The exit status is 0 for success, 1 if a case failed, 2 for a usage
+ * error, and 77 if this machine runs only scalar code or cannot run the requested instruction set.
  *
  * Covers: AR-LAW-1
  */
@@ -146,8 +146,8 @@ static int bench_all(const options *o)
 }
 
 /*
- * Checks a kernel with an instruction set and fills its cell in the table of results. Returns
- * false if the check failed.
+ * Checks a kernel for one instruction set and writes the result to `cell`. Returns false if the
+ * check failed.
  */
 static bool check_one(const options *o, const check_kernel *kernel, int isa, char cell[24])
 {

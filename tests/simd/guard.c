@@ -52,15 +52,15 @@ static void map_pages(buffer *b, size_t size)
 }
 
 /*
- * Returns the poison at distance i from the buffer's beginning. It depends only on i, so that
- * buffers of equal size have the same initial content.
+ * Returns the poison byte at distance i from the buffer's beginning. The byte depends only on i, so
+ * that buffers of equal size have the same initial content.
  */
 static unsigned char poison_at(ptrdiff_t i)
 {
     return (unsigned char)(0xa5 ^ (i * 29 & 0x7f));
 }
 
-/* Fills `size` bytes with the poison that begins at distance i. */
+/* Fills `to` with the poison bytes of the distances i to i + size - 1. */
 static void poison(unsigned char *to, ptrdiff_t i, size_t size)
 {
     enum { PERIOD = 128 };

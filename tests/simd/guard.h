@@ -19,8 +19,8 @@
 typedef enum guard_kind { GUARD_INPUT, GUARD_OUTPUT } guard_kind;
 
 /*
- * Returns a buffer of `size` bytes, filled with poison. The alignment `align` is in bytes and a
- * power of two up to 4096. The buffer and the text `name` must remain valid until guard_reset.
+ * Returns a buffer of `size` bytes, filled with poison. `align` is a power of two of at most 4096
+ * bytes. guard_reset releases the buffer; the text `name` must be valid until then.
  */
 void *guard_take(const char *name, size_t size, size_t align, guard_kind kind, bool at_end);
 /* Makes the inputs read-only. */

@@ -25,10 +25,7 @@ const check_kernel *const check_kernels[] = {
 };
 const int check_kernel_count = sizeof check_kernels / sizeof check_kernels[0];
 
-/*
- * Every slot must have a check. If a slot is added, this file does not compile until a check for
- * the slot is added above.
- */
+/* This file does not compile unless every slot has a check in the list above. */
 enum {
     CPU_SLOTS = (sizeof(ost_cpu_kernels) - offsetof(ost_cpu_kernels, gather_row)) / sizeof(check_fn *),
     TEXT_KERNELS = 1

@@ -55,8 +55,8 @@ static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  98
                                  8388609, 12345678, 16777216};
 
 /*
- * Makes the columns of a rotation matrix, times `ratio`, rounded to integers. The rotation is composed of quarter
- * turns, or is any rotation.
+ * Sets `step` to the columns of a rotation matrix, multiplied by `ratio` and rounded. The rotation is arbitrary
+ * or composed of quarter turns.
  */
 static void make_steps(test_rng *rng, int32_t ratio, int32_t step[3][3])
 {

@@ -10,9 +10,9 @@
 #include "simd/check.h"
 
 /*
- * The shape of a case. Eight consecutive cases have the same shape. The cells of the shape (with 64
- * readable bytes on each side), its windows and its bits are inputs of the case. `step` belongs to a
- * pose. The pose has the voxel ratio for which the shape was made.
+ * A shape, and the steps of a pose for it. Eight consecutive cases have the same shape. The cells of the
+ * shape (with 64 readable bytes on each side), its windows and its bits are inputs of the case (check_input).
+ * The pose has the voxel ratio for which the shape was made.
  */
 typedef struct solid {
     ost_shape shape;
@@ -21,7 +21,7 @@ typedef struct solid {
 } solid;
 
 void solid_make(check *c, solid *out);
-/* Makes a few random cells, with values in -64..64 (shape.h) and any unit. No real tool has such cells. */
+/* Makes a few random cells with values in -64..64 (shape.h) and a random unit. No real tool has such cells. */
 void solid_cells(check *c, ost_cells *out);
 
 #endif

@@ -118,7 +118,7 @@ static inline const uint64_t *words(const intrinsic_input *in)
     X(_mm512_stream_si512, 0xd9b4598e63facd12, _mm512_stream_si512(to, A8))                                            \
     X(_store_mask32, 0x23700275373040a4, _store_mask32((__mmask32 *)to, M32))
 
-/* In portable C the names of intrinsics are macros, so the function that calls the intrinsic NAME is named run_NAME. */
+/* The function that calls the intrinsic NAME is named run_NAME, because NAME itself is a macro in portable C. */
 #define VALUE_FUNCTION(name, recorded, type, call)                              \
     static void run_##name(const intrinsic_input *in, uint8_t *out)             \
     {                                                                           \

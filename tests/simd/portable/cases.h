@@ -23,7 +23,7 @@ typedef struct intrinsic_case {
     void (*run)(const intrinsic_input *in, uint8_t out[64]); /* changes only the bytes of the result */
 } intrinsic_case;
 
-/* The list ends with an entry whose name is NULL. Both lists have the same order. */
+/* Two lists of the same cases in the same order. The last entry of each list has the name NULL. */
 extern const intrinsic_case intrinsics_portable[], intrinsics_native[];
 
 #endif

@@ -18,7 +18,10 @@
 #include <string.h>
 
 #define SIMDE_NO_NATIVE
-/* Without this macro, clang checks the arguments before it inlines the functions, and the check fails. */
+/*
+ * Without this macro, clang checks that immediate arguments are constant before it inlines the functions, and reports
+ * an error.
+ */
 #define SIMDE_NO_CHECK_IMMEDIATE_CONSTANT
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/x86/avx512.h>
@@ -165,7 +168,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
 
 /* -------------------------------------------------------------------- lanes */
 
-/* Defines the lane-by-lane access of a register: `v` is an array of `count` elements of `type`. */
+/* Copies the lanes of register `a` to a new array `v` of `count` elements. */
 #define OST_LANES(type, count, v, a) \
     type v[count];                   \
     memcpy(v, &(a), sizeof v)
@@ -229,8 +232,8 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return (mask)(k & all(a, b));            \
     }
 
-/* Defines a gather of the lanes that a mask selects, from `base` + index * scale. The other lanes are copied from
-   `other`. */
+/* Defines a gather of the lanes that a mask selects. Such a lane is loaded from the address `base` + index *
+   scale. The other lanes are copied from `other`. */
 #define OST_MASK_GATHER(name, mask, reg, type, index_reg, index_type, count)                                           \
     OST_PORTABLE reg name(reg other, mask k, index_reg index, const void *base, int scale)                             \
     {                                                                                                                  \
@@ -320,10 +323,7 @@ OST_MASK_GATHER(_mm512_mask_i64gather_epi64, __mmask8, __m512i, int64_t, __m512i
 #define _mm512_i32gather_epi32(index, base, scale) \
     _mm512_mask_i32gather_epi32(simde_mm512_setzero_si512(), 0xffff, index, base, scale)
 
-/*
- * Shifts x to the right by `count` bits and copies the sign bit, for every count. A count greater than `last` has the
- * same effect as `last`.
- */
+/* Arithmetic shifts to the right. A count greater than `last` has the same effect as `last`. */
 #define OST_COUNT(count, last) ((uint64_t)(count) < (last) ? (int)(count) : (last))
 #define OST_SRAI(name, type, lanes, last)                  \
     OST_PORTABLE __m512i name(__m512i a, unsigned count)   \
