@@ -118,8 +118,8 @@ static void equal_and_different_traces(void **state)
     assert_int_equal(compare_files(ref, got).kind, COMPARE_EQUAL);
 
     /*
-     * Two voxels too many are removed. The comparison must return the voxel with the lowest number in the
-     * complete grid, not the first voxel in its leaf.
+     * The trace `got` has two wrong voxels. The comparison must return the voxel with the lowest number in
+     * the complete grid, not the first voxel in its leaf.
      */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;
@@ -151,8 +151,8 @@ static void equal_and_different_traces(void **state)
 }
 
 /*
- * If only one of two traces contains a leaf, the leaf must be compared with its previous state in the other
- * trace.
+ * If only one of two traces contains a leaf at a tick, the leaf must be compared with its previous state in
+ * the other trace.
  */
 static void leaves_in_one_trace_only(void **state)
 {
@@ -179,8 +179,8 @@ static void leaves_in_one_trace_only(void **state)
     assert_int_equal(d.voxel_got, (34 + SIDE * (35 + SIDE * 36)) % 1000);
 
     /*
-     * Tick 1 of `got` stores one more leaf than tick 1 of the reference. The reference removed
-     * the voxel of this leaf one tick earlier.
+     * In tick 0, both traces remove a voxel of the first leaf. In tick 1, `got` stores this leaf
+     * again, with the value 9 in the removed voxel.
      */
     begin(&b, got);
     *voxel(&b, 5, 6, 7) = 0;

@@ -482,8 +482,9 @@ static deviation_kind kind_by_name(const char *name)
 }
 
 /*
- * Tests the table of causes. Every kind of deviation in it must exist. The counts of the named
- * kinds must not exceed the count of their class. No sentence may state a cause as certain.
+ * Tests the table of causes. Every kind of deviation in it must exist. For each class, the counts
+ * of the named kinds must not add up to more than the count of the class. No sentence may state a
+ * cause as certain.
  */
 static void causes_are_stated_as_possible(void **state)
 {

@@ -106,8 +106,8 @@ static void failing_function_is_not_missing(void **state)
 }
 
 /*
- * The first bone that each tool cuts has a spacing of a quarter of the tool's voxel size. This
- * spacing must be allowed.
+ * perform first tests each tool on a bone whose spacing is derived from the size of the tool's
+ * voxels. This spacing must be valid even for the smallest tool voxels.
  */
 static void smallest_tool_voxels_are_accepted(void **state)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that generated cases are the same on every machine and with every compiler, so that two sites
- * compare the same inputs. A case is generated from its name and the campaign's seed. The digests in this
- * file were computed with gcc 12 on x86-64. Other compilers must compute the same digests. If a list of
- * arguments contained two random draws, their order would depend on the compiler.
+ * Tests that generated cases are the same on every machine and with every compiler, so that two sites compare the
+ * same inputs. A case is generated from its name and the campaign's seed. The digests in this file were computed
+ * with gcc 12 on x86-64. Other compilers must compute the same digests. For example, two random draws in one list
+ * of arguments would have an order that depends on the compiler.
  *
  * The bone of the `operation` family is a phantom that is generated in floating point. This test does not cover it.
  * Covers: REQ-EVIDENCE
@@ -106,8 +106,9 @@ static void digests_of_small_scenes(void **state)
 }
 
 /*
- * Small bones must be small enough to be downloaded completely after each tick, even if their voxels are
- * very thin. A difference is then located in the tick in which it occurs.
+ * Bones of the `small` family must be small enough to be downloaded completely after each tick, even if their
+ * voxels are much thinner than the layers of the CT. A difference is then located in the tick in which it
+ * occurs.
  */
 static void small_bones_are_downloaded_completely(void **state)
 {
@@ -132,8 +133,8 @@ static void small_bones_are_downloaded_completely(void **state)
 }
 
 /*
- * Counts, along one axis, the voxels for which floating point selects a wrong source voxel: the ratio of the spacings
- * is computed with one division in double or single precision, and its product with the index is truncated.
+ * Counts the voxels along one axis whose source voxel is wrong if it is computed in floating point: as the index
+ * times the ratio of the spacings, truncated. The ratio has single or double precision.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
@@ -150,8 +151,8 @@ static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 }
 
 /*
- * For any seed, the smoke tier must have cases in which floating point selects a wrong source voxel: for each of the
- * two rules that truncate, one in double and one in single precision.
+ * For each of the two rules that truncate, the smoke tier must have a case in which double precision selects a wrong
+ * source voxel, and a case in which single precision does. This must hold for any seed.
  */
 static void ratio_selects_wrong_voxel(void **state)
 {
@@ -208,7 +209,7 @@ static void drifting_samples(void **state)
     scene_free(&s);
 }
 
-/* Computes the coordinates of a position in a tool, in voxels. The corner of the tool's grid is at the origin. */
+/* Converts a position to coordinates in voxels of a tool. The corner of the tool's grid is at the origin. */
 static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], double out[3])
 {
     const ost_pose *p = &tick->pose;
@@ -227,10 +228,10 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 }
 
 /*
- * Tests the case poses/4, whose tools consist of one voxel. One corner of the cube [8, 16)^3 of bone voxels
- * lies in the tool; this corner is the last voxel of the cube's diagonal. Let D be the distance, in tool
- * voxels, from the tool to the cell of 2^3 tool voxels that contains the cube's middle. The cube's radius R
- * must lie between D and the next greater multiple of 1/8.
+ * Tests the case poses/4, whose tools consist of one voxel. Of the eight corner voxels of the cube [8, 16)^3
+ * of bone voxels, exactly one must have its centre in the tool. Let R be the distance from the middle of the
+ * cube to the centre of a corner voxel, in tool voxels. Let D be the distance from the tool to the cell of
+ * 2^3 tool voxels that contains this middle. R must lie between D and the next greater multiple of 1/8.
  */
 static void corners_of_cubes(void **state)
 {
@@ -307,8 +308,8 @@ static void reach_cases_have_designed_properties(void **state)
             assert_true(s.tools[1].cutting.grid.dims.x == 257);
             assert_true(s.tools[0].noncutting.triangle_count > 0);
             /*
-             * Twice the distance from a voxel's middle to the bar's end, in units of the map. If this number is odd,
-             * the distance lies halfway between two units.
+             * The distance from a voxel's middle to the bar's end must be half a unit of the map, so that rounding
+             * it is a tie.
              */
             for (size_t n = 0; n < 3; n++) {
                 const ost_tool_geometry *bar = &s.tools[0].cutting.grid;
@@ -382,8 +383,8 @@ static void reach_cases_have_designed_properties(void **state)
             for (int c = 0; c < 64; c++)
                 assert_int_equal(places[c], 1 + (c == d.x % 64 - 1));
             /*
-             * For each of more than 2^16 triangles, the bounds along y and z must contain the centre of a row.
-             * Half a voxel is 2^9 units.
+             * More than 2^16 triangles must have the centre of a row within their bounds along y and z. Half a
+             * voxel is 2^9 units.
              */
             const ost_snapped_mesh *fine = &s.tools[0].cutting;
             int64_t with_rows = 0;

@@ -125,8 +125,8 @@ static void trace_of(ost_backend *backend, const scene *s, int fd, trace *out)
 }
 
 /*
- * For any seed, the smoke tier must have a case that detects a resampling that is wrong only at positions
- * exactly on a source layer.
+ * For any seed, a case of the smoke tier must detect a resampling that is wrong only at positions exactly on
+ * a source layer.
  */
 static void smoke_detects_error_at_exact_layers(void **state)
 {

@@ -293,8 +293,8 @@ static void larger_boxes_are_accepted(void **state)
     is[REACHES] = 0; /* the box is omitted although voxels are reached */
     assert_false(trace_word_holds(TRACE_STEPS, REACHES, a, b));
 
-    /* The words of a tick include a flag that states whether boxes meet and, for each axis, the start and the end of
-       the range of chunks. These are the indices of the flag and of the range along y. */
+    /* Indices of three words of a tick: the flag that states whether boxes meet, and the start and the end of the
+       range of chunks along y. */
     enum { MEET = 2, FIRST_Y = 6, END_Y = 7 };
     uint64_t has[13] = {0}, needs[13] = {0};
     const uint8_t *x = (const uint8_t *)has, *y = (const uint8_t *)needs;

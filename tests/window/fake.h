@@ -16,7 +16,7 @@
 enum { FAKE_MONITORS = 2 };
 
 typedef struct fake {
-    /* Set by a test: the behaviour of the simulated system. */
+    /* A test sets these members, which determine the behaviour of the simulated system. */
     bool no_init, no_compile, no_texture_memory, no_monitor, khr, arb;
     const char *why;             /* text of the error that GLFW reports */
     const char *renderer;        /* name of the renderer */
@@ -32,7 +32,7 @@ typedef struct fake {
     int64_t clock_ns;
     GLFWvidmode mode[FAKE_MONITORS];
     int monitor_x[FAKE_MONITORS];
-    /* Read by a test: numbers of calls, and the arguments of the last call. */
+    /* A test reads these members: numbers of calls, and the arguments of the last call. */
     int inits, windows, contexts, frames, uploads, objects, swap_interval;
     int requested_major, requested_minor, requested_robustness, viewport[2], polls;
     bool waited;

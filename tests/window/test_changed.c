@@ -104,7 +104,7 @@ static void unmarked_cells_are_not_read(void **state)
     for (int i = 0; i < SIDE * SIDE; i++)
         drawn[i] ^= 0xff;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 0);
-    /* Two cells that are far from each other must give two boxes of their own size. */
+    /* Two cells that are far from each other must give two boxes, each of the size of a cell. */
     cells[2] = 1 << 3;
     cells[80] = 1 << 30;
     assert_int_equal(ost_changed_copy(&p, false, shared, box), 2);

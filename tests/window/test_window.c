@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the window on simulated systems: with drivers that are too old, are reset once or are reset
+ * Tests the window on simulated systems: with old drivers, with drivers that are reset once or
  * repeatedly, with frames of any size and pixel density, and with missing screens.
  * Covers: REQ-WINDOW, REQ-GL-SHOW
  */

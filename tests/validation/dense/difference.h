@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Finds the first difference between two outcomes of a scene: the stage, the call, and the lowest voxel,
- * leaf and chunk. Only the outcomes are compared; the mistake that was injected is not looked up.
+ * Finds the first difference between two outcomes of a scene: the stage, the call, and the lowest voxel, leaf
+ * and chunk. The difference follows from the outcomes alone, not from the record of the injected mistake.
  */
 #ifndef OST_TESTS_VALIDATION_DIFFERENCE_H
 #define OST_TESTS_VALIDATION_DIFFERENCE_H
@@ -68,7 +68,7 @@ static inline void differ_reports(difference *f, const ost_removal_report *a, co
         f->report = true;
 }
 
-/* Stores the stage and the call in the difference. Returns true if any part of it differs. */
+/* Stores the stage and the call. Returns true if a difference has been found. */
 static inline bool is_here(difference *f, deviation_stage stage, uint64_t call)
 {
     f->stage = stage;
@@ -102,8 +102,8 @@ static inline difference first_difference(const scene *s, const outcome *a, cons
         if (is_here(&f, DEVIATION_REMOVE, (uint64_t)e))
             return f;
     }
-    /* The comparison above finds only different densities. If only the occupancy differs, the numbers of active voxels
-       after the last event differ. */
+    /* The comparison above finds differences of densities and reports. If only the occupancy differs, the numbers of
+       active voxels after the last event differ. */
     f.report = a->info[1].active_voxels != b->info[1].active_voxels;
     is_here(&f, DEVIATION_REMOVE, EVENTS - 1);
     return f;

@@ -122,8 +122,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
 }
 
 /*
- * Sets a range around a voxel's centre. The half width of the range is odd, so that a diagonal between
- * corners passes exactly through the centre.
+ * Sets the limits lo and hi of a range of odd half width around the centre of the middle voxel. A diagonal
+ * between two corners of such a box passes exactly through this centre.
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {

@@ -4,9 +4,8 @@
  *   - a result differs from the reference if and only if the deviation's record contains a changed result,
  *   - the first difference is at the position that the record states,
  *   - the mistake took effect in the stage of its kind, no later than in the call with the first difference,
- *   - the mistake changes the results of at least one scene. If the table states "never" for the conditions
- *     in which the mistake survives (that is, changes no result), the mistake must change the results of
- *     every scene in which it takes effect.
+ *   - the mistake changes a result of at least one scene. A kind that "never" survives according to the table
+ *     must change a result of every scene in which it takes effect.
  * OST_TEST_LONG=1 tests each kind more often; OST_TEST_DEVIATION=name tests only one kind.
  */
 #include "validation/dense/difference.h"

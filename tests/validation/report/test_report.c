@@ -86,8 +86,8 @@ static void put_text_file(bundle *b, const char *name, const char *text)
 }
 
 /*
- * Writes one of two traces of a case. The chunks are equal in both traces. The tick after them differs: if
- * `other` is true, the tick removes one voxel less in one leaf and does not change another leaf.
+ * Writes one of two traces of a case. The chunks are equal in both traces, and the tick after them differs:
+ * if `other` is true, the tick removes one voxel less in the first leaf, and nothing in the second leaf.
  */
 static void write_trace(const char *path, bool other)
 {
@@ -563,7 +563,10 @@ static void nothing_compared_is_not_equal(void **state)
     }
 }
 
-/* If one of two cases was refused, the other case counts, and the refused case must not be reported as a success. */
+/*
+ * If one of two cases was refused, the verdict comes from the other case. A refused case must not be reported as a
+ * success.
+ */
 static void refused_case_is_no_success(void **state)
 {
     ost_error err = {0};
