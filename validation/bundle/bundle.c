@@ -104,7 +104,7 @@ const char *bundle_folder(const bundle *b)
     return b->folder;
 }
 
-/* Writes the path folder/name. If the name contains a folder, creates that folder within the bundle. */
+/* Writes the path of file `name` in the bundle. If the name contains a folder, creates this folder. */
 static ost_status path_of(const bundle *b, const char *name, char path[BUNDLE_PATH], ost_error *err)
 {
     const int n = snprintf(path, BUNDLE_PATH, "%s/%s", b->folder, name);
@@ -204,7 +204,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)
         status = sync_folder(b->folder, err);
-    /* Another process may have created a folder with this name in the meantime. If that folder is not empty, rename
+    /* Another process may have created a folder with the bundle's name in the meantime. If it is not empty, rename
        fails. */
     if (status == OST_OK && rename(b->folder, b->out) != 0)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
@@ -220,7 +220,7 @@ ost_status bundle_end(bundle *b, ost_error *err)
     return status;
 }
 
-/* Removes the folder of an incomplete bundle: its files and the files in its folders. */
+/* Removes the folder of an incomplete bundle with all files and folders in it. */
 static void remove_folder(const char *folder)
 {
     DIR *dir = opendir(folder);

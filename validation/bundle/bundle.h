@@ -59,10 +59,10 @@ ost_status bundle_find(const char *folder, const char *name, char **bytes, size_
 /* Parses a file of a bundle within the limits of limits.h. The caller owns *out. If the file is absent, *out is
    NULL. */
 ost_status bundle_find_json(const char *folder, const char *name, json_t **out, ost_error *err);
-/* Parses a JSON file of a bundle. Unlike with bundle_find_json, a missing file is an error. */
+/* Parses a JSON file of a bundle as bundle_find_json does, except that a missing file is an error. */
 ost_status bundle_read_json(const char *folder, const char *name, json_t **out, ost_error *err);
 
-/* Reads the next entry of a folder, skipping . and .. ; sets *entry to NULL at the end. */
+/* Reads the next entry of a folder other than "." and "..". Sets *entry to NULL at the end of the folder. */
 ost_status bundle_next_entry(DIR *dir, const char *folder, struct dirent **entry, ost_error *err);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checks a bundle. The check does not need the machine that made the bundle. It has these parts:
+ * Checks a bundle. The check can run on any machine. It covers these parts of a bundle:
  *
  *   folder              contains exactly the files of the manifest, of allowed types and sizes (folder.h)
  *   log                 has an intact hash chain and the required lines (log.h)
@@ -32,9 +32,9 @@ typedef struct check_how {
 } check_how;
 
 /*
- * Runs the cases again in workers. The reference's digests of the inputs and of all records must equal the digests in
- * the bundle. If the bundle has results for how->backend, the digests of the new results must equal the digests of the
- * bundle's results. If it has none, the digests of the new results must equal the reference's digests.
+ * Runs the cases again in workers. The digests of the reference (of the inputs and all records) must equal those in
+ * the bundle. The digests of how->backend must equal those in the bundle or, if the bundle has none for this backend,
+ * those of the reference.
  */
 ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
                        ost_error *err);

@@ -37,8 +37,8 @@ static ost_status compare_reference(const again *a, const campaign *c, int i, co
     return OST_OK;
 }
 
-/* Compares the backend's digest with the digest of the bundle's result for this backend. If the bundle has no such
-   result, compares the backend's digest with the reference's digest. */
+/* Compares the backend's digest with the digest of the bundle's result for this backend or, if there is no such
+   result, with the reference's digest. */
 static void compare_backend(const again *a, const campaign *c, int i, const json_t *one)
 {
     const case_result *r = &c->results[(size_t)i * (size_t)c->subjects->count + 1];

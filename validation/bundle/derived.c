@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Writes the machine-readable files that are derived from protocol and cases. Each file has its own function. */
+/*
+ * Writes the machine-readable files that are derived from the protocol and the cases. Each file has its own function.
+ */
 #include "core/memory_stream.h"
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/csv.h"

@@ -19,7 +19,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* "what" of a difference: only one of the two bundles contains the record */
+/* value of `what` if only one of the two bundles contains the record */
 #define DIFFERENCE_NO_RECORD "one of them has no such record"
 
 /*

@@ -15,7 +15,7 @@ static ost_status leaf_of(const trace_block_view *b, const int32_t from[3], ost_
     } leaf;
     const size_t size = b->voxel_bytes, wide = (size_t)b->dims.x, high = (size_t)b->dims.y;
     const int32_t n = b->dims.x - from[0] < OST_LEAF ? b->dims.x - from[0] : OST_LEAF;
-    /* address of the leaf's voxels, which are in `wide` if they have two bytes, otherwise in `narrow` */
+    /* two-byte voxels are in `wide`, one-byte voxels in `narrow`; both begin at this address */
     uint8_t *bytes = (uint8_t *)&leaf;
     memset(&leaf, 0, sizeof leaf);
     for (int32_t k = 0; k < OST_LEAF && from[2] + k < b->dims.z; k++)

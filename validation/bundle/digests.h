@@ -29,8 +29,8 @@
 
 #include "validation/compare.h"
 
-/* Makes the digests of one record. The parameter bone contains the dims of the case's bone, from which the leaves of
-   a tick are numbered. */
+/* Makes the digests of one record. `bone` contains the dims of the case's bone, which determine the numbers of the
+   leaves of a tick. */
 ost_status digests_of_record(const trace_record *r, ost_dims bone, json_t **out, ost_error *err);
 
 /* Makes the digest lines of a case's records and sets *of_lines to their SHA-256. The caller frees *lines. */

@@ -65,9 +65,8 @@ json_t *evidence_result(const case_result *r);
 const char *evidence_text(const json_t *o, const char *key);
 
 /*
- * Returns part `number` of a JSON file, or NULL after the last part. A file with the member `key` comes
- * from one run, and its only part is the file itself. Any other file comes from merged shards, and its
- * values are the parts.
+ * Returns part `number` of a JSON file, or NULL after the last part. The file of a single run has the member
+ * `key` and is itself the only part. The file of merged shards has one part per shard.
  */
 const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 
@@ -84,12 +83,12 @@ char *evidence_own_options(const json_t *protocol, bool how);
 enum { EVIDENCE_DESCRIPTION = 400 };
 void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION]);
 
-/* Returns the reason why a result is not a comparison, for test harnesses: either the backend did not run, or the
-   reference and the backend refused the input. Returns NULL if the result is a comparison. */
+/* Returns NULL if a result comes from a comparison. If not, returns the reason, for test harnesses: the backend
+   did not run, or the reference and the backend refused the input. */
 const char *evidence_skipped(const json_t *one, const json_t *result, const json_t *backend);
 
-/* Name of a failing test that is added if a campaign compared nothing, because a test harness reports a list without
-   failures as a success. */
+/* Name of a failing test that is added if a campaign compared nothing. Without a failing test, a test harness would
+   report success. */
 #define EVIDENCE_NOTHING "nothing was compared with the reference"
 
 typedef ost_status evidence_sink(void *user, const char *name, const void *bytes, size_t size, ost_error *err);

@@ -250,7 +250,7 @@ static ost_status list_one(listing *l, int fd, const char *name, const char *bas
     return OST_OK;
 }
 
-/* Lists one folder. The parameter inside is the name of a folder within the bundle, or "" for the bundle itself. */
+/* Lists one folder. `inside` is the name of a folder within the bundle, or "" for the bundle itself. */
 static ost_status list_folder(listing *l, int top, const char *folder, const char *inside, ost_error *err)
 {
     int fd = dup(top);

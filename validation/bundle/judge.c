@@ -126,7 +126,8 @@ static bool line_is_of(const char *line, trace_stage stage)
 }
 
 /*
- * Returns true if a trace of this backend may lack the record of a line. The allowed records are:
+ * Returns true if this backend's trace may lack the record of a line. The records that it may lack
+ * are:
  *
  *   dump             any record, because a dump contains only the files that its author wrote
  *   plugin, dense    sampling: densities of single voxels and occupancy (perform_sample.c)
@@ -147,8 +148,8 @@ static bool may_lack(const char *backend, const char *line)
     return may;
 }
 
-/* Returns true for a line such as "tick 3 -". The line states that a dump has no such record, or that a backend does
-   not implement the function. */
+/* Returns true for a line such as "tick 3 -". It stands for a record that a dump lacks, or for a function that a
+   backend does not implement. */
 static bool is_stand_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');
@@ -198,7 +199,7 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* Judges a result for which the backend recorded the digest lines of its own results. */
+/* Judges a result that contains the backend's digest lines, because they differ from the lines of the reference. */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");

@@ -5,7 +5,7 @@
  *   a line: the reference's records, each backend's digest --judge_case--> its verdicts, or contradictions
  *
  * Each backend's digest was made from that backend's own trace (digests.h). A verdict need not be trusted,
- * because it follows from a comparison of two digests:
+ * because it can be derived from these digests:
  *
  *   equal     the SHA-256 of the backend's lines equals that of the reference's lines
  *   differs   the backend's lines are present and have the stated SHA-256; the first line that differs
@@ -13,9 +13,9 @@
  *   failed    either the backend has no lines, or the conditions of `differs` hold and the backend's
  *             lines end with "failed" where the reference's lines continue
  *
- * A backend that crashed, exceeded its time limit or did not run has no complete result. A line that ends
- * in "-" represents a record that the backend lacks and is not compared. Such a line is accepted only if
- * the function may_lack allows it: a dump (dump.h) may lack any record, but cpu and ref may lack none.
+ * A backend that crashed, exceeded its time limit or did not run has no complete result. A line that ends in
+ * "-" represents a record that the backend lacks and is not compared. Such a line is accepted only if the
+ * function may_lack allows it: a dump (dump.h) may lack any record, but cpu and ref may lack none.
  */
 #ifndef OST_VALIDATION_JUDGE_H
 #define OST_VALIDATION_JUDGE_H

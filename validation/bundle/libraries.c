@@ -113,9 +113,9 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads the output of a program, cut off after PROGRAM_TEXT bytes. If the program is not installed, *text is NULL. The
- * caller frees *text. If the program cannot be started or fails, or if its output cannot be read, the list of libraries
- * would be incomplete; the function then returns an error.
+ * Reads at most PROGRAM_TEXT bytes of the output of a program. If the program is not installed, *text is NULL. The
+ * caller frees *text. If the program cannot be started or fails, or if its output cannot be read, returns an error,
+ * because the list of libraries would be incomplete.
  */
 static ost_status output_of(char *const argv[], char **text, ost_error *err)
 {
@@ -174,8 +174,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the alternative path of a file: the path without its prefix /usr or, if it has no such prefix, with the prefix
-   /usr. A package may list the path that the file had before /bin and /lib were merged into /usr. */
+/* Writes the other path of a file: with the prefix /usr added or, if it is there, removed. A package may list the path
+   that the file had before /bin and /lib were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)

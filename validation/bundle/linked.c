@@ -148,7 +148,10 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
     return status;
 }
 
-/* If the campaign used all backends, checks that the backends of every OpenCL device are complete. */
+/*
+ * If the campaign used all backends, checks that the protocol contains all backends of every OpenCL device that was
+ * usable, and no available backend of a device that was refused.
+ */
 static void check_opencl(const check *c, const json_t *devices)
 {
     const json_t *list = json_object_get(json_object_get(devices, "opencl"), "devices");

@@ -21,8 +21,8 @@ ost_status reproduce(campaign *c, const char *program, const char *folder,
                      void (*show)(void *user, const char *what, double share), void *show_user, evidence_sink *sink,
                      void *user, ost_error *err);
 
-/* Returns true for names that the function reproduce generates: "cases/" followed by plain characters. Other names in
-   a bundle are ignored. */
+/* Returns true for names in the form that `reproduce` generates: "cases/" followed by plain characters. Other names
+   in a bundle are ignored. */
 bool reproduce_name_ok(const char *name);
 
 #endif

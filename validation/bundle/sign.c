@@ -223,7 +223,7 @@ typedef struct check {
     const char *folder;
     int signatures; /* file descriptor of the folder signatures/ */
     const sign_trust *trust;
-    const contents *is; /* contents of the bundle; NULL if the bundle cannot be read; sign.c does not report this */
+    const contents *is; /* contents of the bundle; NULL if they cannot be read, which other checks report */
     bundle_problem *problem;
     void *user;
     int *found;
@@ -291,7 +291,7 @@ static ost_status compare_statement(const check *c, const sign_envelope *e, clai
     return status;
 }
 
-/* Returns the index of the trusted key that made signature s of an envelope, or -1. */
+/* Returns the index of the trusted key with which signature number s of an envelope was made; -1 if there is none. */
 static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
 {
     for (int k = 0; k < t->count; k++)

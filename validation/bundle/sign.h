@@ -23,8 +23,8 @@ typedef struct sign_key sign_key;
 
 /*
  * Reads a private key from a PEM file. The passphrase of an encrypted key is the first line of the file
- * `passphrase`. If this parameter is NULL, OpenSSL prompts for the passphrase, provided that standard input is a
- * terminal; otherwise an encrypted key is an error.
+ * `passphrase`. If `passphrase` is NULL and standard input is a terminal, OpenSSL prompts for the passphrase. If
+ * it is NULL and standard input is not a terminal, an encrypted key is an error.
  */
 ost_status sign_key_open(const char *path, const char *passphrase, sign_key **out, ost_error *err);
 void sign_key_free(sign_key *key); /* NULL is allowed */

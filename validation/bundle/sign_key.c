@@ -69,7 +69,7 @@ static int give_passphrase(char *to, int size, int writing, void *user)
     return (int)length;
 }
 
-/* Reports why a PEM file gave no private key. The secret is the content of the passphrase file, or NULL. */
+/* Reports why no private key could be read from a PEM file. `secret` is the content of the passphrase file, or NULL. */
 static ost_status no_private_key(const char *path, bool encrypted, const char *passphrase, const char *secret,
                                  ost_error *err)
 {

@@ -40,8 +40,7 @@ typedef struct sign_envelope {
     struct {
         unsigned char *bytes;
         size_t size;
-        /* fingerprint of the key, as stated in the envelope; only a hint, because no signature protects it; "" if it
-           is malformed */
+        /* fingerprint of the key, as the envelope states it; not signed, so it is only a hint; "" if it is malformed */
         char keyid[OST_DIGEST_HEX];
     } signatures[SIGN_SIGNATURES_MAX];
 } sign_envelope;

@@ -9,8 +9,7 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/csv.h"
 
-/* A row of the table below, which lists software. The row applies to the libraries whose file names begin with
-   `begins`. */
+/* A row of the table of software below, for the libraries whose file names have the prefix `begins`. */
 typedef struct known {
     const char *begins, *name, *maker, *licence, *purpose, *limits, *anomalies;
 } known;

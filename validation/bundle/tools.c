@@ -31,8 +31,8 @@ const char *tools_commit(void)
     return BUILT_COMMIT;
 }
 
-/* Reads the name of the distribution, which is the field ID of the file os-release. Package URLs contain this name. On
-   a system without the file, sets `name` to "". */
+/* Reads the name of the distribution (the field ID of os-release), which is a part of package URLs. On a system
+   without this file, sets `name` to "". */
 static ost_status distribution_of(char name[32], ost_error *err)
 {
     static const char path[] = "/etc/os-release";

@@ -22,7 +22,7 @@ char *trace_requirements(void)
     return text;
 }
 
-/* For each group of rules, the stages that cover the group. A group consists of the rules whose identifiers start with
+/* The stages that cover each group of rules. A group consists of the rules whose identifiers have the prefix
    `begins`. */
 static const struct {
     const char *begins, *stages;
@@ -159,9 +159,9 @@ static void add_text(char *to, size_t size, const char *format, ...)
 }
 
 /*
- * Writes strings such as "the test suite" and "tests: 2 passed; tests/x.sh FAILED: ..." for the tests of a row. In
- * `tests`, the paths are separated by semicolons. `also` must be true if another part of this bundle covers the row. A
- * skipped test is no evidence, so the function returns false if no test passed or failed.
+ * Appends "the test suite" to `shown` and a string such as "tests: 2 passed; tests/x.sh FAILED: ..." to `result`. In
+ * `tests`, the paths are separated by semicolons. `also` must be true if another part of this bundle covers the row.
+ * Returns false if all tests were skipped, because a skipped test is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
