@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The function table of the dense backend. The backend is in no list of backends; only dense_open opens it. */
+/* The function table of the dense backend. Only dense_open opens this backend, because it is in no list of backends. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

@@ -22,8 +22,8 @@ typedef struct deviant {
     int chunk_size; /* edge length of a chunk in voxels; 0 before there are chunks */
 } deviant;
 
-/* Called when the stage begins to process a grid with these dims. This call of the stage becomes the current call.
-   Does nothing if m is NULL. */
+/* Begins the next call of a stage, which processes a grid with these dims. It becomes the current call. Does
+   nothing if m is NULL. */
 void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_size);
 /* Makes an earlier call of the stage the current call again. Does nothing if m is NULL. */
 void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims dims, int chunk_size);
@@ -31,7 +31,7 @@ void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims d
 /* Returns true if the deviation is of this kind and its mistake is made in unit `item` of the current call. Returns
    false if m is NULL. */
 bool deviates(const deviant *m, deviation_kind kind, uint64_t item);
-/* Returns true if a mistake can be made in this stage; the stage is then also run without the mistake, to determine
+/* Returns true if a mistake can be made in this stage. The stage then also runs without the mistake, which shows
    what the mistake changed. Returns false if m is NULL. */
 bool deviant_in(const deviant *m, deviation_stage stage);
 /* Returns a pseudo-random number for further random choices. The number depends on unit `item` of the current call. m

@@ -97,8 +97,8 @@ static deviation_position position(const deviant *m, int64_t item, const int32_t
     return p;
 }
 
-/* Increments *times and updates *kept. *kept is the position of the first call with an effect; it contains the lowest
-   voxel, leaf and chunk number of that call. Returns false if p is from a later call. */
+/* Increments *times. *kept becomes the position of the first call that has an effect, with the lowest voxel, leaf and
+   chunk number of that call. Returns false if p is from a later call, which does not change *kept. */
 static bool first(const deviant *m, uint64_t *times, deviation_position *kept, deviation_position p)
 {
     if ((*times)++ == 0) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The kinds of mistakes that a port of the arithmetic to a GPU can contain, and
- * the record of the positions where a mistake was made.
+ * The kinds of mistakes that a port of the arithmetic to a GPU can contain, and the record of the positions
+ * where a mistake was made.
  *
- * A backend opened with a deviation (dense.h) is correct except for one kind of mistake. The units in which
- * it makes the mistake are drawn from `seed`: on average one of `one_in` of the kind's units (calls,
- * samples, voxels, chunks, triangles ...). If one_in is 0 or 1, the mistake is made in every unit.
+ * A backend opened with a deviation (dense.h) is correct except for one kind of mistake. The mistake is made
+ * in some units (calls, samples, voxels, chunks, triangles ...), which are drawn from `seed`. On average, one
+ * unit in `one_in` is drawn. If `one_in` is 0 or 1, the mistake is made in every unit.
  *
  * The record counts two kinds of effects and stores the first position of each:
  *   acted     a value inside the algorithm differed from the correct value;
@@ -17,9 +17,10 @@
  * change. If acted is not 0 but changed is 0, the mistake survived; the table below lists when this can
  * happen. A comparison with any correct backend must find first_changed as its first difference.
  *
- * Causes marked F are documented in the literature or were measured on a device.
- * Causes marked T follow the text of the thesis (docs/design/thesis-notes.md).
- * Causes marked P are known only from experience.
+ * Each cause is marked with a letter:
+ *   F   the cause is documented in the literature or was measured on a device
+ *   T   the cause is the text of the thesis (docs/design/thesis-notes.md)
+ *   P   the cause is known only from experience
  */
 #ifndef OST_VALIDATION_DENSE_DEVIATION_H
 #define OST_VALIDATION_DENSE_DEVIATION_H
@@ -258,10 +259,10 @@ const deviation_about *deviation_describe(deviation_kind kind);
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
- * The position of an effect. voxel and leaf (of 32^3 voxels, as in a digest) are -1 if the effect is in a
- * line of the report or in a complete call. chunk is the bone's chunk, or -1 if there is none. If one call
- * has effects at several positions, the lowest voxel in the order of AR-GRID-2, the lowest leaf and the
- * lowest chunk are stored independently of each other.
+ * The position of an effect. `voxel` and `leaf` (a cube of 32^3 voxels, as in a digest) are -1 if the effect
+ * is in a line of the report or concerns a complete call. `chunk` is the chunk of the bone, or -1 if there is
+ * none. If a call has several effects, the lowest voxel (in the order of AR-GRID-2), the lowest leaf and the
+ * lowest chunk are stored. They may come from different effects.
  */
 typedef struct deviation_position {
     deviation_stage stage;

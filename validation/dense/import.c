@@ -311,8 +311,8 @@ void dense_grid_finish(dense_grid *grid)
 
 /* -------------------------------------------------------- the cubic grid */
 
-/* The source of a cubic voxel along one axis: the mean of rect voxel `index` with weight ONE - weight, and of the
-   next rect voxel with the weight `weight`. If weight is 0, the next voxel is not read. */
+/* The source of a cubic voxel along one axis: a mean, in which rect voxel `index` has the weight ONE - weight,
+   and the next rect voxel has the weight `weight`. If `weight` is 0, the next voxel is not read. */
 typedef struct source {
     int64_t index;
     int32_t weight;

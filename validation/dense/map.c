@@ -58,8 +58,8 @@ static int64_t wrapped(int64_t v)
     return (int32_t)(uint32_t)(uint64_t)v;
 }
 
-/* Computes the base of AR-MAP-4 for the block whose first voxel is f. Sets *wraps to true if the coordinates of the
-   block are taken modulo 2^32. */
+/* Computes the base of AR-MAP-4 for the block whose first voxel is f. Sets *wraps to true if, by mistake, the
+   coordinates of the block are taken modulo 2^32. */
 static void base_of(const pose *p, uint64_t item, const int32_t f[3], int64_t base[3], bool *wraps)
 {
     deviant *m = p->m;
@@ -152,7 +152,7 @@ static bool apart(const pose *p, const dense_tool *tool, const int64_t base[3])
     return false;
 }
 
-/* Marks the voxels of a block. The mistake MISSED_BARRIER uses the base of the previous block, which is `previous`. */
+/* Marks the voxels of a block. `previous` is the base of the previous block, which the mistake MISSED_BARRIER uses. */
 static void map_block(const pose *p, const dense_bone *bone, const dense_tool *tool, uint64_t item, const int32_t f[3],
                       const int64_t base[3], const int64_t previous[3], bool wraps, dense_marks marks)
 {

@@ -137,8 +137,8 @@ ost_status dense_collide(const ost_bone *bone, const ost_tool *tool, const ost_r
 
 /* ------------------------------------------------- the marks of an event's voxels */
 
-/* Two counts of poses for each voxel of the bone: the poses at which the voxel lies in a cutting voxel of the tool,
-   and the poses at which it lies in a non-cutting voxel of the tool. */
+/* For each voxel of the bone, `cut` counts the poses at which the voxel lies in a cutting tool voxel, and `touch`
+   counts the poses at which it lies in a tool voxel that does not cut. */
 typedef struct dense_marks {
     uint16_t *cut, *touch;
     uint8_t *met; /* for each chunk, 1 if it contains a marked voxel, otherwise 0 */
@@ -159,7 +159,7 @@ static inline void dense_mark(const dense_bone *bone, dense_marks marks, const i
         marks.touch[at]++;
 }
 
-/* Adds the marks of one pose. The parameter number is the index of the pose in the event. */
+/* Adds the marks of one pose. `number` is the index of the pose in the event. */
 void dense_map_pose(deviant *m, const dense_bone *bone, const dense_tool *tool, const ost_map *map,
                     const ost_voxel_box *box, int number, dense_marks marks);
 
@@ -173,8 +173,7 @@ int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
 /* Computes MinVoxelCoords (Alg. 2.1 of the thesis) of both meshes together, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
                          float minimum[3]);
-/* Computes the counts of one row with float edge functions. They correspond to the counts that tool.c computes with
-   integers. */
+/* Computes the same counts of one row as tool.c, but with float edge functions instead of integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
                       int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
 /* Adds the marks of the voxels that a tool hits at one pose, as computed by Algs. 2.8 to 2.10. */

@@ -230,8 +230,8 @@ static void flip_bit(deviant *m, dense_bone *bone)
     deviant_acted(m, 0, (const int32_t[3]){(int32_t)(at % x), (int32_t)(at / x % y), (int32_t)(at / x / y)});
 }
 
-/* Returns true if all boxes of the event are empty, so that the event reaches no voxel. Other boxes have no effect in
-   this backend: they may exclude only voxels outside the tool (event.h), which this backend never removes. */
+/* Returns true if all boxes of the event are empty, so that the event reaches no voxel. This backend ignores boxes
+   that are not empty: such a box excludes only voxels outside the tool (event.h), which this backend never removes. */
 static bool reaches_nothing(const ost_removal_event *event)
 {
     for (int k = 0; k < event->pose_count; k++) {

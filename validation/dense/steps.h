@@ -26,8 +26,8 @@
 
 #include "validation/dense/wide.h"
 
-/* Computes q v q* = M v for quaternion q and rotation matrix M of a pose. If `back` is true, computes q* v q = M^T v
-   instead (AR-POSE-4). The function steps_norm returns the N of a pose. */
+/* Computes q v q* = M v, where q is the quaternion and M the rotation matrix of a pose (AR-POSE-4). If `back` is
+   true, computes q* v q = M^T v instead. steps_norm returns the N of a pose. */
 void steps_turn(const ost_pose *pose, bool back, const wide v[3], wide out[3]);
 wide steps_norm(const ost_pose *pose);
 

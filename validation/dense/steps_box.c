@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no box, so the
- * result is a bound for boxes and not a prescribed value. If no voxel is inside the tool's grid, the box of sim/box.h
- * may be empty. If a voxel is inside, the tool's grid is enlarged by one tool voxel on each side, and the box of
- * sim/box.h includes all voxels whose centres lie in the bone-aligned bounds of the enlarged grid.
+ * result is only a bound for boxes: the range of voxels whose centres lie in the bone-aligned bounds of the tool's
+ * grid, enlarged by one tool voxel on each side. If a voxel is inside the tool's grid, the box of sim/box.h includes
+ * this range. If no voxel is inside, that box may be empty.
  */
 #include "validation/dense/steps.h"
 

@@ -31,7 +31,7 @@ void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_ge
     for (int a = 0; a < 3; a++)
         out->origin[a] = int128_of(wide_times(one, wide_minus(turned[a], wide_times(n, wide_of(corner[a])))));
     for (int b = 0; b < 3; b++) {
-        /* vectors between neighbouring bone voxels along each axis b */
+        /* vector from a bone voxel to the next one along axis b */
         wide way[3] = {wide_of(0), wide_of(0), wide_of(0)};
         way[b] = wide_of(spacing[b]);
         steps_turn(pose, true, way, turned);

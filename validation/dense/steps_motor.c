@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes the rotation of a motor. The cosines are computed here, whereas src/core reads them from a table. The
-   cosines times 2^30 differ by at least 10^-6 from every midpoint between two integers, so errors in their last digits
-   have no effect. */
+/* Computes the rotation of a motor. The cosines are computed here, whereas src/core reads them from a table. Each
+   cosine times 2^30 differs by at least 10^-6 from every midpoint between two integers, so an error in its last digits
+   does not change the rounded value. */
 #include "validation/dense/steps.h"
 
 #include <math.h>

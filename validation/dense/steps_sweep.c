@@ -11,8 +11,8 @@ static wide dot(const ost_pose *a, const ost_pose *b)
     return sum;
 }
 
-/* Computes the position of a corner of the tool's grid at a pose (AR-SWEEP-1). Bit a of `which` selects the near or
-   the far end of axis a. */
+/* Computes the position of a corner of the tool's grid at a pose (AR-SWEEP-1). Bit a of `which` is 0 for the near
+   end of axis a and 1 for the far end. */
 static void image(const ost_pose *pose, const ost_tool_geometry *tool, int which, wide out[3])
 {
     const ost_pm near[3] = {tool->corner.x, tool->corner.y, tool->corner.z}, t[3] = {pose->t.x, pose->t.y, pose->t.z};
@@ -59,7 +59,7 @@ int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geome
     const wide way_squared = greatest_way_squared(a, b, tool);
     if (!enough(MOST, way_squared, bone_voxel))
         return 0;
-    int short_of = 0, n = MOST; /* Bisection: n poses are always sufficient, short_of poses are not. */
+    int short_of = 0, n = MOST; /* In each step of the bisection, n poses are sufficient, and short_of poses are not. */
     while (n - short_of > 1) {
         const int middle = (short_of + n) / 2;
         *(enough(middle, way_squared, bone_voxel) ? &n : &short_of) = middle;

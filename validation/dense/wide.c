@@ -109,8 +109,8 @@ static wide shifted(const wide *a, int by)
     return out;
 }
 
-/* Returns the greatest q with q * b <= a. Computes the two's complement of q from the highest bit to the lowest.
-   `product` is always q * b. */
+/* Returns the greatest q with q * b <= a. The loop determines the bits of q (two's complement) from the highest
+   to the lowest. `product` is always q * b. */
 wide wide_floor(wide a, wide b)
 {
     const int bits = bits_of(&a) - bits_of(&b) + 1 > 0 ? bits_of(&a) - bits_of(&b) + 1 : 0;
