@@ -176,8 +176,8 @@ static bool read_snap(reader *r, const json_t *o, const uint8_t *ref)
         !expect(r, json_is_array(vertices), "vertices", "an array of vertices") ||
         !read_mesh(r, json_array_get(meshes, 0)) || (count == 2 && !read_mesh(r, json_array_get(meshes, 1))))
         return false;
-    /* If neither the file nor the reference has a second mesh, the words of the second mesh are copied from the
-       reference. If only the file has none, these words are 0. */
+    /* If only the file lacks a second mesh, the words of this mesh are 0. If the reference lacks it too, they
+       are copied from the reference. */
     const bool none = trace_word_at(ref, MESH_WORDS + 9) == 0;
     for (size_t i = MESH_WORDS; i < 2 * MESH_WORDS && count == 1; i++)
         trace_word(r->w, none ? trace_word_at(ref, i) : 0);
@@ -330,7 +330,7 @@ ost_status dump_read_steps(const char *folder, const trace_record *ref, trace_wr
     json_error_t where;
     *there = false;
     ost_status status = name_of(path, folder, ref, err);
-    /* If the mesh of a tool before snapping is not available, the record has no words, and nothing is compared. */
+    /* The record has no words if a tool's mesh before snapping is not available. Then nothing is compared. */
     if (status != OST_OK || access(path, F_OK) != 0 || !trace_words(ref, &count, &words) || !count)
         return status;
     status = ost_file_read(path, BYTES_MAX, &bytes, &size, &absent, err);

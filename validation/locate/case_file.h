@@ -19,8 +19,8 @@
 
 #include "validation/locate/cut.h"
 
-/* Reads one case. The caller frees out->cut with free(). Error lines begin with the text `where`. The parameter user
-   describes the user's own cases and is NULL if there are none. */
+/* Reads one case. The caller frees out->cut with free(). Error lines begin with the text in `where`. `user`
+   describes the user's own cases, and is NULL if there are none. */
 ost_status case_of_json(const json_t *o, const char *where, const plan_user *user, plan_case *out, ost_error *err);
 /* Returns the case as a JSON object that the caller owns, or NULL if memory is exhausted. */
 json_t *case_to_json(const plan_case *c, const scene_cut *cut);

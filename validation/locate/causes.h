@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Possible causes of the differences of a class: the deliberate mistakes that caused such differences when
- * sensitivity.h measured the sensitivity of the campaign, with their numbers. These numbers say nothing about how
+ * Lists possible causes of the differences of a class: the deliberate mistakes that caused such differences when
+ * sensitivity.h measured the sensitivity of the campaign, and their numbers. These numbers do not show how
  * frequent a kind of mistake is in real backends.
  */
 #ifndef OST_VALIDATION_CAUSES_H

@@ -101,8 +101,8 @@ ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err)
             scene_tool_free(&s->tools[i]);
             continue;
         }
-        /* The cut contains indices of snapped triangles, so the meshes before snapping cannot be used and are
-           removed. */
+        /* The indices in a cut refer to snapped triangles and not to the meshes before snapping, so these
+           meshes are removed. */
         if (cut->triangles[i][0].some || cut->triangles[i][1].some)
             drop_raw(&s->tools[i]);
         cut_mesh(&cut->triangles[i][0], &s->tools[i].cutting);

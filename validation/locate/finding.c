@@ -33,9 +33,9 @@ static void find_chunk(const scene *s, const trace *ref, compare_range in_ref, c
     }
 }
 
-/* Called for a difference in the report of a collision: finds the difference in the tick with the same number. The
-   record of a tick has voxels, which give a more precise position than a report. Returns false if the tick has no
-   differing voxel. */
+/* For a difference in the report of a collision, finds the difference in the tick with the same number. A tick has
+   voxels, which give a more precise position than a report. Returns false if d is a different kind of difference,
+   or if the tick has no differing voxel. */
 static bool tick_of_collide(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                             const compare_difference *d, compare_difference *out)
 {

@@ -27,8 +27,8 @@ typedef struct finding {
     char small[MINIMISED_TEXT]; /* description of the minimised case (minimised_text) */
 } finding;
 
-/* Describes d, the first difference of a case with the scene s. ref and got are the traces that were compared, and
-   in_ref and in_got are the records of the case in these traces. */
+/* Describes d, the first difference of a case with the scene s. `ref` and `got` are the compared traces, and
+   `in_ref` and `in_got` are the ranges of the case in these traces. */
 void finding_make(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                   const compare_difference *d, finding *out);
 

@@ -94,8 +94,8 @@ static bool tick_grids(const trace *ref, compare_range in_ref, const trace_recor
            lay(got, out->dims, out->got);
 }
 
-/* Computes AR-CUB along an axis. For each cubic voxel, finds the source rect voxel and the weight of the rect voxel
-   after it. */
+/* For each cubic voxel along an axis, finds the source rect voxel and the weight of the rect voxel after it
+   (AR-CUB). */
 static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, ost_resample rule, int32_t **source,
                          int32_t **weight)
 {
@@ -109,8 +109,8 @@ static bool find_sources(int32_t n, ost_pm cubic, ost_pm rect, int32_t rect_n, o
     return *source && *weight;
 }
 
-/* Returns an array that contains, for each voxel, the number of samples that follow the voxel's last sample in the same
-   batch, or -1 if the voxel has no sample. */
+/* Returns an array with a number for each voxel: how many samples of the same batch follow the last sample of the
+   voxel, or -1 if the voxel has no sample. */
 static int32_t *samples_behind(const scene *s)
 {
     const ost_geometry *g = &s->rect;

@@ -26,8 +26,8 @@ typedef struct grids {
     int32_t *source[3];  /* owned; for the cubic grid, the source voxel of each voxel on each axis; otherwise NULL */
     /* owned; weights of the voxels after the source voxels along each axis; only for the cubic grid */
     int32_t *weight[3];
-    /* owned; for each voxel, the number of samples that follow its last sample in the same batch, or -1 if it has no
-       sample; only for the rect grid */
+    /* owned; only for the rect grid: for each voxel, how many samples of the same batch follow its last sample; -1
+       if it has no sample */
     int32_t *behind;
 } grids;
 

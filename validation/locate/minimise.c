@@ -106,8 +106,8 @@ static ost_status judge(job *j, const scene_cut *cut, const trace *got, uint32_t
     c.cut = &own;
     if (!range.count || scene_make(&c, &s, &none) != OST_OK)
         return OST_OK;
-    /* The comparison includes the digest of the input. The worker's trace contains this digest, so the reference's
-       trace must contain it too. */
+    /* The comparison includes the digest of the input, which the worker's trace contains. Therefore the
+       reference's trace must contain it too. */
     ost_status status = scene_digest(&s, &s.digest, err);
     if (status == OST_OK)
         status = trace_reference(j, &s, &ref, err);
@@ -309,7 +309,7 @@ static bool without(const cut_list *list, uint32_t a, uint32_t b, cut_list *out)
 }
 
 /* Applies delta debugging to one list: divides the list into 2, 4, ... parts, and tries to retain only one part or to
-   omit one part. The function `which` returns a pointer to this list in a cut. */
+   omit one part. `which` returns the address of this list in a cut. */
 static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut *cut, int tool), int tool,
                             ost_error *err)
 {
@@ -327,7 +327,10 @@ static ost_status cut_items(job *j, uint32_t count, cut_list *(*which)(scene_cut
         bool found = false;
         if (hi - lo < 2 || step == 0)
             break;
-        /* Keeping one part is tried first, because its candidates are smaller than those without one part. */
+        /*
+         * Candidates that retain only one part are tried first, because they are smaller than candidates that omit one
+         * part.
+         */
         for (uint32_t pass = 0; pass < 2; pass++)
             for (uint32_t from = lo; from < hi; from += step) {
                 scene_cut cut = j->best->cut;

@@ -127,7 +127,7 @@ static void chunk_operands(const scene *s, const trace *ref, compare_range in_re
 
 typedef struct crossing_sums {
     int32_t winding, total;
-    uint32_t times, owners; /* number of crossings up to the voxel, and in the entire row */
+    uint32_t times, owners; /* `times` counts the crossings up to the voxel, `owners` those of the entire row */
     int shown;
 } crossing_sums;
 
@@ -260,7 +260,7 @@ static event_poses poses_at(const scene *s, size_t tick, ost_pm voxel)
 
 /* The tool coordinates of a bone voxel at one pose. */
 typedef struct mapped {
-    bool near;       /* true if the voxel's block is near, so that it can be in the tool (AR-MAP-5) */
+    bool near;       /* true if the voxel's block is near (AR-MAP-5); if not, the voxel cannot be in the tool */
     int32_t u[3], at[3];
     int is;          /* class of the tool voxel there; -1 outside the tool's grid */
     /* Chebyshev distance, in 2^-20 voxels, to the nearest adjacent tool voxel that gives another result; -1 if there is

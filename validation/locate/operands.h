@@ -32,8 +32,7 @@ typedef struct operands {
 } operands;
 
 /* Computes the operands of the first voxel of the difference d. If d is not a difference of voxels, there are no
-   operands. For a difference in a tick, the parameter before is the bone before the tick. For any other difference, it
-   is NULL. */
+   operands. `before` is the bone before the tick if the difference is in a tick; if not, `before` is NULL. */
 void operands_of(const scene *s, const trace *ref, compare_range in_ref, const compare_difference *d,
                  const int16_t *before, operands *out);
 
