@@ -31,7 +31,7 @@ void lab_record(lab *l, const char *kind, const char *name, const char *requirem
 
 /* Returns a geometry with equal spacing on all axes and its first centre at the origin. */
 ost_geometry lab_cube(int32_t nx, int32_t ny, int32_t nz, ost_pm spacing);
-/* Makes a tool all of whose voxels have the given class. */
+/* Makes a tool in which every voxel has the given class. */
 ost_tool *lab_tool(lab *l, ost_dims dims, ost_pm voxel, ost_pm3 corner, uint8_t tool_class);
 ost_tool *lab_random_tool(lab *l, draw *d, ost_dims dims, ost_pm voxel, ost_pm3 corner);
 ost_pose lab_random_pose(lab *l, draw *d, ost_pm size);

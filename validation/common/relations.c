@@ -100,8 +100,8 @@ static void moved(lab *l, draw *d, scene *s)
     lab_remove(l, &s->g, 32, s->b, s->tool, s->poses, POSES, NULL);
 }
 
-/* Moves the tool by a whole number of voxels in its own frame. Moves the pose, which has no rotation, by the same
-   distance in the opposite direction. */
+/* Moves the tool by a whole number of voxels in its own frame, and the pose by the same distance in the opposite
+   direction. The pose has no rotation. */
 static void shifted(lab *l, draw *d, scene *s)
 {
     ost_tool_volume v = {.voxels = NULL};
@@ -176,8 +176,8 @@ static int64_t differ_tools(const ost_tool_volume *a, const ost_tool_volume *b)
     return wrong;
 }
 
-/* Checks three laws for boxes with borders at any position. They concern a box whose faces are all turned inside out, a
-   box that is cut into two halves, and a box that is moved by a whole number of voxels. */
+/* Checks three laws for boxes with borders at any position. The box is turned inside out, cut into two halves, or moved
+   by a whole number of voxels. */
 static void mesh_laws(lab *l)
 {
     draw d = draw_named(l->seed, "meshes");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Checks bodies whose volume is given by a formula. If the borders of a body lie between voxel centres, the volume of
-   its voxels must be exact. If they do not, the volume may deviate by at most the volume of the border's voxels. */
+   its voxels must be exact. Otherwise, the volume may deviate by at most the volume of the border's voxels. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -81,7 +81,7 @@ static int threads_in(const char *path)
     return end > digits && strcmp(end, " threads") == 0 && n > 0 && n < THREADS_MAX ? (int)n : 0;
 }
 
-/* Sets used[n] for each number n of threads with which a path of a backend was entered. */
+/* Sets used[n] if a backend entered a path with n threads. */
 static void note_threads(const json_t *environment, bool used[THREADS_MAX])
 {
     json_t *backend, *count;

@@ -178,7 +178,10 @@ ost_status pictures_of_operation(const campaign *c, evidence_sink *sink, void *u
 
 /* ----------------------------------------------------------- differences */
 
-/* Makes both volumes at record `at` of the case. The leaves of a tick are copied over the bone before the tick. */
+/*
+ * Makes the volumes of the reference and of the backend at record `at` of the case. The leaves of a tick are copied
+ * into the bone before the tick.
+ */
 static bool volumes_at(const campaign *c, int case_index, size_t at, const trace_record *got, ost_volume *a,
                        ost_volume *b)
 {
@@ -209,7 +212,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
     if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS ||
         k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
         return;
-    /* A report may differ earlier than any voxel. Until a voxel differs, both bones equal the reference's bone. */
+    /* The first difference may be in a report. Until a voxel differs, both bones equal the reference's bone. */
     const compare_range in_ref = c->ranges[case_index];
     triplet t;
     bool differ = false;

@@ -7,8 +7,8 @@
  *   both traces at a difference  --pictures_of_difference--> reference | got | difference
  *
  * A tick's record has only the leaves that changed, so the bone before a tick is made by applying the
- * reference's records of all earlier ticks in order. Before the first difference, the bones of the reference
- * and of the backend are equal. The record of the tick itself is then applied to each bone.
+ * reference's records of all earlier ticks in order. This bone is the same in both traces, because they are
+ * equal up to the first difference. The tick's record of each trace is then applied to a copy of this bone.
  */
 #ifndef OST_VALIDATION_REPORT_PICTURES_H
 #define OST_VALIDATION_REPORT_PICTURES_H
@@ -30,8 +30,8 @@ enum {
 
 typedef enum picture_role { PICTURE_REFERENCE, PICTURE_GOT, PICTURE_DIFFERENCE, PICTURE_ROLES } picture_role;
 
-/* Writes a picture's name, such as "pictures/mesh-3-backend-2-got.png". The parameter backend is the index in the
-   protocol. */
+/* Writes a picture's name, such as "pictures/mesh-3-backend-2-got.png". `backend` is the index of the backend in
+   the protocol. */
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role);
 
 /* Makes the pictures of the operation. Does nothing if libpng is missing or the open batch has no case of the
@@ -49,7 +49,7 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
                             compare_range in_got);
 
 /* Copies pictures and small cases (reproduce.h) from the bundles of shards in a folder. Copies only those pictures that
-   a single run would have made. The parameters protocol and cases are those of the complete campaign. */
+   a single run would have made. `protocol` and `cases` are those of the complete campaign. */
 ost_status pictures_of_shards(const char *folder, const json_t *protocol, const json_t *cases, evidence_sink *sink,
                               void *user, ost_error *err);
 

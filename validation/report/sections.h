@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Declares the larger sections of the report. Each takes only the page. */
+/* Declares the larger sections of the report. The only parameter of each function is the page. */
 #ifndef OST_VALIDATION_REPORT_SECTIONS_H
 #define OST_VALIDATION_REPORT_SECTIONS_H
 
