@@ -29,7 +29,8 @@ static bool choose(runner *r, int *number, int *subject_index)
     for (*number = r->done; *number < r->begun; ++*number) {
         const batch *b = batch_of(r, *number);
         /*
-         * Devices are last in the list and take the longest time. Therefore the search begins at the end of the list.
+         * The search begins at the end of the list, because the backends of devices are last and take the longest
+         * time.
          */
         for (*subject_index = r->c->subjects->count - 1; b->ready && *subject_index > 0; --*subject_index)
             if (b->tasks[*subject_index].from < b->end && !b->tasks[*subject_index].running && !busy(r, *subject_index))

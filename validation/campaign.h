@@ -5,16 +5,14 @@
  *
  *   plan, subjects --campaign_run--> results[case][subject], counts and times
  *
- * The cases run in batches, which limits the number of traces on the disk. In each batch the reference runs
- * first, then the other backends, up to `jobs` workers at a time. While they run, the reference of the next
- * batch runs.
+ * The cases run in batches, which limits the number of traces on the disk. In each batch the reference runs first,
+ * then the other backends, up to `jobs` workers at a time. Meanwhile, the reference runs the next batch.
  *
  *   batch 0   ref | avx2, scalar, cl ...            --batch done--> evidence of its cases
  *   batch 1         ref | ...                       then its traces are deleted
  *
- * A backend whose process crashes is started again with the case after the one in which it crashed. A
- * backend that fails or exceeds its time limit is not started again, and its remaining cases get the same
- * verdict.
+ * A backend whose process crashes is started again with the case after the one in which it crashed. A backend that
+ * fails or exceeds its time limit is not started again, and its remaining cases get the same verdict.
  */
 #ifndef OST_VALIDATION_CAMPAIGN_H
 #define OST_VALIDATION_CAMPAIGN_H

@@ -34,8 +34,8 @@ typedef struct batch {
     bool open, ready;
     trace reference;
     /*
-     * descriptor of the reference's trace; if options->apart is set, the other backends' workers read the trace from
-     * this descriptor; if options->apart is not set, the value is -1
+     * descriptor of the reference's trace, which the workers of the other backends read; -1 if options->apart is
+     * false
      */
     int given;
     task *tasks;      /* owned; one per subject */
@@ -47,8 +47,8 @@ typedef struct slot {
     int batch, subject_index, trace; /* batch, index of the backend, and file descriptor of the worker's trace */
 } slot;
 
-/* Maximum number of open batches. The oldest open batch is being compared; the reference already runs the next ones.
-   Therefore a case that takes a long time on the reference does not delay the other backends. */
+/* Maximum number of open batches. While the oldest open batch is compared, the reference already runs the next ones,
+   so that a slow case of the reference does not delay the other backends. */
 enum { ALIVE = 4 };
 enum { NOBODY = -1 };
 
@@ -88,7 +88,7 @@ void batch_free(batch *b);
 
 /* Starts a worker for the cases of a batch that a backend has not completed. */
 ost_status runner_start(runner *r, int number, int subject_index, ost_error *err);
-/* Frees the slot `which` after its worker ended with the result *end, and returns the content of the slot. The task
+/* Removes slot number `which` after its worker ended with the result *end, and returns the slot's content. The task
    counts as running until runner_judge is called. */
 slot runner_take(runner *r, int which, const worker_result *end);
 /* Reads, judges and closes the trace of a worker that has ended. */
@@ -101,8 +101,8 @@ ost_status runner_judge(runner *r, const slot *ended, const worker_result *end, 
  * fails.
  */
 ost_status results_of_reference(runner *r, batch *b, trace *got, const worker_result *end, ost_error *err);
-/* Stores the verdicts of the cases in a backend's trace. If the backend's worker ended prematurely, also stores the
-   verdict of the case that the worker was running. */
+/* Stores the verdicts of the cases in a backend's trace. If the worker ended prematurely, also stores a verdict for
+   the case that it was running. */
 ost_status results_of_subject(runner *r, batch *b, int subject_index, trace *got, const worker_result *end,
                               ost_error *err);
 /* Judges cases [from, until) of a backend's trace. Sets *judged to the number of these cases that are complete in the

@@ -23,8 +23,8 @@ static ost_status store_digests(runner *r, int i, int subject_index, const trace
     return OST_OK;
 }
 
-/* Stores the running times of case `from` and all later cases of the trace. A complete trace contains these times in
-   its second to last record. */
+/* Stores the running times of the cases in a complete trace, which begins with case `from`. The times are in the
+   second to last record. */
 static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;
@@ -47,7 +47,7 @@ ost_status results_judge(runner *r, const batch *b, int subject_index, const tra
     return status;
 }
 
-/* Sets the result of all remaining cases of a backend in a batch to the result of the backend's permanent failure. */
+/* After a permanent failure of a backend, stores the result of this failure for the remaining cases of a batch. */
 static void give_up(runner *r, batch *b, int subject_index)
 {
     for (; b->tasks[subject_index].from < b->end; b->tasks[subject_index].from++, r->finished++)

@@ -80,10 +80,10 @@ static void count_bytes(runner *r)
 }
 
 /*
- * Fails if the worker's end does not permit a verdict on the backend. This is the case if the worker could
- * not allocate memory or open a descriptor or a file, and if SIGKILL ended the worker. This program sends
- * SIGKILL only to a worker that exceeded its time limit (WORKER_LATE), so any other SIGKILL came from
- * another process or from the kernel, usually because memory was exhausted.
+ * Fails if the way in which a worker ended says nothing about its backend: the worker could not allocate
+ * memory or open a descriptor or a file, or SIGKILL ended it. This program sends SIGKILL only to a worker
+ * that exceeded its time limit (WORKER_LATE). Any other SIGKILL came from another process or from the kernel,
+ * usually because memory was exhausted.
  */
 static ost_status resources_left(const char *spec, const worker_result *end, ost_error *err)
 {

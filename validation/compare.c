@@ -105,8 +105,7 @@ static bool cut_leaf(const trace_block_view *block, const trace_block_view *loca
     return true;
 }
 
-/* Finds the contents of a leaf before record `at` of a case. Searches backwards for the latest earlier record that
-   contains the leaf. */
+/* Finds the content of a leaf before record `at` of a case, in the latest earlier record that contains the leaf. */
 static bool leaf_before(const trace *t, compare_range range, size_t at, const trace_block_view *location,
                         uint8_t leaf[LEAF_BYTES], trace_block_view *out)
 {
@@ -126,8 +125,8 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
     return false;
 }
 
-/* Compares the blocks of two records. A block without a counterpart in the other record is compared with an earlier
-   record. Returns false if an earlier record does not contain the block either. */
+/* Compares the blocks of two records. A block that only one record contains is compared with the latest earlier
+   record of the other trace. Returns false if no such record contains the block. */
 static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                            compare_difference *out)
 {
@@ -179,8 +178,8 @@ static bool compare_words(const trace_record *ref, const trace_record *got, comp
     if (!trace_words(ref, &n, &a) || !trace_words(got, &m, &b))
         return true;
     out->line_words = words_of_line(ref, a, n);
-    /* The first differing word of the report is stored in out->word. The first differing word in a chunk's line
-       determines out->chunk. */
+    /* out->word is the first differing word of the report. out->chunk is the chunk of the first differing word
+       that belongs to a line of a chunk. */
     for (; i < n && i < m; i++) {
         if (trace_word_at(a, i) == trace_word_at(b, i) ||
             (got->flags & TRACE_BOUNDS && trace_word_holds(ref->stage, (size_t)i, a, b)))

@@ -5,9 +5,9 @@
  *   reference's trace, another's --compare_case--> equal, or the first
  *   difference: stage, item, word or voxel, and both values
  *
- * The first difference is the first in the order of the stages. Later differences may be consequences of
- * the first and are not counted separately. If only one of the two backends changed a leaf at a tick, the
- * leaf is compared with its state in the latest earlier record of the other backend.
+ * The stages are compared in their order. Differences after the first one may be its consequences and are not
+ * counted separately. If only one of the two backends changed a leaf at a tick, the leaf is compared with its
+ * state in the latest earlier record of the other backend.
  */
 #ifndef OST_VALIDATION_COMPARE_H
 #define OST_VALIDATION_COMPARE_H

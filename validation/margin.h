@@ -44,7 +44,7 @@ typedef struct margin_stage {
     uint64_t records; /* number of records compared */
     uint64_t reports; /* number of compared records whose reports differ */
     uint64_t voxels;  /* number of voxels that differ, the sum of the next five members */
-    uint64_t decided; /* of these voxels, the number for which a margin was computed */
+    uint64_t decided; /* number of differing voxels for which a margin was computed */
     uint64_t inherited, below_threshold, unexplained, unmeasured;
     uint64_t bins[MARGIN_BINS];
     /* greatest margin, and the record and the voxel that have it */

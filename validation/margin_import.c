@@ -9,15 +9,15 @@
 
 /* ---------------------------------------------------------- the rect grid */
 
-/* A differing voxel of the rect grid. The struct contains the minimum distances by which samples would have to move
-   so that the reference would compute the other backend's value. */
+/* A differing voxel of the rect grid, and the distances by which samples would have to move so that the reference
+   would compute the other backend's value. */
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* smallest distance by which the voxel's samples must move so that each sample with a value other than `got` can
-       leave the voxel; -1 if there is no such sample */
+    /* least distance by which every sample with a value other than `got` can leave the voxel; -1 if the voxel has no
+       such sample */
     int64_t leave;
-    /* smallest distance by which a sample with the value `got` must move to enter the voxel; -1 if there is none */
+    /* least distance by which a sample with the value `got` can enter the voxel; -1 if there is no such sample */
     int64_t enter;
 } moved;
 
@@ -110,8 +110,8 @@ ost_status margin_rect(margin_walk *w, const trace_block_view *a, const trace_bl
 
 /* --------------------------------------------------------- the cubic grid */
 
-/* The source voxel along one axis, and the distances from the quotient to the points at which the neighbouring source
-   below or above would be selected. */
+/* The source voxel along one axis, and the distances of the quotient from the limits at which the voxel below
+   (`down`) or above (`up`) would be the source. */
 typedef struct source {
     resample_tap tap;
     int64_t down, up;
@@ -140,8 +140,8 @@ static int64_t weighted_sum(const trace_block_view *rect, const source s[3])
     return sum;
 }
 
-/* Returns the distance between the mean and the interval of values that round to `got`, in units of 1 / MARGIN_ONE of
-   a density. |sum - got 2^45| < 2^61. */
+/* Returns the distance of the mean from the interval of values that round to `got`, in units of 1 / MARGIN_ONE of a
+   density. The difference |sum - got 2^45| is below 2^61. */
 static int64_t rounding_gap(int64_t sum, int32_t got)
 {
     const int64_t one = INT64_C(1) << 45, off = sum > got * one ? sum - got * one : got * one - sum;
@@ -217,7 +217,7 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
             margin_other(m, &m->inherited);
         else if (right == 0 && got == density)
             margin_other(m, &m->below_threshold);
-        /* the other backend may compare with > where the rule is >= */
+        /* the other backend may have compared with > instead of >= */
         else if (density == w->s->threshold && got == 0) {
             const int32_t at[3] = {(int32_t)(i % (size_t)d.x), (int32_t)(i / (size_t)d.x % (size_t)d.y),
                                    (int32_t)(i / ((size_t)d.x * (size_t)d.y))};

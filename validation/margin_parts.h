@@ -36,8 +36,8 @@ void margin_chunks(margin_walk *w, const trace_block_view *a, const trace_block_
 void margin_tool(margin_walk *w, uint32_t item, const trace_block_view *a, const trace_block_view *b);
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err);
 
-/* Counts one differing voxel. margin_decided counts a voxel that has a margin. margin_other counts a voxel without a
-   margin and increments *why. why must point to a member of m. */
+/* These functions count one differing voxel. margin_decided is for a voxel with a margin. margin_other is for a
+   voxel without a margin; it increments *why, which must be a member of m. */
 void margin_decided(margin_stage *m, uint64_t margin, uint32_t item, const int32_t at[3]);
 void margin_other(margin_stage *m, uint64_t *why);
 

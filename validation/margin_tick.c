@@ -28,18 +28,17 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 }
 
 /*
- * Returns the Chebyshev distance from u to the nearest cutting tool voxel or, if `cutting` is false, to the
- * nearest tool voxel that does not cut; -1 if there is none. The search visits rings of voxels around the
- * voxel that contains u. The distance from u to a voxel in ring r is at most r, and to a voxel in ring r +
- * 1 at least r. The first ring that contains a voxel of the required type therefore contains the nearest
- * one.
+ * Returns the Chebyshev distance from u to the nearest tool voxel that cuts or, if `cutting` is false, to the
+ * nearest one that does not cut; -1 if there is none. The search visits rings of voxels around the voxel that
+ * contains u. The distance from u to a voxel in ring r is at most r, and in all later rings at least r.
+ * Therefore the first ring that contains a voxel of the required type contains the nearest one.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {
     const int64_t dims[3] = {tool->dims.x, tool->dims.y, tool->dims.z};
     int64_t cell[3], first = 0, last = 0;
     cell_of(u, cell);
-    /* the search ends when the rings before `first` and after `last` lie outside the grid */
+    /* the rings before `first` and after `last` lie outside the grid */
     for (int a = 0; a < 3; a++) {
         const int64_t before = -cell[a], after = cell[a] - (dims[a] - 1);
         const int64_t near = before > after ? before : after,
@@ -164,8 +163,9 @@ static bool fits(const trace_block_view *b, ost_dims d)
            b->lo[1] + b->dims.y <= d.y && b->lo[2] + b->dims.z <= d.z;
 }
 
-/* Counts the voxels of a record that are equal in both bones before this tick and differ after it. There are two
-   passes, because the second pass requires both bones as they were before the tick. */
+/* Counts the voxels of a record that are equal in both bones before this tick and differ after it. The first
+   pass applies the changes of both records and stores the old values. The second pass compares the old and the
+   new values. */
 ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record *b, ost_error *err)
 {
     const uint32_t tick = a->item;
@@ -175,8 +175,7 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         return ost_fail(err, OST_ERR_INPUT, "a trace has tick %u, the case has %zu", (unsigned)tick, w->s->path.count);
     ost_map *maps = NULL;
     bool made = false;
-    /* A changed voxel and its old values in both bones. The old values are stored because the new values overwrite them
-       in the bones. */
+    /* A changed voxel and its old values in both bones, which the new values overwrite. */
     typedef struct change {
         size_t at;
         int16_t value[2];
@@ -215,8 +214,8 @@ ost_status margin_tick(margin_walk *w, const trace_record *a, const trace_record
         const size_t at = changes[i].at;
         const int16_t *was = changes[i].value;
         /* A voxel that both backends changed has two entries. The first entry has the old values of both backends. In
-           the second entry, value[0] is already the new value of backend 0. If the old values were equal, the values of
-           the second entry therefore differ, and this entry is skipped. */
+           the second entry, value[0] is already the new value of backend 0. If the old values were equal, value[0] and
+           value[1] therefore differ, and the second entry is skipped. */
         if (was[0] != was[1] || w->bone[0][at] == w->bone[1][at])
             continue;
         int32_t position_at[3];

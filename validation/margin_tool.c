@@ -4,8 +4,8 @@
 
 #include "core/integer.h"
 
-/* Maximum number of distance computations between a voxel's centre and a triangle. After this number, the remaining
-   voxels of the record are not measured. */
+/* Maximum number of distances that are computed between voxel centres and triangles. After this number, the
+   remaining voxels of the record are not measured. */
 enum { TRIANGLE_TESTS = 200 * 1000 * 1000 };
 
 typedef struct vector {

@@ -113,8 +113,8 @@ static ost_status make_bone(performer *p, const ost_grid *cubic, ost_error *err)
 }
 
 /*
- * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. To save time, a large grid is
- * not resampled again. A grid whose result might exceed the range of lengths (AR-LEN-1) is not resampled again either.
+ * Returns true if the cubic grid is resampled a second time, to 7/5 of its voxel size. This is not done for a large
+ * grid, to save time, nor for a grid whose result might exceed the range of lengths (AR-LEN-1).
  */
 static bool is_resampled_again(const performer *p, const ost_grid *cubic)
 {
@@ -136,8 +136,8 @@ static ost_status make_again(const performer *p, const ost_grid *cubic, ost_grid
     return ost_rect_to_cubic(cubic, resample_again(p->s->cubic), p->s->resample, out, err);
 }
 
-/* Makes and records the cubic grid. Until its download, a backend may store a grid as a list of slices. The function
-   resamples the grid to *again before the download, so that both grids may be such lists. */
+/* Makes and records the cubic grid, and resamples it to *again before its download. Until then, a backend may store
+   a grid as a list of slices, so that both grids may be such lists. */
 static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_grid **again, ost_error *err)
 {
     ost_status status = ost_rect_to_cubic(rect, p->s->cubic, p->s->resample, out, err);
@@ -154,9 +154,9 @@ static ost_status run_cubic(performer *p, ost_grid *rect, ost_grid **out, ost_gr
 }
 
 /*
- * Writes an empty record for a stage at which the case has no grid. The record is empty on every backend, including
- * the reference, and is compared. If p->watch is set, no grid is made even if the case has one, and the record is a
- * stand-in (TRACE_STAND_IN), which is not compared.
+ * Writes an empty record for a stage at which the case has no grid. All backends, including the reference, write
+ * this record, and it is compared. If p->watch is set, no grid is made even for a case that has one. The record is
+ * then a stand-in (TRACE_STAND_IN), which is not compared.
  */
 static ost_status record_no_grid(performer *p, trace_stage stage, ost_error *err)
 {

@@ -92,8 +92,8 @@ ost_status perform_give_tool(performer *p, int i, const ost_tool_geometry *geome
    not affect later ticks. */
 ost_status perform_give_tick(performer *p, uint32_t i, int32_t z0, int32_t z1, ost_error *err);
 
-/* ---- perform_before.c: these functions write no records. They are called only if p->watch is NULL, because with a
-   watch function the backend's calls are counted. */
+/* ---- perform_before.c: these functions write no records. They are called only if p->watch is NULL, because a
+   watch function counts the backend's calls. */
 
 /* Scatters the case's first samples into a grid with another lattice, before the case runs. */
 ost_status perform_other_lattice(performer *p, ost_error *err);
@@ -106,8 +106,8 @@ ost_status perform_other_bone(performer *p, int i, ost_error *err);
 
 /* Imports the CT into p->bone. Sets p->refused if a sample was rejected or conflicts with another. */
 ost_status perform_import(performer *p, ost_error *err);
-/* Samples the bone. If `time` is 0, the function runs after the import and writes items 0 and 1; if `time` is 1, it
-   runs at the end of the case and writes items 2 and 3. */
+/* Samples the bone. Writes items 0 and 1 if `time` is 0 (after the import), and items 2 and 3 if `time` is 1 (at
+   the end of the case). */
 ost_status perform_sample(performer *p, uint32_t time, ost_error *err);
 /* Copies the bone to a second bone by uploading its slices in parts. */
 ost_status perform_upload(performer *p, ost_error *err);

@@ -106,8 +106,7 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
 }
 
 /* Computes the poses and maps of an event on the backend, only for the record. The sweep begins at *from and ends at
-   the pose of the tick. The event itself runs with the host's poses and maps. The backend's poses and maps must be
-   equal. */
+   the pose of the tick. The event itself runs with the host's poses and maps, which must equal those of the backend. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {
@@ -131,7 +130,7 @@ static ost_status steps_by_backend(performer *p, const ost_tick *tick, int hande
     return *made ? OST_OK : status;
 }
 
-/* Extends p->range, the range of chunks that the event must cover, to the chunks that the box meets. */
+/* Extends p->range, the range of chunks that the event must cover, by the chunks that the box meets. */
 static void widen_range(performer *p, const ost_voxel_box *box)
 {
     const int32_t size = p->s->chunk_size;

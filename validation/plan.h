@@ -49,7 +49,7 @@ typedef enum plan_family {
 struct scene_cut;  /* locate/cut.h */
 struct user_store; /* user_store.h */
 
-/* The user's own cases: their number and contents. If store is NULL, only the names of the cases are available. */
+/* The user's own cases: their number and contents. If `store` is NULL, only the names of the cases are available. */
 typedef struct plan_user {
     int count;
     const struct user_store *store; /* borrowed; the user's files; NULL if all cases are generated */
@@ -85,8 +85,8 @@ const char *plan_family_name(plan_family family);
 /* Returns one sentence that describes a family of cases. */
 const char *plan_family_about(plan_family family);
 
-/* Generates the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted. The
-   parameter user is NULL if there are no cases of the user. */
+/* Generates the plan of one shard. If `only` is not NULL, cases whose id does not begin with it are omitted.
+   `user` is NULL if there are no cases of the user. */
 ost_status plan_make(plan_tier tier, uint64_t seed, int shard, int shards, const char *only, const plan_user *user,
                      plan *out, ost_error *err);
 void plan_free(plan *p);

@@ -53,9 +53,9 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     draw_lattice(s, d);
     ost_dims dims = draw_dims(d, 1, most);
     if (c->number == 7) {
-        /* Only y is interpolated. Spacings are odd numbers of picometres. The distance from the lattice point grows
-           from sample to sample, so that in ppm of the spacing it takes both odd and even values. Each axis has one
-           leaf of 32 voxels, which is full or lacks its last voxel. */
+        /* Only y is interpolated, and spacings are odd numbers of picometres. The distance of a sample from its
+           lattice point grows from sample to sample. In ppm of the spacing, it takes odd and even values. Along
+           each axis, the bone has 31 or 32 voxels, so it fits in one leaf. */
         const ost_pm odd = 1000 * UM + 1;
         s->rect.spacing = (ost_pm3){odd, 1300 * UM + 7, odd};
         s->cubic = odd;
@@ -70,8 +70,8 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means are computed along all axes. Along x, the source voxels of 16 successive means span more than 64
-           voxels, and those of the remaining means span more than 32 voxels. */
+        /* Means are computed along all axes. Along x, the first vector of 16 means has source voxels in a span
+           of more than 64 voxels, and the remaining means have a span of more than 32 voxels. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);

@@ -21,7 +21,7 @@ enum { SCENE_TOOLS_MAX = 4, SCENE_NAME = 32 };
 
 typedef struct scene_tool {
     char name[SCENE_NAME];
-    ost_snapped_mesh cutting, noncutting; /* noncutting has no triangles if the tool has only cutting parts */
+    ost_snapped_mesh cutting, noncutting; /* `noncutting` has no triangles if all parts of the tool cut */
     ost_fill_rule rule;
     /* the two meshes before snapping; without triangles if they are not available, as in a reduced case */
     ost_mesh raw[2];
@@ -47,11 +47,11 @@ typedef struct scene {
     scene_tool tools[SCENE_TOOLS_MAX];
 
     /* The ticks. If there are none, the case ends after the tools. If there are ticks but no samples, the bone's grid
-       is the member rect, and only the steps (steps_record.h) are computed. */
+       is `rect`, and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    /* Poses of the handle, from which the member path was computed with the motor speed handle_rpm. Empty without a
-       motor. */
+    /* Poses of the handle. The motor speed `handle_rpm` and these poses give `path`. Without a motor, there are
+       none. */
     ost_path handle_path;
     int32_t handle_rpm;
     /* The backend also collides the tool before each tick whose number is a multiple of this value. 0 means never. */

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes a case for backends that exclude a cube of 8^3 bone voxels by the distance from the cube's middle to the
- * tool. Each tool has one voxel. At the tool's pose one corner of the cube [8, 16)^3 lies about a hundredth
- * of a tool voxel inside the tool, in the direction of the cube's diagonal:
+ * Makes a case for backends that exclude a cube of 8^3 bone voxels if the tool is too far from the cube's
+ * middle. Each tool has one voxel. At the tool's pose, the centre of one corner voxel of the cube [8, 16)^3 lies
+ * in the tool, about a hundredth of a tool voxel below its surface:
  *
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool
  *
- * R is between r and the next eighth of a tool voxel, so a backend that rounds the
- * distance up to eighths would exclude the cube. The distance from the tool to the
- * cell of 2^3 tool voxels that contains the cube's middle is also r, because the
- * middle is near a multiple of two tool voxels. tests/validation/test_scene checks
- * these properties of the numbers below.
+ * R is between r and the next eighth of a tool voxel, so a backend that rounds the distance up to eighths would
+ * exclude the cube. The distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle is
+ * also r, because the middle is near a multiple of two tool voxels. tests/validation/test_scene checks these
+ * properties of the numbers below.
  */
 #include "validation/scene_parts.h"
 

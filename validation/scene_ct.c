@@ -35,8 +35,8 @@ static bool in_bone(int kind, const int32_t at[3], const ost_dims dims, draw *d)
     }
 }
 
-/* Returns a position within an eighth of a voxel of a lattice point. The rounding of floats is harmless here, because
-   any such position is suitable. */
+/* Returns the position of a lattice point or, if `jitter` is true, a random position within an eighth of a voxel of
+   it. */
 static ost_pm near_lattice(draw *d, ost_pm origin, ost_pm spacing, int32_t index, bool jitter)
 {
     const ost_pm off = jitter ? draw_between(d, -spacing / 8, spacing / 8) : 0;
@@ -67,7 +67,7 @@ ost_status scene_ct(scene *s, draw *d, ost_dims dims, ost_error *err)
                 one.y = near_lattice(d, s->rect.origin.y, s->rect.spacing.y, j, jitter);
                 one.z = near_lattice(d, s->rect.origin.z, s->rect.spacing.z, k, jitter);
                 one.density = in_bone(kind, at, dims, d) ? telling_density(d, s->threshold) : -1000;
-                if (!draw_one_in(d, 40)) /* leaves out one voxel in 40; it keeps the density 0 */
+                if (!draw_one_in(d, 40)) /* one voxel in 40 has no sample and keeps the density 0 */
                     s->samples[n++] = one;
                 if (s->duplicates != OST_DUPLICATES_ERROR && draw_one_in(d, 12)) {
                     one.density = telling_density(d, s->threshold);

@@ -57,7 +57,7 @@ ost_status scene_lone(int kind, scene *s, draw *d, ost_error *err)
 {
     enum { CHUNK = 64, LAST = 37, WIDE = CHUNK * CHUNK + LAST, HIGH = 3, SLICES = 4 };
     const ost_pm cube = 500 * UM;
-    /* Layer k of the bone lies at position (4 * k - 1) / 6 in slices, so every layer except the first is a mean of two
+    /* Layer k of the bone lies at (4 * k - 1) / 6, counted in slices, so every layer except the first is a mean of two
        slices. */
     s->rect = (ost_geometry){{WIDE, HIGH, SLICES}, {cube, cube, cube * 3 / 2}, {-1000000 * UM, 0, 0}};
     s->cubic = cube;

@@ -42,8 +42,8 @@ ost_status scene_emptied(const plan_case *c, int kind, scene *s, draw *d, ost_er
 ost_status scene_add_bar(scene *s, ost_dims size, int32_t shaft, ost_pm voxel, ost_error *err);
 
 /*
- * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting box. The box lacks its
- * upper face along x, so its mesh is not closed in the rows that pass through it. These rows also pass
+ * Adds two closed plates, 32 voxels apart along x, and between them a non-cutting box. The box lacks the face
+ * at its upper end along x, so its mesh is not closed in the rows that pass through it. These rows also pass
  * through both plates. The corners of some triangles are collinear.
  */
 ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err);
@@ -92,13 +92,13 @@ ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err
 /* Adds `count` ticks at which the last tool is near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);
 /*
- * Adds three ticks with the last tool, without rotation. In each tick a layer of bone voxels lies within a
- * few units of 2^-20 tool voxels of the tool's face, so a backend that rounds differently removes a
- * different layer.
+ * Adds three ticks with the last tool, without rotation. In each tick, the distance from a layer of bone
+ * voxels to the tool's face is a few units of 2^-20 tool voxels, so a backend that rounds differently removes
+ * a different layer.
  */
 ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err);
-/* Adds two ticks in which the last tool moves through the middle of a chunk from one side to the other. In the sweep
-   a voxel is hit at many poses of one event. */
+/* Adds two ticks in which the last tool moves through the middle of a chunk from one side to the other. In this
+   sweep, a voxel is hit at many poses of one event. */
 ost_status scene_add_crossing(scene *s, ost_error *err);
 /* Adds a tick with the last tool 2^32 units away from the bone. The tool covers no voxel there, but would cover all
    voxels if coordinates wrapped at 32 bits. */

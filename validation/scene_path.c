@@ -34,7 +34,10 @@ static ost_pm3 drawn_target(const scene *s, draw *d)
     return (ost_pm3){p[0], p[1], p[2]};
 }
 
-/* Draws a unit quaternion: sometimes one of the 24 rotations of a cube, in all other cases any rotation. */
+/*
+ * Draws a unit quaternion: in one case of three a rotation by 0, 90 or 180 degrees about an axis, in all other cases
+ * any rotation.
+ */
 static ost_status drawn_turn(draw *d, double q[4])
 {
     static const double root = 0.70710678118654752440;
@@ -152,9 +155,9 @@ ost_status scene_add_border_poses(scene *s, draw *d, ost_error *err)
         const along x = along_axis(s, a);
         const int32_t block = OST_MAP_BLOCK * (int32_t)draw_between(d, 0, (x.n - 1) / OST_MAP_BLOCK),
                       last = block + OST_MAP_BLOCK - 1;
-        /* A unit is voxel / 2^20. At the first voxel of a block, the position is up to half a unit before the border
-           and is rounded onto the border. At the last voxel of a block, the position is up to 15 units beyond the
-           border, so that a step of the map that is one unit too short changes the result. */
+        /* A unit is voxel / 2^20. The first voxel of a block is placed up to half a unit before the border, so that
+           it is rounded onto the border. The last voxel of a block is placed up to 15 units beyond the border, so
+           that a step of the map that is one unit too short changes the result. */
         const bool at_last = draw_one_in(d, 2) && last < x.n;
         const ost_pm off = at_last ? draw_between(d, 0, voxel * 15 >> OST_MAP_FRACTION)
                                    : draw_between(d, -(voxel >> (OST_MAP_FRACTION + 1)), -1);

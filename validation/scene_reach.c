@@ -149,8 +149,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
         pose->t = (ost_pm3){s->rect.origin.x + (95000 + 180000 * i) * UM,
                             s->rect.origin.y + (slim ? 38000 : 30000) * UM,
                             s->rect.origin.z + (slim ? 38000 : 29000) * UM};
-        /* In a block far from the first block of the box, the block's base lies half a unit of the map before the
-           bar's end. This position is a tie, which rounding half to even moves outside the bar. */
+        /* The base of a block that is far from the box's first block lies half a unit of the map before the bar's
+           end. This position is a tie, which rounding half to even moves outside the bar. */
         if (i < 3)
             pose->t.x = s->rect.origin.x + s->cubic * OST_MAP_BLOCK * (17 + 16 * i) - LARGE_BAR / 2 * LARGE_VOXEL +
                         LARGE_UNIT / 2;
@@ -166,8 +166,8 @@ static ost_status make_large(const plan_case *c, scene *s, draw *d, ost_error *e
 
 enum { RODS_X = 97, RODS_Y = 67, RODS_Z = 93, ROD_TICKS = 6 };
 
-/* Returns a position for a rod. At this position, or at most 6 / 65536 of a tool voxel away from it, centres of bone
-   voxels can lie exactly on borders between tool voxels (ties). */
+/* Returns a position for a rod. The position is at most 6 / 65536 of a tool voxel away from a position at which
+   centres of bone voxels can lie exactly on borders between tool voxels (ties). */
 static ost_pm near_tie(draw *d, ost_pm at, ost_pm voxel)
 {
     const int64_t off = draw_one_in(d, 3) ? 0 : draw_between(d, -6, 6);

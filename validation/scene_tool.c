@@ -324,7 +324,7 @@ ost_status scene_add_plates(scene *s, ost_pm voxel, ost_error *err)
     cutting->triangle_count = leaking->triangle_count = 0;
     put_box(&grid, at[0][0], at[0][1], 0, cutting, &corners);
     put_box(&grid, at[1][0], at[1][1], 0, cutting, &corners);
-    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the box lacks its upper face along x */
+    put_box(&grid, at[2][0], at[2][1], 2, leaking, &of_leaking); /* the box lacks the face at its upper end along x */
     for (int t = 0; t < PLATES_ON_A_LINE; t++, cutting->triangle_count++)
         for (int c = 0; c < 3; c++, corners++) { /* the corners lie on a line along x and on three oblique lines */
             const ost_pm along = (3 + 5 * c) * voxel + voxel / 2;
@@ -355,7 +355,7 @@ static void put_needle(const ost_tool_geometry *grid, const int32_t row[2], bool
                        size_t *corners)
 {
     static const int across[RING + 1][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {0, 0}};
-    /* `far` is the difference between the indices of the same corner at the two ends of the needle */
+    /* The two ends of the needle have corresponding corners; `far` is the difference of their indices. */
     const uint32_t first = (uint32_t)*corners, far = RING + 1;
     for (uint32_t end = 0; end < 2; end++)
         /* Coordinates are rounded to picometres here; snapping yields the exact lattice units again. */

@@ -202,8 +202,8 @@ static uint32_t drawn_rate(draw *d, deviation_kind kind)
 
 /* The mistakes to make in one scene. */
 typedef struct share {
-    /* The mistakes of a pass are numbered. This scene makes `count` of them, from number `first` on. Every kind of
-       mistake occurs equally often in a pass. */
+    /* The mistakes of a pass are numbered, and every kind occurs equally often. In this scene, `count` mistakes
+       are made, beginning with number `first`. */
     uint64_t first, count;
     const deviation *only;       /* the only mistake to make; NULL to make all */
     /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */
@@ -282,12 +282,12 @@ typedef struct proof {
     uint64_t injections;
     deviation_kind kinds[DEVIATION_KINDS]; /* the kinds of mistakes of the second pass */
     uint64_t kind_count;                   /* number of these kinds; 0 in the first pass */
-    int end;                               /* number of the first scene that is not part of the pass */
+    int end;                               /* number after that of the last scene of the pass */
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* protects the following members and *out */
     int next;             /* number of the next scene to run */
-    int problem_at;       /* number of the scene whose problem out->first_problem describes, or -1 */
+    int problem_at;       /* number of the scene with the problem in out->first_problem, or -1 */
     ost_error err;
 } proof;
 

@@ -44,7 +44,7 @@ typedef struct sensitivity {
     uint64_t seed;
     sensitivity_counts all, of[DEVIATION_KINDS];
     uint64_t classes[DEVIATION_KINDS][SENSITIVITY_CLASSES];
-    /* number of mistakes that changed a result, and number of those that were detected and located every time */
+    /* number of kinds of mistakes that changed a result, and number of those that were always detected and located */
     int kinds_changed, kinds_noticed;
     uint64_t clean_runs, false_alarms;
     /* the first mistake that was not detected or not located, or the first false alarm, with the seeds that reproduce

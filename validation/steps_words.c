@@ -54,9 +54,9 @@ bool steps_word_is_bound(size_t word)
     return word >= TICK_WORDS && (word - TICK_WORDS) % POSE_WORDS >= REACHES;
 }
 
-/* Returns true if a word of `is` covers the bound in the same word of `least`. The word `reaches` covers the bound if
-   it is set in `is` or not set in `least`. If `reaches` is set in both records, the box of `is` must contain the box of
-   `least`; if not, the boxes are not compared. */
+/* Returns true if word number `word` of `is` covers the bound in the same word of `least`. The word `reaches` of `is`
+   must be set if it is set in `least`. If it is set in both, the box in `is` must contain the box in `least`. If not,
+   the boxes are not compared. */
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least)
 {
     const size_t at = (word - TICK_WORDS) % POSE_WORDS, flag = word - at + REACHES;

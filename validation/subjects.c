@@ -48,7 +48,7 @@ ost_status subjects_cpu(plan_tier tier, const bool here[], subject_list *list, o
         left--;
         for (int t = 0; t < 4; t++) {
             /* In the smoke tier the instruction sets run alternately with 2, 3 and 7 threads. The last set also runs
-               with those of the three counts that no earlier set used. */
+               with the counts that no earlier set used. */
             if (tier == PLAN_SMOKE && t != 0 && t != turn && (left > 0 || taken[t]))
                 continue;
             taken[t] = true;
@@ -113,7 +113,7 @@ typedef struct device_visit {
     subject *named; /* the subject whose device is searched for; NULL to add all devices */
 } device_visit;
 
-/* Adds one subject of a device. The parameter reason is "" if the subject can run. */
+/* Adds one subject of a device. `reason` is "" if the subject can run. */
 static void add_way(device_visit *v, const ost_device_info *device, const char *spec, const char *what,
                     const char *reason)
 {

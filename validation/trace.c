@@ -94,8 +94,8 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
     /*
-     * The start of a range of chunks may be below the bound. The end of a range and boxes_meet may be above the
-     * bound.
+     * A range of chunks may begin below the bound and end above it. boxes_meet may be set although the bound is
+     * 0.
      */
     return word >= 4 && word % 2 == 0 ? has <= needs
                                       : has >= needs;
@@ -110,7 +110,7 @@ struct trace_writer {
     char *path;
     uint8_t *buffer;
     size_t used, capacity;
-    /* offset of the block count in the record; 0 until the first block is added, that is, while words are added */
+    /* offset of the block count in the record; 0 while words are added, before the first block */
     size_t blocks_at;
     uint64_t words, blocks;
     bool no_memory;
@@ -152,7 +152,7 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err)
     if (!w->file) {
         free(w->path);
         free(w);
-        /* A worker ends with the status of exhausted resources if the error is OST_ERR_IO (WORKER_EXIT_RESOURCES). */
+        /* OST_ERR_IO makes a worker end with WORKER_EXIT_RESOURCES, so an unusable path gets a different status. */
         const bool unusable = errno == ENOENT || errno == ENOTDIR || errno == EISDIR || errno == EACCES;
         return ost_fail(err, unusable ? OST_ERR_INPUT : OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
     }

@@ -97,9 +97,9 @@ void trace_flags(trace_writer *w, uint64_t flags);
 enum { TRACE_STAND_IN = 1, TRACE_NO_WORDS = 2, TRACE_BOUNDS = 4, TRACE_MADE = 8 };
 
 /*
- * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5). A record with TRACE_BOUNDS therefore
- * contains the smallest bounds that a backend must cover, instead of the box (TRACE_STEPS) or the range of chunks
- * (TRACE_TICK) itself. compare.c compares these words by calling trace_word_holds.
+ * docs/spec/arithmetic.md prescribes no box and no range of chunks (AR-REM-5). In place of the box (TRACE_STEPS) or
+ * the range of chunks (TRACE_TICK), a record with TRACE_BOUNDS contains the smallest bounds that a backend must
+ * cover. compare.c compares these words by calling trace_word_holds.
  */
 bool trace_word_is_bound(trace_stage stage, size_t word);
 /* Returns true if the word with this index in `is` covers the bound in `least`. If the word is not a bound, returns

@@ -35,7 +35,7 @@ typedef struct entry {
 } entry;
 
 typedef struct store_head {
-    uint64_t magic, bytes; /* bytes is the size of the complete file */
+    uint64_t magic, bytes; /* `bytes` is the size of the complete file */
     int32_t count, entry_bytes;
     entry entries[USER_CASES_MAX];
 } store_head;
@@ -50,8 +50,8 @@ struct user_store {
 
 /* ---------------------------------------------------------- writing a store */
 
-/* Smallest number of the store's descriptor. It is above the descriptors that workers use, so that worker_start does
-   not overwrite the store's descriptor before a worker inherits it. */
+/* Smallest number of the store's descriptor. It is greater than the descriptors that workers use. Otherwise,
+   worker_start could overwrite the store's descriptor before a worker inherits it. */
 enum { BEYOND_WORKERS = 16 };
 
 ost_status user_store_begin(user_store **out, ost_error *err)
@@ -341,10 +341,10 @@ ost_status user_scene(const user_store *u, int number, scene *out, ost_error *er
 
 /*
  * Estimates the size of a case's trace in bytes. The estimate includes rect, cubic, chunks and the bone at
- * the end, each tool, and for each tick the leaves that it changes. Of the leaves that the tool covers, a
- * tick changes only those at the tool's border in which bone remains. The estimate assumes one changed leaf
- * per tick (TICK_LEAVES), which is several times the number that slow cutting changes on average. If the
- * estimate is too small and the disk becomes full, the campaign ends.
+ * the end, each tool, and for each tick the leaves that it changes. A tick changes only leaves at the tool's
+ * border in which bone remains. The estimate assumes one changed leaf per tick (TICK_LEAVES), which is
+ * several times the average in slow cutting. If the estimate is too small and the disk becomes full, the
+ * campaign ends.
  */
 enum { TICK_LEAVES = 1 };
 uint64_t user_trace_bytes(const user_store *u, int number)

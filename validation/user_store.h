@@ -23,14 +23,19 @@ typedef struct user_store user_store;
 ost_status user_store_begin(user_store **out, ost_error *err);
 /* Adds samples of the next case, in the order in which they are scattered. Sets the line number of each sample. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
-/* Adds all data of the case except its samples. The members samples, sample_count and batch of head are ignored. */
+/*
+ * Adds all data of the case except its samples. The members `samples`, `sample_count` and `batch` of `head` are
+ * ignored.
+ */
 ost_status user_case_end(user_store *u, const scene *head, ost_error *err);
 /* Completes the store. Afterwards user_scene can make the cases. */
 ost_status user_store_end(user_store *u, ost_error *err);
 
 /* ---------------------------------------------------------- reading a store */
 
-/* Opens the store in a worker. fd remains owned by the caller. Returns OST_ERR_INPUT if fd is not a user store. */
+/*
+ * Opens the store in a worker. The caller remains the owner of `fd`. Returns OST_ERR_INPUT if `fd` is not a user store.
+ */
 ost_status user_store_open(int fd, user_store **out, ost_error *err);
 void user_store_free(user_store *u); /* u may be NULL */
 

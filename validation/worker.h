@@ -27,7 +27,7 @@ ost_status worker_run(const plan *p, int from, int to, const char *spec, const c
 
 typedef enum worker_end {
     WORKER_DONE,
-    WORKER_FAILED,  /* the exit status was not 0; text is the last line that the worker wrote to stderr */
+    WORKER_FAILED,  /* the exit status was not 0; `text` is the last line that the worker wrote to stderr */
     WORKER_CRASHED, /* a signal ended the worker */
     WORKER_LATE     /* the worker was killed because it exceeded its time limit */
 } worker_end;
@@ -43,7 +43,7 @@ typedef struct worker {
     pid_t pid;
     int stderr_fd;   /* read end of a pipe from the worker's stderr */
     double begun, limit_s;
-    bool complete;   /* true if the line in text is complete */
+    bool complete;   /* true if the line in `text` is complete */
     size_t used;
     char text[512];  /* the last line that the worker wrote to stderr, cut off after 511 bytes */
 } worker;
