@@ -63,8 +63,8 @@ static ost_step_result step(fixture *l, ost_tick tick)
 static void sweep_leaves_no_gap(void **state)
 {
     /*
-     * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes x = 4 to
-     * 15 at y = 9 to 10 and z = 5 to 10.
+     * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes the voxels
+     * from x = 4 to 15, y = 9 to 10 and z = 5 to 10.
      */
     fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
@@ -283,7 +283,7 @@ static void motor_turn_over_quarter_is_refused(void **state)
     tick.t_ns++;
     assert_int_equal(ost_world_step(l.world, &tick, NULL, &err), OST_ERR_USAGE);
     free_fixture(&l);
-    /* The rotations of all ticks since the last event are added. Three ticks of 2 ms exceed a quarter turn. */
+    /* The rotations of all ticks since the last event are added. Three ticks of 2 ms give more than a quarter turn. */
     l = make_fixture(*state, &(ost_world_options){.removal_period_ns = 6000000});
     for (int t = 0; t < 6; t += 2)
         assert_int_equal(step(&l, motor_at(t, 3000, 20000)).removal, t == 0);
@@ -350,8 +350,8 @@ static void distant_tool_reaches_no_chunk(void **state)
 static void range_of_chunks_of_event(void **state)
 {
     /*
-     * The peg at (15.5, 10, 5) mm covers x = 14.5 to 16.5 mm. Inflated by a voxel of 0.5 mm, it
-     * reaches chunks 0 and 1 along x and chunk 0 along y and z.
+     * The peg at (15.5, 10, 5) mm covers x = 14.5 to 16.5 mm. Enlarged by one voxel (0.5 mm) on
+     * each side, this range reaches chunks 0 and 1 along x and chunk 0 along y and z.
      */
     fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 15500, 10000, 5000));

@@ -128,8 +128,8 @@ check_result check_run(const check_kernel *kernel, check_fn *scalar, check_fn *o
 void bench_time(check_bench *b, const char *work, check_call_fn *call, void (*prepare)(void *arguments),
                 void *arguments, double items, const char *what);
 /*
- * Times all workloads of a kernel, both with the scalar kernel and with the instruction set `only`.
- * If `only` is OST_ISA_COUNT, times them with all instruction sets.
+ * Times all workloads of a kernel. Times the scalar variant and the variant for the instruction set
+ * `only` or, if `only` is OST_ISA_COUNT, the variants for all instruction sets.
  */
 void bench_run(const check_kernel *kernel, ost_isa only);
 void bench_heading(ost_isa only);

@@ -3,8 +3,8 @@
  * Checks of the kernels `blocks`, `split`, `match_tables`, `match` and `take`.
  *
  * `blocks` computes the base of a block as the sum of three parts. The parts are random, but their sums lie near one
- * of three kinds of limits: the fraction from which on the base is computed by a division, the least and greatest
- * base that a block can have, and the least and greatest base at which the tool reaches the block.
+ * of three kinds of limits: the fraction above which the base is computed by a division, the least and greatest base
+ * that a block can have, and the least and greatest base at which the tool reaches the block.
  *
  * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are sorted by
  * the numbers of the parts, which are all different. The previous content of the lists must not change, and nothing
@@ -131,7 +131,7 @@ static void test_blocks(check *c)
     }
     /*
      * On each axis, some_sum chooses the sum of the first block. A part of another block equals the part of the first
-     * block, or differs from it by the step of about one block.
+     * block, or differs from it by about 16 steps of the map.
      */
     for (int a = 0; a < 3; a++) {
         const int64_t far = INT64_C(1) << 46, sum = some_sum(c, reach, a), y = check_range(c, -far, far),

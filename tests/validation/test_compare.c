@@ -278,7 +278,7 @@ static void broken_traces_are_refused(void **state)
     assert_int_equal(d.stage, TRACE_TICK);
     assert_int_equal(d.item, 1);
 
-    /* If any byte of a header changes, the file must be refused or fewer records must be read, without a crash. */
+    /* A change of any byte of a header must not cause a crash: the file is refused, or fewer records are read. */
     write_reference(got);
     for (int at = 0; at < 32; at++) {
         FILE *file = fopen(got, "r+b");

@@ -106,8 +106,8 @@ static void failing_function_is_not_missing(void **state)
 }
 
 /*
- * perform first tests each tool on a bone whose spacing is derived from the size of the tool's
- * voxels. This spacing must be valid even for the smallest tool voxels.
+ * Before the ticks, `perform` collides each tool with a bone whose spacing is derived from the size
+ * of the tool's voxels. This spacing must be valid even for the smallest tool voxels.
  */
 static void smallest_tool_voxels_are_accepted(void **state)
 {

@@ -46,8 +46,8 @@ static void digests_of_families(void **state)
     } rows[] = {
         {PLAN_SMOKE, "import", 7, "c9d4686acb5fe3b5bc6a0f3a3f20916c4367f84cbc48e1f6981b157eed100c81"},
         /*
-         * A separate program computed the following digest from draw.h, the description of the case and the order of
-         * scene_digest.
+         * The following digest was computed by a separate program, which was written from draw.h, the description of
+         * the case and the order of fields in scene_digest.
          */
         {PLAN_SMOKE, "import/7", 99, "dd2f0af38ef77641aa8732c2118c60c104c4f61c4ad7f1bc6aca6b3853c0427c"},
         {PLAN_SMOKE, "mesh", 99, "e0382851553eae28b444416d254a92e9df2c634bd5451522f75894491442f8f9"},
@@ -107,8 +107,8 @@ static void digests_of_small_scenes(void **state)
 
 /*
  * Bones of the `small` family must be small enough to be downloaded completely after each tick, even if their
- * voxels are much thinner than the layers of the CT. A difference is then located in the tick in which it
- * occurs.
+ * voxels are much smaller than the distance between the layers of the CT. A difference is then located in the
+ * tick in which it occurs.
  */
 static void small_bones_are_downloaded_completely(void **state)
 {

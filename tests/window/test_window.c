@@ -243,7 +243,9 @@ static void frames_of_any_size(void **state)
     close_window(w);
 }
 
-/* Tests that another module can draw with the window's context, but only if a graphics card executes OpenGL. */
+/*
+ * Tests drawing by another module with the window's context. This is possible only if a graphics card executes OpenGL.
+ */
 static void drawing_by_another_module(void **state)
 {
     ost_error err = {0};

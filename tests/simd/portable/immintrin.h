@@ -232,8 +232,8 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return (mask)(k & all(a, b));            \
     }
 
-/* Defines a gather of the lanes that a mask selects. Such a lane is loaded from the address `base` + index *
-   scale. The other lanes are copied from `other`. */
+/* Defines a gather of the lanes that a mask selects. A selected lane i is loaded from `base` + at[i] * scale.
+   The other lanes are copied from `other`. */
 #define OST_MASK_GATHER(name, mask, reg, type, index_reg, index_type, count)                                           \
     OST_PORTABLE reg name(reg other, mask k, index_reg index, const void *base, int scale)                             \
     {                                                                                                                  \
@@ -323,7 +323,7 @@ OST_MASK_GATHER(_mm512_mask_i64gather_epi64, __mmask8, __m512i, int64_t, __m512i
 #define _mm512_i32gather_epi32(index, base, scale) \
     _mm512_mask_i32gather_epi32(simde_mm512_setzero_si512(), 0xffff, index, base, scale)
 
-/* Arithmetic shifts to the right. A count greater than `last` has the same effect as `last`. */
+/* Defines an arithmetic shift to the right. A count greater than `last` has the same effect as `last`. */
 #define OST_COUNT(count, last) ((uint64_t)(count) < (last) ? (int)(count) : (last))
 #define OST_SRAI(name, type, lanes, last)                  \
     OST_PORTABLE __m512i name(__m512i a, unsigned count)   \
