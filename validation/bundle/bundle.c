@@ -204,8 +204,8 @@ ost_status bundle_end(bundle *b, ost_error *err)
         status = bundle_put(b, MANIFEST_FILE, text, strlen(text), err);
     if (status == OST_OK)
         status = sync_folder(b->folder, err);
-    /* Another process may have created a folder with the bundle's name in the meantime. If it is not empty, rename
-       fails. */
+    /* Another process may have created a folder with the bundle's name in the meantime. If that folder is not
+       empty, rename fails. */
     if (status == OST_OK && rename(b->folder, b->out) != 0)
         status = ost_fail(err, OST_ERR_IO, "%s: %s", b->out, strerror(errno));
     free(text);

@@ -13,8 +13,7 @@
 #include <jansson.h>
 #include <osteon/status.h>
 
-/* Makes the content of environment.json; the caller owns *out. The parameter program is the path of this program's
-   file. */
+/* Makes the content of environment.json; the caller owns *out. `program` is the path of this program's file. */
 ost_status environment_of(const char *program, json_t **out, ost_error *err);
 
 #endif

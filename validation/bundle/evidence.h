@@ -51,9 +51,9 @@ bool evidence_refused(const json_t *one);
  *   NOT COMPARED  there are no results, because there is no backend or all cases were refused or not run
  *   NOT COMPLETE  no result differs, but some cases of the protocol are missing
  *
- * The member equal is true only for EQUAL. The member evidence is false if the cases cover too little (the
- * tier is smoke, or only some of the tier's cases were run) or if nothing was compared. The sentences of
- * not_shown state what is not covered.
+ * The member `equal` is true only for EQUAL. The member `evidence` is false if the cases cover too little
+ * (the tier is smoke, or only some of the tier's cases were run) or if nothing was compared. The sentences of
+ * `not_shown` state what is not covered.
  */
 ost_status evidence_summary(const json_t *protocol, const json_t *cases, json_t **out, ost_error *err);
 
@@ -101,8 +101,8 @@ ost_status evidence_check_format(const char *folder, const json_t *protocol, ost
 
 /*
  * Reads cases.jsonl line by line within the limits of limits.h. The error line of OST_ERR_INPUT contains the line
- * number. If with_leaves is false, the digests of leaves, which are the largest part of the file, are omitted, and each
- * line must be identical to the text that this program writes.
+ * number. If with_leaves is false, the digests of leaves (the largest part of the file) are omitted, and each line must
+ * be identical to the text that this program writes.
  */
 ost_status evidence_read_cases(const char *folder, bool with_leaves, json_t **out, ost_error *err);
 

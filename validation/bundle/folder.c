@@ -52,8 +52,7 @@ static const struct {
 static const char *const folders[] = {"pictures", "cases"};
 
 /* Returns true if the name of a file in a subfolder is allowed. In pictures/ and cases/ a name consists of lower-case
-   letters, digits and dashes, followed by `ending`. In signatures/, for which ending is NULL, any plain name is
-   allowed. */
+   letters, digits and dashes, followed by `ending`. In signatures/, any plain name is allowed, and `ending` is NULL. */
 static bool within(const char *name, const char *folder, const char *ending)
 {
     const size_t head = strlen(folder);

@@ -46,8 +46,8 @@ ost_status folder_list(const char *folder, folder_files *out, bundle_problem *pr
                        ost_error *err);
 void folder_free(folder_files *l);
 
-/* Opens the file folder/name in the same way as core/file.h, but without following symbolic links. The caller closes
-   out->fd. Returns OST_ERR_RANGE if the file exceeds its maximum size. */
+/* Opens the file folder/name as core/file.h does, but does not follow symbolic links. The caller closes out->fd.
+   Returns OST_ERR_RANGE if the file exceeds its maximum size. */
 ost_status folder_open(const char *folder, const char *name, ost_file *out, ost_error *err);
 
 /* Computes the SHA-256 of a file, block by block. */

@@ -126,8 +126,7 @@ static bool line_is_of(const char *line, trace_stage stage)
 }
 
 /*
- * Returns true if this backend's trace may lack the record of a line. The records that it may lack
- * are:
+ * Returns true if this backend's trace may lack the record of a line. These records may be missing:
  *
  *   dump             any record, because a dump contains only the files that its author wrote
  *   plugin, dense    sampling: densities of single voxels and occupancy (perform_sample.c)
@@ -148,8 +147,8 @@ static bool may_lack(const char *backend, const char *line)
     return may;
 }
 
-/* Returns true for a line such as "tick 3 -". It stands for a record that a dump lacks, or for a function that a
-   backend does not implement. */
+/* Returns true for a line such as "tick 3 -". Such a line stands for a record that a dump lacks, or for a
+   function that a backend does not implement. */
 static bool is_stand_in(const char *line, const char *reference)
 {
     const char *digest = strrchr(reference, ' ');
@@ -199,7 +198,9 @@ static int verdict_named(const char *name)
     return -1;
 }
 
-/* Judges a result that contains the backend's digest lines, because they differ from the lines of the reference. */
+/*
+ * Judges a result with the backend's own digest lines, which are stored only if they differ from the reference's lines.
+ */
 static void judge_lines(const judge *j, const json_t *r, case_verdict verdict)
 {
     const json_t *lines = json_object_get(r, "records");

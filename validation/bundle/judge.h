@@ -26,8 +26,8 @@
 enum { JUDGE_TEXT = 480 };
 typedef void judge_problem(void *user, const char *text);
 
-/* Reports every contradiction in the line of one case; the text contains the names of the case and the backend. The
-   parameter protocol contains the list of backends. */
+/* Reports every contradiction in the line of one case; the text contains the names of the case and the backend.
+   `protocol` contains the list of backends. */
 void judge_case(const json_t *protocol, const json_t *one, judge_problem *problem, void *user);
 
 /* Computes the SHA-256 of the digest lines of the reference's records. Returns false if the rows do not have the form

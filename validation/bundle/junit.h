@@ -11,8 +11,9 @@
 
 #define JUNIT_FILE "junit.xml"
 
-/* Writes junit.xml. In a bundle of one run, times and environment are the objects in times.json and environment.json.
-   In a bundle of merged shards, they have the form {"1/2": object, ...}. Each of the two parameters may be NULL. */
+/* Writes junit.xml. In a bundle of one run, `times` and `environment` are the objects in times.json and
+   environment.json. In a bundle of merged shards, they have the form {"1/2": object, ...}. Each of the two parameters
+   may be NULL. */
 ost_status junit_write(const json_t *protocol, const json_t *cases, const json_t *times, const json_t *environment,
                        evidence_sink *sink, void *user, ost_error *err);
 

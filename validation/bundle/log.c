@@ -124,7 +124,7 @@ static void check_time(reader *r)
     snprintf(r->last_time, sizeof r->last_time, "%.31s", r->time);
 }
 
-/* Checks that the next line has this action and this detail. If detail is NULL, any detail is accepted. */
+/* Checks that the next line has this action and this detail. If `detail` is NULL, any detail is accepted. */
 static bool expect(reader *r, const char *action, const char *detail)
 {
     if (!next_line(r, action))

@@ -238,8 +238,8 @@ static void report(const check *c, const char *name, const char *text)
     ++*c->found;
 }
 
-/* Reads a file in signatures/. If it is not a regular file of at most max bytes, reports the reason and sets *bytes
-   to NULL. */
+/* Reads a file in signatures/. If it is not a regular file of at most `max` bytes, reports the reason and sets
+   *bytes to NULL. */
 static ost_status read_within(const check *c, const char *name, size_t max, char **bytes, size_t *size, bool *absent,
                               ost_error *err)
 {

@@ -17,8 +17,8 @@
 #define SBOM_FILE "sbom.spdx.json"
 #define SOUP_FILE "soup.csv"
 
-/* Writes the bill of materials. For one run, the parameter tools is the result of tools_of. For merged shards, it has
-   the form {"1/3": result of tools_of, ...}. */
+/* Writes the bill of materials. For one run, `tools` is the result of tools_of. For merged shards, `tools` has the
+   form {"1/3": result of tools_of, ...}. */
 ost_status software_write(json_t *tools, evidence_sink *sink, void *user, ost_error *err);
 
 #endif
